@@ -1,0 +1,116 @@
+//! The one error type of the library: what failed, on what, why, and what to do about it.
+
+use std::fmt;
+
+/// Shorthand for results of this library.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// The part of the pipeline that failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Stage {
+    /// Reading or checking `plan.toml`.
+    Plan,
+    /// Reading, synthesising or preparing a height field.
+    Height,
+    /// Spectra, illuminants, colour matrices.
+    Spectrum,
+    /// Transforms, tables, reference colours.
+    Compute,
+    /// Templates, parsing, validation, emission.
+    Shader,
+    /// Writing or checking an output folder.
+    Package,
+    /// Running a shader on a driver, or an external tool.
+    Run,
+}
+
+impl fmt::Display for Stage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Stage::Plan => "plan",
+            Stage::Height => "height field",
+            Stage::Spectrum => "spectrum",
+            Stage::Compute => "computation",
+            Stage::Shader => "shader",
+            Stage::Package => "package",
+            Stage::Run => "run",
+        })
+    }
+}
+
+/// An error of the library: stage, subject (a file, a key, a variant), cause, and a remedy where one is known.
+///
+/// Displays as `subject: cause (remedy)` on one line.
+pub struct Error(Box<Inner>);
+
+struct Inner {
+    stage: Stage,
+    subject: String,
+    cause: String,
+    remedy: Option<String>,
+    source: Option<Box<dyn std::error::Error + Send + Sync>>,
+}
+
+impl Error {
+    /// `subject` names the file, key or variant; `cause` is lower case without a full stop.
+    pub fn new(stage: Stage, subject: impl fmt::Display, cause: impl fmt::Display) -> Error {
+        Error(Box::new(Inner {
+            stage,
+            subject: subject.to_string(),
+            cause: cause.to_string(),
+            remedy: None,
+            source: None,
+        }))
+    }
+
+    /// Adds what the user can do about it.
+    #[must_use]
+    pub fn remedy(mut self, remedy: impl fmt::Display) -> Error {
+        self.0.remedy = Some(remedy.to_string());
+        self
+    }
+
+    /// Adds the error of another library or of the system that lies beneath.
+    #[must_use]
+    pub fn source(mut self, source: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Error {
+        self.0.source = Some(source.into());
+        self
+    }
+
+    /// The part of the pipeline that failed.
+    pub fn stage(&self) -> Stage {
+        self.0.stage
+    }
+
+    /// The file, key or variant that it failed on.
+    pub fn subject(&self) -> &str {
+        &self.0.subject
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Inner { subject, cause, remedy, source, .. } = &*self.0;
+        write!(f, "{subject}: {cause}")?;
+        if let Some(source) = source {
+            write!(f, ": {source}")?;
+        }
+        if let Some(remedy) = remedy {
+            write!(f, " ({remedy})")?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "[{}] {self}", self.0.stage)
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        self.0.source.as_deref().map(|e| e as _)
+    }
+}

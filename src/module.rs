@@ -1,0 +1,1 @@
+//! Parsing, validation and lints of specialised WGSL.

@@ -1,0 +1,1 @@
+//! Directions and the gain factor in front of the interference term.

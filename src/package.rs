@@ -1,0 +1,1 @@
+//! The files of a package: written atomically, checked the same way.

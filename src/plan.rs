@@ -1,0 +1,317 @@
+//! `plan.toml` as pure data: surfaces, optics, the axes of the variants, targets.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+/// One surface of a plan.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SurfaceSpec {
+    /// `[a-z0-9-]+`, unique in the plan.
+    pub name: String,
+    /// Where the heights come from.
+    pub source: SurfaceSource,
+    /// Rotation of the surface about its normal, degrees, counter-clockwise seen from above; rotates `(u, v)` exactly.
+    pub rotate_deg: f64,
+    /// Levelling applied to the heights.
+    pub level: Level,
+    /// Share of the heights, in percent, clipped at each end as outliers.
+    pub clip_percent: f64,
+}
+
+/// Where the heights of a surface come from.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub enum SurfaceSource {
+    /// Computed from a formula.
+    Grating(Grating),
+    /// Read from a file.
+    File(FileSource),
+}
+
+/// A measured height field.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FileSource {
+    /// Already resolved against the plan's folder.
+    pub path: PathBuf,
+    /// Width of the patch in µm; excludes `pixel_um`.
+    pub size_um: Option<f64>,
+    /// Pixel pitch in µm; excludes `size_um`.
+    pub pixel_um: Option<f64>,
+    /// Height of the full grey range of an integer file, µm.
+    pub height_um: Option<f64>,
+    /// Scale of a float file's numbers, µm per unit.
+    pub z_unit_um: Option<f64>,
+}
+
+/// A synthetic surface; `x` grows with the column, one period (or one patch) is tiled.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
+pub enum Grating {
+    /// `h = 0`.
+    Flat {
+        /// Width of the patch, µm.
+        period_um: f64,
+        /// Pixels along the period.
+        pixels: usize,
+    },
+    /// `h = (H/2)(1 + cos 2πx/d)`.
+    Sinusoidal {
+        /// Period `d`, µm.
+        period_um: f64,
+        /// Height `H`, µm.
+        height_um: f64,
+        /// Pixels per period.
+        pixels: usize,
+    },
+    /// `h = H x/d` on `[0, d)`.
+    Blazed {
+        /// Period `d`, µm.
+        period_um: f64,
+        /// Height `H`, µm.
+        height_um: f64,
+        /// Pixels per period.
+        pixels: usize,
+    },
+    /// `h = H` on a share `duty` of the period, 0 elsewhere.
+    Lamellar {
+        /// Period `d`, µm.
+        period_um: f64,
+        /// Height `H`, µm.
+        height_um: f64,
+        /// Pixels per period.
+        pixels: usize,
+        /// Share of the period that is high, `0 < duty < 1`.
+        duty: f64,
+    },
+    /// Rises to `H` over `apex·d`, then falls.
+    Triangle {
+        /// Period `d`, µm.
+        period_um: f64,
+        /// Height `H`, µm.
+        height_um: f64,
+        /// Pixels per period.
+        pixels: usize,
+        /// Place of the apex, `0 < apex < 1`.
+        apex: f64,
+    },
+    /// `h(x, y) = hx(x) + hy(y)` of two one-dimensional gratings.
+    Crossed {
+        /// Grating along x.
+        x: Box<Grating>,
+        /// Grating along y.
+        y: Box<Grating>,
+    },
+    /// Randomly placed smooth domes (a beetle-like surface).
+    Bumps(Rough),
+    /// Finger-like denticulations in rows (*Elaphe*-like).
+    Fingers(Rough),
+    /// Straight rows of pits and ribs (*Xenopeltis*-like).
+    Rows(Rough),
+}
+
+/// Common keys of the random surfaces.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rough {
+    /// Side of the square patch, µm.
+    pub size_um: f64,
+    /// Pixels along a side.
+    pub pixels: usize,
+    /// Mean distance between features along x, µm.
+    pub pitch_um: f64,
+    /// Peak-to-valley height, µm.
+    pub height_um: f64,
+    /// Seed of the generator.
+    pub seed: u64,
+}
+
+/// Levelling of a measured surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Level {
+    /// As measured.
+    #[default]
+    None,
+    /// Least-squares plane removed.
+    Plane,
+    /// Median of each row removed (scan-line offsets).
+    Rows,
+}
+
+/// How the orders add.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Coherence {
+    /// One coherence patch, centred on the surface: amplitudes add.
+    Single,
+    /// Mean over all positions of the coherence window: intensities add.
+    Ensemble,
+}
+
+/// How the coherence length depends on the wavelength.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CoherenceScaling {
+    /// One length for all wavelengths.
+    Fixed,
+    /// Proportional to the wavelength, as stated at 550 nm: a source of fixed angular size.
+    Wavelength,
+}
+
+/// Conversion from tristimulus values to RGB.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Colour {
+    /// Linear sRGB, IEC 61966-2-1.
+    Srgb,
+    /// The matrices of the thesis texts, for comparison only.
+    Thesis,
+}
+
+/// Light and material.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Optics {
+    /// Coherence length ℓc, µm; the window's standard deviation is `ℓc/4`.
+    pub coherence_um: f64,
+    /// How the orders add.
+    pub coherence: Coherence,
+    /// How the coherence length depends on the wavelength.
+    pub coherence_scaling: CoherenceScaling,
+    /// Refractive index `n` of the material.
+    pub refractive_index: f64,
+    /// V-cavity shadowing and masking.
+    pub shadowing: bool,
+    /// `D65` or another name, or the path of a CSV file.
+    pub illuminant: String,
+    /// Colour conversion.
+    pub colour: Colour,
+}
+
+impl Optics {
+    /// The values that a plan means when it says nothing.
+    pub fn standard() -> Optics {
+        Optics {
+            coherence_um: 65.0,
+            coherence: Coherence::Single,
+            coherence_scaling: CoherenceScaling::Fixed,
+            refractive_index: 1.5,
+            shadowing: true,
+            illuminant: "D65".to_owned(),
+            colour: Colour::Srgb,
+        }
+    }
+}
+
+/// What a variant computes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mode {
+    /// Window over the bins, uniform wavelengths.
+    Full,
+}
+
+/// Expansion of the phase function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Basis {
+    /// Taylor series about the mid-range height.
+    Taylor,
+    /// Taylor series about the lowest height, as in the texts.
+    TaylorZero,
+}
+
+/// A number that may be left to the tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Auto<T> {
+    /// As configured.
+    Value(T),
+    /// Chosen from the surface and an error.
+    Auto,
+}
+
+/// Uniform wavelength samples, nm.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Wavelengths {
+    /// First sample, nm.
+    pub min_nm: f64,
+    /// Last sample, nm.
+    pub max_nm: f64,
+    /// Distance of samples, nm.
+    pub step_nm: f64,
+}
+
+/// Number format of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum TableFormat {
+    /// 32-bit float.
+    F32,
+}
+
+/// How complex terms lie in texels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Packing {
+    /// Two complex terms per RGBA texel.
+    Paired,
+    /// One complex term per RG texel.
+    Single,
+}
+
+/// Output language.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub enum Target {
+    /// WGSL.
+    #[serde(rename = "wgsl")]
+    Wgsl,
+    /// Desktop GLSL 4.50.
+    #[serde(rename = "glsl450")]
+    Glsl450,
+    /// GLSL ES 3.00 (WebGL2).
+    #[serde(rename = "glsl-es300")]
+    GlslEs300,
+    /// SPIR-V 1.0.
+    #[serde(rename = "spirv")]
+    Spirv,
+}
+
+/// One configuration of the shader, before it meets a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variant {
+    /// Canonical name, or the preset's.
+    pub name: String,
+    /// What it computes.
+    pub mode: Mode,
+    /// Expansion of the phase function.
+    pub basis: Basis,
+    /// Number of terms `T` (highest power `T - 1`).
+    pub terms: Auto<u32>,
+    /// Error that `terms = "auto"` must keep.
+    pub term_error: f64,
+    /// Bins to each side of the nearest one.
+    pub window_radius: Auto<u32>,
+    /// Wavelength samples.
+    pub wavelengths: Wavelengths,
+    /// Number format of the term table.
+    pub table: TableFormat,
+    /// How complex terms lie in texels.
+    pub packing: Packing,
+    /// Loop-invariant work outside the loops.
+    pub hoist: bool,
+    /// Light and material.
+    pub optics: Optics,
+}
+
+/// A checked plan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// In the order of the file.
+    pub surfaces: Vec<SurfaceSpec>,
+    /// `[optics]`, the base of every variant's.
+    pub optics: Optics,
+    /// Product first, then presets.
+    pub variants: Vec<Variant>,
+    /// Languages to emit.
+    pub targets: Vec<Target>,
+}

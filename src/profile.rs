@@ -1,0 +1,1 @@
+//! What each graphics API guarantees.

@@ -1,0 +1,1 @@
+//! Exact colours, the truth that everything else is compared with.

@@ -1,0 +1,1 @@
+//! What a variant becomes on a surface: counts, hashes, static cost.

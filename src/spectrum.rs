@@ -1,0 +1,1 @@
+//! Illuminant times observer, and the way from tristimulus values to linear sRGB.

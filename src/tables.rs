@@ -1,0 +1,1 @@
+//! Texel data of the tables that shaders read.

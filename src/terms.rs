@@ -1,0 +1,1 @@
+//! The transforms of the basis functions of a surface.

@@ -1,0 +1,1 @@
+//! The algorithms of the templates in f64, function by function.

@@ -1,0 +1,1 @@
+//! External validators over emitted files.
