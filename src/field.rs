@@ -40,11 +40,16 @@ pub fn ensemble_brute(height: &HeightField, f: DVec2, z: f64, sigma_um: f64) -> 
 
 /// `c_rs(z)` as the plain double sum over pixels.
 pub fn coefficient_brute(height: &HeightField, r: i64, s: i64, z: f64) -> Complex64 {
+    phase_sum(height, DVec2::new(r as f64 / height.size_x_um(), s as f64 / height.size_y_um()), z)
+}
+
+/// `1/(NM) Σ_xy exp(i z h) exp(2πi(fx x + fy y))` at any frequency, cycles per µm: the transform of one patch alone.
+pub fn phase_sum(height: &HeightField, f: DVec2, z: f64) -> Complex64 {
     let [x, y] = axes(height);
     let heights_um = heights_upwards_um(height);
     let term = |(i, h): (usize, &f64)| {
-        let (px, py) = (x.position_um(i % x.count), y.position_um(i / x.count));
-        Complex64::cis(z * h + TAU * (r as f64 * px / x.period_um + s as f64 * py / y.period_um))
+        let place = DVec2::new(x.position_um(i % x.count), y.position_um(i / x.count));
+        Complex64::cis(z * h + TAU * f.dot(place))
     };
     heights_um.iter().enumerate().map(term).sum::<Complex64>() / heights_um.len() as f64
 }

@@ -12,6 +12,7 @@ pub mod frame;
 pub mod transform;
 pub mod basis;
 pub mod field;
+pub mod replicas;
 pub mod terms;
 pub mod reference;
 pub mod twin;
