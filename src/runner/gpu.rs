@@ -1,6 +1,7 @@
 //! Shaders on a real driver, headless: wgpu on Vulkan or GL, a full-screen triangle into an f32 target, pixels read back.
 //!
-//! No window and no graphics card are needed: `mesa-vulkan-drivers` brings lavapipe (Vulkan), `libegl1 libgles2` bring llvmpipe (GL).
+//! No window and no graphics card are needed: `mesa-vulkan-drivers` brings lavapipe (Vulkan), `libegl1 libgles2 libgl1-mesa-dri` bring
+//! llvmpipe (GL).
 //!
 //! Conventions, the same on every backend:
 //!
@@ -60,5 +61,40 @@ impl Gpu {
     pub fn program(&self, program: &Program<'_>) -> Result<Pipeline> {
         program::check(program, &self.shared.limits)?;
         self.shared.guarded(program.name, || program::build(&self.shared, program))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lost_device_is_an_error_and_stays_one() {
+        for backend in [Backend::Vulkan, Backend::Gl] {
+            // whether a driver must be there is the business of tests/gpu.rs
+            let Ok(gpu) = Gpu::open(backend, None) else { continue };
+            let wgsl = "
+                @vertex fn v(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
+                    return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+                }
+                @fragment fn f() -> @location(0) vec4f { return vec4f(1.0); }";
+            let program = Program {
+                name: "test",
+                wgsl,
+                vertex_entry: "v",
+                fragment_entry: "f",
+                textures: vec![],
+                uniform: None,
+            };
+            let pipeline = gpu.program(&program).expect("valid program");
+            assert_eq!(pipeline.render(1, 1, &[]).expect("renders"), [[1.0; 4]]);
+            gpu.shared.device.destroy();
+            for _ in 0..2 {
+                assert!(pipeline.render(1, 1, &[]).is_err());
+                assert!(pipeline.time(2, 2, &[]).is_err());
+                assert!(gpu.program(&program).is_err());
+            }
+            assert!(Gpu::open(backend, None).and_then(|gpu| gpu.program(&program)).is_ok());
+        }
     }
 }
