@@ -90,9 +90,13 @@ mod tests {
             assert_eq!(pipeline.render(1, 1, &[]).expect("renders"), [[1.0; 4]]);
             gpu.shared.device.destroy();
             for _ in 0..2 {
-                assert!(pipeline.render(1, 1, &[]).is_err());
-                assert!(pipeline.time(2, 2, &[]).is_err());
-                assert!(gpu.program(&program).is_err());
+                for error in [
+                    pipeline.render(1, 1, &[]).expect_err("lost"),
+                    pipeline.time(2, 2, &[]).expect_err("lost"),
+                    gpu.program(&program).expect_err("lost"),
+                ] {
+                    assert!(error.to_string().contains("was lost"), "{error}");
+                }
             }
             assert!(Gpu::open(backend, None).and_then(|gpu| gpu.program(&program)).is_ok());
         }

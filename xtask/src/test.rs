@@ -86,7 +86,7 @@ fn steps(cargo_test: &[OsString]) -> Vec<Step> {
         arguments: format!("{command} {rest}").split_whitespace().map(OsString::from).collect(),
         environment: &[],
     };
-    let mut test = step("tests", "test", &format!("{shared} --features gpu"));
+    let mut test = step("tests", "test", &format!("{shared} --features gpu --no-fail-fast"));
     test.arguments.extend_from_slice(cargo_test);
     test.environment = &[
         // Mesa's GL renders to 32-bit float targets only when asked to

@@ -52,11 +52,17 @@ impl Shared {
         Shared { device, queue, info, limits, faults, turn: Mutex::new(()), _instance: instance }
     }
 
-    /// Runs `work`, alone on this device. An error that wgpu reports meanwhile comes before the result of `work`.
+    /// Runs `work`, alone on this device. A lost device, and then an error that wgpu reports, come before the result of `work`.
     pub(super) fn guarded<T>(&self, subject: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
         let _turn = lock(&self.turn);
         self.intact(subject)?;
         lock(&self.faults).reported = None;
+        let work = || {
+            let result = work();
+            // wgpu says nothing of a lost device where it happens, only to the callback, and that at the next poll
+            self.device.poll(wgpu::PollType::Poll).ok();
+            result
+        };
         let result = match catch_unwind(AssertUnwindSafe(work)) {
             Ok(result) => result,
             Err(panic) => {
@@ -65,10 +71,11 @@ impl Shared {
                 return Err(Error::new(Stage::Run, subject, text));
             }
         };
+        self.intact(subject)?;
         let reported = lock(&self.faults).reported.take();
         match reported {
             Some(text) => Err(Error::new(Stage::Run, subject, text)),
-            None => result.and_then(|value| self.intact(subject).map(|()| value)),
+            None => result,
         }
     }
 
