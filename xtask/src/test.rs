@@ -157,6 +157,19 @@ mod tests {
     }
 
     #[test]
+    fn a_second_pair_of_dashes_reaches_the_tests() {
+        #[derive(clap::Parser)]
+        struct Cli {
+            #[command(flatten)]
+            args: Args,
+        }
+        let cli = <Cli as clap::Parser>::parse_from(["test", "--", "--test", "gpu", "--", "bands"]);
+        assert_eq!(cli.args.cargo_test, ["--test", "gpu", "--", "bands"]);
+        let cli = <Cli as clap::Parser>::parse_from(["test", "--no-setup", "--", "--", "bands"]);
+        assert_eq!(cli.args.cargo_test, ["--", "bands"]);
+    }
+
+    #[test]
     fn further_arguments_go_to_cargo_test() {
         let steps = steps(&["--test".into(), "gpu".into()]);
         let with: Vec<_> =

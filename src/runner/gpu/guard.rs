@@ -133,11 +133,12 @@ fn payload(panic: &(dyn Any + Send)) -> String {
     format!("wgpu panicked: {}", text.trim())
 }
 
-/// wgpu's text without its heading, and for want of memory, which it gives no text, the chain of causes.
+/// wgpu's text without its heading and empty lines, and for want of memory, which it gives no text, the chain of causes.
 fn message(error: &wgpu::Error) -> String {
     let text = error.to_string();
     let body = text.split_once("Caused by:").map_or(text.as_str(), |(_, body)| body).trim();
-    let mut body = body.to_owned();
+    let lines: Vec<&str> = body.lines().filter(|line| !line.trim().is_empty()).collect();
+    let mut body = lines.join("\n");
     if let wgpu::Error::OutOfMemory { source } = error {
         body = format!("out of memory: {source}");
         let mut cause = source.source();
