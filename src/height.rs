@@ -26,14 +26,28 @@ impl HeightField {
     ) -> Result<HeightField> {
         let subject = format!("height field of {columns} × {rows} pixels");
         if columns == 0 || rows == 0 || columns.checked_mul(rows) != Some(heights_um.len()) {
-            return Err(Error::new(Stage::Height, subject, format!("has {} heights", heights_um.len())));
+            return Err(Error::new(
+                Stage::Height,
+                subject,
+                format!("has {} heights", heights_um.len()),
+            ));
         }
-        if !(pitch_x_um.is_finite() && pitch_x_um > 0.0 && pitch_y_um.is_finite() && pitch_y_um > 0.0) {
-            let cause = format!("pixel pitch {pitch_x_um} × {pitch_y_um} µm is not positive and finite");
+        if !(pitch_x_um.is_finite()
+            && pitch_x_um > 0.0
+            && pitch_y_um.is_finite()
+            && pitch_y_um > 0.0)
+        {
+            let cause =
+                format!("pixel pitch {pitch_x_um} × {pitch_y_um} µm is not positive and finite");
             return Err(Error::new(Stage::Height, subject, cause));
         }
         if let Some(at) = heights_um.iter().position(|h| !h.is_finite()) {
-            let cause = format!("height {} at column {}, row {}", heights_um[at], at % columns, at / columns);
+            let cause = format!(
+                "height {} at column {}, row {}",
+                heights_um[at],
+                at % columns,
+                at / columns
+            );
             return Err(Error::new(Stage::Height, subject, cause));
         }
         Ok(HeightField { columns, rows, pitch_x_um, pitch_y_um, heights_um })
