@@ -187,7 +187,15 @@ fn parse_error(error: &naga::front::wgsl::ParseError, locator: &Locator) -> Diag
 fn validation_error(error: &naga::WithSpan<ValidationError>, locator: &Locator) -> Diagnostic {
     let defined = error.spans().filter_map(|(span, _)| Some((span.to_range()?.len(), *span)));
     let smallest = defined.min_by_key(|(length, _)| *length);
-    let span = smallest.map_or_else(naga::Span::default, |(_, span)| span);
+    let span = match (smallest, error.as_inner()) {
+        (Some((_, span)), _) => span,
+        // these may come without any span
+        (
+            None,
+            ValidationError::Function { name, .. } | ValidationError::EntryPoint { name, .. },
+        ) => locator.word(name),
+        (None, _) => naga::Span::default(),
+    };
     let chain = chain(error.as_inner());
     let message = chain.last().map_or_else(String::new, |text| uncapitalised(text));
     let mut diagnostic = locator.diagnostic(message, span);

@@ -85,7 +85,8 @@ struct Excerpts<'a>(Vec<(&'a str, usize, &'a str)>);
 
 impl<'a> Excerpts<'a> {
     fn add(&mut self, file: &'a str, line: u32, text: &'a str) -> usize {
-        self.0.push((file, line as usize, text));
+        // lines count from 1; the renderer panics at 0
+        self.0.push((file, line.max(1) as usize, text));
         self.0.len() - 1
     }
 

@@ -53,17 +53,28 @@ impl<'a> Locator<'a> {
         Some((place, GeneratedLine { line: index as u32 + 1, text: line.to_owned() }))
     }
 
-    /// The first occurrence of a word outside comments.
-    pub fn word(&self, word: &str) -> Span {
+    /// Where a name is declared: its first occurrence outside comments after a keyword that declares, else its first.
+    pub fn word(&self, name: &str) -> Span {
         let mut words = Words::default();
         let mut start = 0;
+        let mut previous = "";
+        let mut first = None;
         for line in self.specialised.text.split_inclusive('\n') {
-            if let Some((at, _)) = words.of(line).into_iter().find(|(_, found)| *found == word) {
-                let begin = start + at;
-                return Span::new(begin as u32, (begin + word.len()) as u32);
+            for (at, word) in words.of(line) {
+                if word == name {
+                    let begin = (start + at) as u32;
+                    let span = Span::new(begin, begin + name.len() as u32);
+                    if DECLARING.contains(&previous) {
+                        return span;
+                    }
+                    first.get_or_insert(span);
+                }
+                previous = word;
             }
             start += line.len();
         }
-        Span::default()
+        first.unwrap_or_default()
     }
 }
+
+const DECLARING: &[&str] = &["alias", "const", "fn", "let", "override", "struct", "var"];

@@ -45,7 +45,7 @@ pub fn resources(subject: &Subject) -> Vec<Diagnostic> {
             (AddressSpace::Storage { .. }, _) => "storage buffer",
             (_, TypeInner::Image { class: ImageClass::Storage { .. }, .. }) => "storage texture",
             (_, TypeInner::Sampler { .. }) if !subject.contract.samplers.contains(name) => {
-                "undeclared sampler"
+                "sampler that is not declared"
             }
             _ => continue,
         };
