@@ -12,12 +12,22 @@ use super::{EmittedFile, EntryPoint, UNCHECKED, bindings, failure, file_name, si
 
 /// Descriptor sets and bindings are those of the templates; names are kept as debug names.
 pub fn emit(module: &Module) -> Result<Vec<EmittedFile>> {
+    let globals = module.ir().global_variables.iter();
+    let places = globals.filter_map(|(_, global)| {
+        let place = global.binding?;
+        let info = spv::BindingInfo {
+            descriptor_set: place.group,
+            binding: place.binding,
+            binding_array_size: None,
+        };
+        Some((place, info))
+    });
     let options = spv::Options {
         lang_version: (1, 0),
         // the default differs between debug and release builds
         flags: spv::WriterFlags::DEBUG | spv::WriterFlags::LABEL_VARYINGS,
         fake_missing_bindings: false,
-        binding_map: spv::BindingMap::default(),
+        binding_map: places.collect(),
         capabilities: None,
         bounds_check_policies: UNCHECKED,
         zero_initialize_workgroup_memory: spv::ZeroInitializeWorkgroupMemoryMode::None,
