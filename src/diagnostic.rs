@@ -300,7 +300,7 @@ mod tests {
         assert_eq!(error.to_string(), "plan.toml: no surface: deeper (add one)");
         let diagnostic = Diagnostic::from(error);
         let mut out = Vec::new();
-        write(&[diagnostic.clone()], MessageFormat::Json, true, &mut out).unwrap();
+        write(std::slice::from_ref(&diagnostic), MessageFormat::Json, true, &mut out).unwrap();
         assert_eq!(
             String::from_utf8(out).unwrap(),
             "{\"severity\":\"error\",\"message\":\"plan.toml: no surface: deeper\",\"help\":\"add one\"}\n"

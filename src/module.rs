@@ -150,8 +150,8 @@ pub fn compile_with(
 }
 
 /// Only what every target has: no capability beyond the core of WGSL.
-fn validate(ir: &naga::Module) -> Result<ModuleInfo, naga::WithSpan<ValidationError>> {
-    Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(ir)
+fn validate(ir: &naga::Module) -> Result<ModuleInfo, Box<naga::WithSpan<ValidationError>>> {
+    Ok(Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(ir)?)
 }
 
 /// Through naga's own WGSL, which fixes names and order of expressions.
@@ -159,9 +159,23 @@ fn rewrite(compacted: &naga::Module) -> Result<(naga::Module, ModuleInfo), Strin
     let info = validate(compacted).map_err(|error| innermost(error.as_inner()))?;
     let text = wgsl::write_string(compacted, &info, wgsl::WriterFlags::empty())
         .map_err(|error| error.to_string())?;
-    let ir = naga::front::wgsl::parse_str(&text).map_err(|error| error.emit_to_string(&text))?;
+    let mut ir =
+        naga::front::wgsl::parse_str(&text).map_err(|error| error.emit_to_string(&text))?;
+    forget_temporaries(&mut ir);
     let info = validate(&ir).map_err(|error| innermost(error.as_inner()))?;
     Ok((ir, info))
+}
+
+/// Naga's WGSL names intermediate values `_e12`; as names of ours, they would show up as `_e12_` in every target.
+fn forget_temporaries(ir: &mut naga::Module) {
+    let is_ours = |name: &str| {
+        let number = name.strip_prefix("_e").filter(|number| !number.is_empty());
+        !number.is_some_and(|number| number.bytes().all(|b| b.is_ascii_digit()))
+    };
+    let functions = ir.functions.iter_mut().map(|(_, function)| function);
+    for function in functions.chain(ir.entry_points.iter_mut().map(|entry| &mut entry.function)) {
+        function.named_expressions.retain(|_, name| is_ours(name));
+    }
 }
 
 fn parse_error(error: &naga::front::wgsl::ParseError, locator: &Locator) -> Diagnostic {

@@ -1,4 +1,5 @@
 //! Emission: files, names, headers, determinism.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod common;
 
@@ -176,5 +177,19 @@ fn clip_space_is_not_rewritten() {
         .filter(|file| file.name.contains("vert") && file.target != Target::Spirv)
     {
         assert!(!text(file).contains("gl_Position.yz"), "{}", text(file));
+    }
+}
+
+#[test]
+fn names_are_those_of_the_templates() {
+    for file in common::files().iter().filter(|file| file.target != Target::Spirv) {
+        let words = text(file).split(|c: char| !(c.is_alphanumeric() || c == '_'));
+        let temporaries = words.filter(|word| word.starts_with("_e") && word.ends_with('_'));
+        assert_eq!(temporaries.collect::<Vec<_>>(), Vec::<&str>::new(), "{}", file.name);
+        if !file.name.contains("vert") {
+            for name in ["texel", "amplitude", "weight", "WAVELENGTHS"] {
+                assert!(text(file).contains(name), "{}: {name}", file.name);
+            }
+        }
     }
 }

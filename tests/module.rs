@@ -1,4 +1,5 @@
 //! Compilation: errors of naga at template lines, and an accepting and a rejecting case of each lint.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! The template dialect: what it keeps, and every error with its place.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! External validators: they accept what is emitted, and reject what is broken.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod common;
 

@@ -139,20 +139,21 @@ pub fn lines(diagnostics: &[Diagnostic]) -> Vec<String> {
 /// otherwise it is said that it did not run.
 pub fn installed_tools() -> Vec<Box<dyn Tool>> {
     let required = std::env::var("DIFFRACTION_REQUIRE_TOOLS").is_ok_and(|value| value == "1");
-    let is_installed = |tool: &Box<dyn Tool>| {
-        let installed = tool.version().is_some();
-        if !installed {
-            let remedy = match tool.package() {
-                Some(package) => format!("apt-get install {package}"),
-                None => "its binary has to be on the PATH".to_owned(),
-            };
-            // no package brings those without one, so that they cannot be required
-            assert!(!required || tool.package().is_none(), "{}: missing; {remedy}", tool.name());
-            eprintln!("NOT RUN: {} is not installed; {remedy}", tool.name());
+    let mut installed = Vec::new();
+    for tool in tools() {
+        if tool.version().is_some() {
+            installed.push(tool);
+            continue;
         }
-        installed
-    };
-    tools().into_iter().filter(is_installed).collect()
+        let remedy = match tool.package() {
+            Some(package) => format!("apt-get install {package}"),
+            None => "its binary has to be on the PATH".to_owned(),
+        };
+        // no package brings those without one, so that they cannot be required
+        assert!(!required || tool.package().is_none(), "{}: missing; {remedy}", tool.name());
+        eprintln!("NOT RUN: {} is not installed; {remedy}", tool.name());
+    }
+    installed
 }
 
 /// What the installed tools say about files of that name and content.

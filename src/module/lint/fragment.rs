@@ -86,10 +86,8 @@ fn holds_struct(subject: &Subject, ty: Handle<Type>) -> bool {
 fn callees(ir: &naga::Module, block: &Block, reached: &mut BTreeSet<Handle<Function>>) {
     for statement in block {
         match statement {
-            Statement::Call { function, .. } => {
-                if reached.insert(*function) {
-                    callees(ir, &ir.functions[*function].body, reached);
-                }
+            Statement::Call { function, .. } if reached.insert(*function) => {
+                callees(ir, &ir.functions[*function].body, reached);
             }
             Statement::Block(inner) => callees(ir, inner, reached),
             Statement::If { accept, reject, .. } => {
