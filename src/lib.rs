@@ -22,6 +22,7 @@ pub mod profile;
 pub mod template;
 pub mod module;
 pub mod emit;
+pub mod assemble;
 pub mod manifest;
 pub mod package;
 pub mod generate;

@@ -1,1 +1,426 @@
-//! What a package says about itself.
+//! What a package says about itself, as data.
+
+use std::collections::BTreeMap;
+
+use naga::{AddressSpace, ImageClass, ImageDimension, TypeInner};
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::emit::{BindingName, EmittedFile, EntryPoint};
+use crate::module::Module;
+use crate::optics;
+use crate::package::GENERATED_BY;
+use crate::plan::{Colour, Optics, Target, Variant};
+use crate::profile::{Extent, Limits, Profile, fits};
+use crate::resolve::{Resolved, window_tail};
+use crate::tables::Table;
+
+/// Version of the manifests' layout.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// `manifest.json` of a variant on a surface.
+#[derive(Clone, Debug, Serialize)]
+pub struct VariantManifest {
+    /// The generated-by line.
+    pub generated_by: &'static str,
+    /// [`SCHEMA_VERSION`].
+    pub schema_version: u32,
+    /// Name of the surface.
+    pub surface: String,
+    /// Name of the variant.
+    pub variant: String,
+    /// The configuration, and its hash.
+    pub configuration: Value,
+    /// SHA-256 of the canonical configuration.
+    pub configuration_hash: String,
+    /// SHA-256 of everything the files are made from: surface, configuration, tool version.
+    pub input_hash: String,
+    /// The contract of the core function.
+    pub core: Core,
+    /// Files of every target.
+    pub targets: BTreeMap<Target, Vec<FileEntry>>,
+    /// Resources by their names in the templates.
+    pub bindings: Vec<Binding>,
+    /// Layout of the uniform block.
+    pub uniforms: Vec<UniformBlock>,
+    /// The tables, by binding.
+    pub tables: Vec<TableEntry>,
+    /// What it needs.
+    pub requires: Requires,
+    /// What a pixel costs.
+    pub cost: CostEntry,
+    /// A-priori bounds of the model's approximations.
+    pub error_bound: ErrorBound,
+}
+
+/// The contract of `diffraction(wi, wr)`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Core {
+    /// WGSL signature.
+    pub function: &'static str,
+    /// Frame of the directions.
+    pub frame: &'static str,
+    /// What the directions are.
+    pub directions: &'static str,
+    /// Primaries and transfer of the result.
+    pub colour_space: &'static str,
+    /// What 1 means.
+    pub unit: &'static str,
+    /// Whether the result is clamped; it never is.
+    pub clamped: bool,
+    /// Radiance relative to a white diffuser per unit of the result.
+    pub diffuser_scale: f64,
+    /// Function that returns tristimulus values instead.
+    pub tristimulus_function: &'static str,
+}
+
+/// One file of a target.
+#[derive(Clone, Debug, Serialize)]
+pub struct FileEntry {
+    /// File name beside the manifest.
+    pub file: String,
+    /// Entry points in it.
+    pub entry_points: Vec<EntryPoint>,
+    /// Names it gives to the resources that it reads.
+    pub bindings: Vec<BindingName>,
+}
+
+/// A resource of the shader.
+#[derive(Clone, Debug, Serialize)]
+pub struct Binding {
+    /// Name in the templates.
+    pub name: String,
+    /// Bind group.
+    pub group: u32,
+    /// Binding.
+    pub binding: u32,
+    /// `uniform` or `texture`.
+    pub kind: &'static str,
+    /// `2d` or `2d-array`, of textures.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dimension: Option<&'static str>,
+    /// `unfilterable-float`: read with `textureLoad`, no sampler.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sample_type: Option<&'static str>,
+    /// Texel format, WebGPU's name, of textures that a table fills.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub format: Option<&'static str>,
+    /// What fills it.
+    pub source: String,
+}
+
+/// A uniform block, std140-compatible: `vec4` members only.
+#[derive(Clone, Debug, Serialize)]
+pub struct UniformBlock {
+    /// Name of the variable in the templates.
+    pub name: String,
+    /// Name of the structure.
+    pub structure: String,
+    /// Bytes.
+    pub size: u32,
+    /// Members in order.
+    pub members: Vec<UniformMember>,
+}
+
+/// A member of a uniform block.
+#[derive(Clone, Debug, Serialize)]
+pub struct UniformMember {
+    /// Name.
+    pub name: String,
+    /// Offset, bytes.
+    pub offset: u32,
+    /// WGSL type.
+    #[serde(rename = "type")]
+    pub ty: &'static str,
+    /// What it holds.
+    pub meaning: &'static str,
+}
+
+/// Where the data of a table are.
+#[derive(Clone, Debug, Serialize)]
+pub struct TableEntry {
+    /// Name of the binding.
+    pub binding: &'static str,
+    /// Identity of the table.
+    pub id: String,
+    /// Description, relative to the manifest's folder.
+    pub description: String,
+    /// Texels, relative to the manifest's folder.
+    pub data: String,
+}
+
+/// The description beside a `.bin` file.
+#[derive(Clone, Debug, Serialize)]
+pub struct TableDescription {
+    /// The generated-by line.
+    pub generated_by: &'static str,
+    /// [`SCHEMA_VERSION`].
+    pub schema_version: u32,
+    /// Identity: a hash of what the table is made from.
+    pub id: String,
+    /// File of the texels.
+    pub data: String,
+    /// Bytes of it.
+    pub bytes: usize,
+    /// WebGPU's name of the texel format.
+    pub format: &'static str,
+    /// Order of the bytes of a number.
+    pub endianness: &'static str,
+    /// `2d` or `2d-array`.
+    pub dimension: &'static str,
+    /// Texels along x.
+    pub width: usize,
+    /// Texels along y.
+    pub height: usize,
+    /// Array layers; 1 for a plain texture.
+    pub layers: usize,
+    /// Order of the texels.
+    pub order: &'static str,
+    /// Meaning of the channels.
+    pub channels: Vec<String>,
+    /// Meaning of columns, rows and layers.
+    pub axes: BTreeMap<&'static str, String>,
+    /// Factor from stored to meant numbers.
+    pub scale: f64,
+    /// What lies outside the texture; nothing is ever read there.
+    pub wrap: &'static str,
+}
+
+/// What a variant needs.
+#[derive(Clone, Debug, Serialize)]
+pub struct Requires {
+    /// Profiles whose guaranteed limits suffice.
+    pub profiles: Vec<&'static str>,
+    /// Why the others are missing.
+    pub gaps: BTreeMap<&'static str, String>,
+    /// Optional features; none are used.
+    pub features: Vec<String>,
+}
+
+/// Work per lit pixel.
+#[derive(Clone, Debug, Serialize)]
+pub struct CostEntry {
+    /// Evaluations of the amplitude.
+    pub evaluations: u64,
+    /// Texels read from the term table.
+    pub term_fetches: u64,
+    /// All texels read.
+    pub fetches: u64,
+    /// Bytes of all tables.
+    pub table_bytes: u64,
+}
+
+/// A-priori bounds, for every direction.
+#[derive(Clone, Debug, Serialize)]
+pub struct ErrorBound {
+    /// Number of terms.
+    pub terms: u32,
+    /// Greatest error of the phase function after the series is cut.
+    pub phase_function: f64,
+    /// Bins to each side of the nearest one.
+    pub window_radius: u32,
+    /// Share of the coherence window's energy beyond them.
+    pub window_tail: f64,
+}
+
+/// Parts of a manifest that are known before its files.
+pub struct Subject<'a> {
+    /// Name of the surface.
+    pub surface: &'a str,
+    /// The variant.
+    pub variant: &'a Variant,
+    /// Its numbers on the surface.
+    pub resolved: &'a Resolved,
+    /// Its tables and their entries.
+    pub tables: Vec<(&'a Table, TableEntry)>,
+    /// Hash of all inputs.
+    pub input_hash: String,
+}
+
+/// Writes the manifest of a variant from its module's reflection and its emitted files.
+pub fn manifest(subject: Subject<'_>, module: &Module, files: &[EmittedFile]) -> VariantManifest {
+    let Subject { surface, variant, resolved, tables, input_hash } = subject;
+    let mut targets: BTreeMap<Target, Vec<FileEntry>> = BTreeMap::new();
+    for file in files {
+        let entry = FileEntry {
+            file: file.name.clone(),
+            entry_points: file.entry_points.clone(),
+            bindings: file.bindings.clone(),
+        };
+        targets.entry(file.target).or_default().push(entry);
+    }
+    let cost = variant.cost_of(resolved.expansion.terms, resolved.window_radius);
+    let extents: Vec<Extent> = tables.iter().map(|(table, _)| extent(table)).collect();
+    let table_bytes = tables.iter().map(|(table, _)| table.byte_count() as u64).sum();
+    VariantManifest {
+        generated_by: GENERATED_BY,
+        schema_version: SCHEMA_VERSION,
+        surface: surface.to_owned(),
+        variant: variant.name.clone(),
+        configuration: serde_json::from_str(&variant.canonical()).unwrap_or(Value::Null),
+        configuration_hash: variant.hash(),
+        input_hash,
+        core: core(&variant.optics),
+        targets,
+        bindings: bindings(module, &tables),
+        uniforms: uniforms(module),
+        requires: requires(&extents),
+        cost: CostEntry {
+            evaluations: cost.evaluations,
+            term_fetches: cost.term_fetches,
+            fetches: cost.fetches(),
+            table_bytes,
+        },
+        error_bound: ErrorBound {
+            terms: resolved.expansion.terms,
+            phase_function: resolved.expansion.bound(),
+            window_radius: resolved.window_radius,
+            window_tail: window_tail(variant, resolved.patch_um, resolved.window_radius),
+        },
+        tables: tables.into_iter().map(|(_, entry)| entry).collect(),
+    }
+}
+
+/// The description of a table.
+pub fn describe(table: &Table, id: &str, resolved: &Resolved, variant: &Variant) -> TableDescription {
+    let dimension = if table.layers == 0 { "2d" } else { "2d-array" };
+    let (channels, axes) = match table.name {
+        "terms" => terms_meaning(table, resolved),
+        _ => spectrum_meaning(variant),
+    };
+    TableDescription {
+        generated_by: GENERATED_BY,
+        schema_version: SCHEMA_VERSION,
+        id: id.to_owned(),
+        data: format!("{id}.bin"),
+        bytes: table.byte_count(),
+        format: table.format.name(),
+        endianness: "little",
+        dimension,
+        width: table.width,
+        height: table.height,
+        layers: table.layers.max(1),
+        order: "[layer][row][column][channel]",
+        channels,
+        axes,
+        scale: 1.0,
+        wrap: "none: no texel outside is read",
+    }
+}
+
+fn terms_meaning(table: &Table, resolved: &Resolved) -> (Vec<String>, BTreeMap<&'static str, String>) {
+    let paired = table.format.channels() == 4;
+    let names: &[&str] =
+        if paired { &["re, even term", "im, even term", "re, odd term", "im, odd term"] } else { &["re", "im"] };
+    let layer = if paired { "layer p holds terms 2p and 2p+1" } else { "layer n holds term n" };
+    let (x, y) = (resolved.bins.r_max, resolved.bins.s_max);
+    let bin = |axis: &str, centre: usize, l: f64| format!("bin {axis} = index - {centre}, frequency bin/{l} cycles per µm");
+    let axes = BTreeMap::from([
+        ("column", bin("r", x, resolved.patch_um[0])),
+        ("row", bin("s", y, resolved.patch_um[1])),
+        ("layer", format!("{layer}; term n is ifft2((i z_max (h - origin))^n / n!), to be multiplied by (z/z_max)^n")),
+    ]);
+    (names.iter().map(|s| (*s).to_owned()).collect(), axes)
+}
+
+fn spectrum_meaning(variant: &Variant) -> (Vec<String>, BTreeMap<&'static str, String>) {
+    let channels = ["X weight", "Y weight", "Z weight", "wavelength in µm"].map(str::to_owned);
+    let w = &variant.wavelengths;
+    let axes = BTreeMap::from([
+        ("column", format!("wavelength node, {} to {} nm", w.min_nm, w.max_nm)),
+        ("row", "0: nodes; 1: first texel holds cosine and sine of the surface's rotation".to_owned()),
+    ]);
+    (channels.into(), axes)
+}
+
+fn core(optics: &Optics) -> Core {
+    Core {
+        function: "fn diffraction(wi: vec3f, wr: vec3f) -> vec3f",
+        frame: "tangent frame: x along the tangent, y along the bitangent, z along the normal; right-handed",
+        directions: "unit vectors pointing away from the surface; wi to the light, wr to the viewer",
+        colour_space: match optics.colour {
+            Colour::Srgb => "scene-linear, sRGB primaries (IEC 61966-2-1), D65",
+            Colour::Thesis => "CIE RGB with D65 applied twice; for comparison with the texts only",
+        },
+        unit: "radiance of a unit directional source, relative to the peak of a mirror at normal incidence",
+        clamped: false,
+        diffuser_scale: optics::diffuser_scale(optics),
+        tristimulus_function: "fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f",
+    }
+}
+
+fn extent(table: &Table) -> Extent {
+    let (width, height) = (table.width as u32, table.height as u32);
+    match table.layers as u32 {
+        0 => Extent::Plane { width, height },
+        layers => Extent::Layers { width, height, layers },
+    }
+}
+
+fn requires(extents: &[Extent]) -> Requires {
+    let fitting = fits(extents);
+    let reason = |limits: Limits| {
+        let misfit = extents.iter().find(|extent| !limits.allow(**extent));
+        format!("a table of {misfit:?} exceeds {} texels or {} layers", limits.texture_2d, limits.array_layers)
+    };
+    let missing = Profile::ALL.into_iter().filter(|p| !fitting.contains(p));
+    Requires {
+        profiles: fitting.iter().map(|p| p.name()).collect(),
+        gaps: missing.map(|p| (p.name(), reason(p.limits()))).collect(),
+        features: Vec::new(),
+    }
+}
+
+fn bindings(module: &Module, tables: &[(&Table, TableEntry)]) -> Vec<Binding> {
+    let ir = module.ir();
+    let mut all: Vec<Binding> = ir
+        .global_variables
+        .iter()
+        .filter_map(|(_, variable)| {
+            let (resource, name) = (variable.binding.as_ref()?, variable.name.clone()?);
+            let table = tables.iter().find(|(table, _)| table.name == name);
+            let (kind, dimension, sample_type) = match ir.types[variable.ty].inner {
+                TypeInner::Image { dim, arrayed, class: ImageClass::Sampled { .. } } => {
+                    let dimension = if arrayed { "2d-array" } else if dim == ImageDimension::D3 { "3d" } else { "2d" };
+                    ("texture", Some(dimension), Some("unfilterable-float"))
+                }
+                _ => ("uniform", None, None),
+            };
+            let source = match (table, kind) {
+                (Some((_, entry)), _) => format!("table {}", entry.id),
+                (None, "texture") => "rgba32float, two rows per row of the picture: directions to the light and to the viewer, of `probe` only".to_owned(),
+                _ => "see `uniforms`; of `map` and `probe` only".to_owned(),
+            };
+            let format = table.map(|(table, _)| table.format.name());
+            Some(Binding { name, group: resource.group, binding: resource.binding, kind, dimension, sample_type, format, source })
+        })
+        .collect();
+    all.sort_by_key(|b| (b.group, b.binding));
+    all
+}
+
+fn uniforms(module: &Module) -> Vec<UniformBlock> {
+    let ir = module.ir();
+    let block = |variable: &naga::GlobalVariable| {
+        let ty = &ir.types[variable.ty];
+        let TypeInner::Struct { members, span } = &ty.inner else { return None };
+        let members = members.iter().map(|m| UniformMember {
+            name: m.name.clone().unwrap_or_default(),
+            offset: m.offset,
+            ty: "vec4f",
+            meaning: match m.name.as_deref() {
+                Some("light") => "xyz: unit direction to the light, of `map`; w: unused",
+                Some("size") => "xy: size of the picture in pixels; zw: unused",
+                _ => "",
+            },
+        });
+        Some(UniformBlock {
+            name: variable.name.clone()?,
+            structure: ty.name.clone()?,
+            size: *span,
+            members: members.collect(),
+        })
+    };
+    let uniform = ir.global_variables.iter().filter(|(_, v)| v.space == AddressSpace::Uniform);
+    uniform.filter_map(|(_, v)| block(v)).collect()
+}

@@ -1,4 +1,4 @@
-//! What a variant becomes on a surface: counts that were left to the tool, sizes, static cost.
+//! What a variant becomes on a surface: counts that were left to the tool, sizes.
 
 use std::f64::consts::TAU;
 
@@ -6,7 +6,6 @@ use crate::basis::Expansion;
 use crate::height::HeightField;
 use crate::optics;
 use crate::plan::{Auto, Packing, Variant};
-use crate::spectrum::nodes_nm;
 use crate::transform::Bins;
 
 /// A variant with every number known.
@@ -22,21 +21,8 @@ pub struct Resolved {
     pub layers: u32,
     /// Patch size `(Lx, Ly)`, µm.
     pub patch_um: [f64; 2],
-    /// Static cost.
-    pub cost: Cost,
-}
-
-/// What one pixel costs, whatever the driver.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cost {
-    /// Texels read from the term table per lit pixel.
-    pub term_fetches: u64,
-    /// All texels read per lit pixel.
-    pub fetches: u64,
-    /// Evaluations of `P` per lit pixel.
-    pub evaluations: u64,
-    /// Bytes of all tables.
-    pub table_bytes: u64,
+    /// Bytes of the term table.
+    pub terms_bytes: u64,
 }
 
 /// Share of the window's energy that `window_radius = "auto"` may leave out.
@@ -70,13 +56,8 @@ pub fn resolve(variant: &Variant, height: &HeightField) -> Resolved {
         Packing::Single => (1, 2),
     };
     let layers = expansion.terms.div_ceil(per_texel);
-    let nodes = nodes_nm(&variant.wavelengths).len() as u64;
-    let taps = u64::from(2 * window_radius + 1).pow(2);
-    let term_fetches = nodes * taps * u64::from(layers);
-    let table_bytes = 4 * (bins.len() as u64 * u64::from(layers) * channels + 2 * 4 * nodes);
-    let cost =
-        Cost { term_fetches, fetches: term_fetches + nodes, evaluations: nodes, table_bytes };
-    Resolved { expansion, window_radius, bins, layers, patch_um, cost }
+    let terms_bytes = 4 * bins.len() as u64 * u64::from(layers) * channels;
+    Resolved { expansion, window_radius, bins, layers, patch_um, terms_bytes }
 }
 
 /// Greatest share of the window's energy beyond `radius` bins of the nearest one, over all places between bins and the

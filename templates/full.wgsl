@@ -14,8 +14,8 @@ fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
     let path = path_difference(wi, wr);
     var xyz = vec3f(0.0);
     for (var node = 0; node < WAVELENGTH_COUNT; node++) {
-        let sample = textureLoad(spectrum, vec2i(node, 0), 0);
-        xyz += sample.xyz * response(path, sample.w);
+        let texel = textureLoad(spectrum, vec2i(node, 0), 0);
+        xyz += texel.xyz * response(path, texel.w);
     }
     return factor * xyz;
 }
@@ -89,10 +89,10 @@ fn bin_amplitude(bin: vec2i, tau: f32) -> vec2f {
     let texel = bin + vec2i(CENTRE_COLUMN, CENTRE_ROW);
 #ifdef PAIRED
     // even and odd powers side by side
-    let step = tau * tau;
+    let tau_squared = tau * tau;
     var sum = vec4f(0.0);
     for (var layer = LAYER_COUNT - 1; layer >= 0; layer--) {
-        sum = sum * step + textureLoad(terms, texel, layer, 0);
+        sum = sum * tau_squared + textureLoad(terms, texel, layer, 0);
     }
     return sum.xy + tau * sum.zw;
 #else
