@@ -161,20 +161,33 @@ fn rewrite(compacted: &naga::Module) -> Result<(naga::Module, ModuleInfo), Strin
         .map_err(|error| error.to_string())?;
     let mut ir =
         naga::front::wgsl::parse_str(&text).map_err(|error| error.emit_to_string(&text))?;
-    forget_temporaries(&mut ir);
+    restore_names(&mut ir);
     let info = validate(&ir).map_err(|error| innermost(error.as_inner()))?;
     Ok((ir, info))
 }
 
-/// Naga's WGSL names intermediate values `_e12`; as names of ours, they would show up as `_e12_` in every target.
-fn forget_temporaries(ir: &mut naga::Module) {
-    let is_ours = |name: &str| {
-        let number = name.strip_prefix("_e").filter(|number| !number.is_empty());
-        !number.is_some_and(|number| number.bytes().all(|b| b.is_ascii_digit()))
-    };
+/// Takes back what naga's WGSL writer did to names inside functions: it makes them unique by `_1`, `_2`, … and calls
+/// intermediate values `_e12`. No name of ours ends in a digit, so that both are known by it; as names of ours they
+/// would show up as `wi_1_` and `_e12_` in every target.
+fn restore_names(ir: &mut naga::Module) {
     let functions = ir.functions.iter_mut().map(|(_, function)| function);
     for function in functions.chain(ir.entry_points.iter_mut().map(|entry| &mut entry.function)) {
-        function.named_expressions.retain(|_, name| is_ours(name));
+        let arguments = function.arguments.iter_mut().filter_map(|a| a.name.as_mut());
+        let locals = function.local_variables.iter_mut().filter_map(|(_, l)| l.name.as_mut());
+        arguments.chain(locals).for_each(without_suffix);
+        function.named_expressions.retain(|_, name| {
+            without_suffix(name);
+            !name.is_empty() && name != "_e"
+        });
+    }
+}
+
+/// `wi_1` → `wi`, `_e12` → `_e`.
+fn without_suffix(name: &mut String) {
+    let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    if stem.len() < name.len() {
+        let length = stem.trim_end_matches('_').len();
+        name.truncate(length);
     }
 }
 

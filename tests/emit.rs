@@ -70,7 +70,7 @@ fn texts_begin_with_their_header() {
             _ => {}
         }
         assert!(text(file).ends_with("}\n"), "{}", file.name);
-        assert!(!text(file).contains("/work"), "{}", file.name);
+        assert!(!text(file).contains(env!("CARGO_MANIFEST_DIR")), "{}", file.name);
     }
 }
 
@@ -184,8 +184,9 @@ fn clip_space_is_not_rewritten() {
 fn names_are_those_of_the_templates() {
     for file in common::files().iter().filter(|file| file.target != Target::Spirv) {
         let words = text(file).split(|c: char| !(c.is_alphanumeric() || c == '_'));
-        let temporaries = words.filter(|word| word.starts_with("_e") && word.ends_with('_'));
-        assert_eq!(temporaries.collect::<Vec<_>>(), Vec::<&str>::new(), "{}", file.name);
+        // `out` is a word of GLSL
+        let strange = words.filter(|word| word.ends_with('_') && *word != "out_");
+        assert_eq!(strange.collect::<Vec<_>>(), Vec::<&str>::new(), "{}", file.name);
         if !file.name.contains("vert") {
             for name in ["texel", "amplitude", "weight", "WAVELENGTHS"] {
                 assert!(text(file).contains(name), "{}: {name}", file.name);
