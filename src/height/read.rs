@@ -142,9 +142,7 @@ impl Format {
             marks.iter().find(|(mark, _)| bytes.starts_with(mark)).map(|&(_, format)| format);
         let head = &bytes[..bytes.len().min(1024)];
         let texty = |b: &u8| *b >= b' ' || b.is_ascii_whitespace();
-        marked.or_else(|| {
-            (head.iter().all(texty) && head.iter().any(u8::is_ascii_digit)).then_some(Format::Text)
-        })
+        marked.or_else(|| head.iter().all(texty).then_some(Format::Text))
     }
 
     fn name(self) -> &'static str {

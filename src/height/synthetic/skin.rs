@@ -52,8 +52,8 @@ pub fn bumps(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<He
 ///
 /// Columns of fingers stand `pitch_um` apart, sheets follow each other every `length_um`; a finger's tip rests on the root of the
 /// one above. With `s` across a finger (`-½ … ½`) and `t` from its tip down to its root, the finger covers `|s| < w(t)`,
-/// `w = 0.16 √t + 0.34 t`: a rounded tip, flanks that part until they meet the neighbours' in a notch. Its surface falls from 1 to 0.72 along
-/// `t` and by a quarter towards its flanks; the sheet below shows in the gaps, falling from 0.5 to 0. So the notch is the deepest place,
+/// `w = 0.22 √t + 0.28 t`: a rounded tip, flanks that part until they meet the neighbours' in a notch. Its surface falls from 1 to 0.62 along
+/// `t` and by a fifth towards its flanks; the sheet below shows in the gaps, falling from 0.5 to 0. So the notch is the deepest place,
 /// as in the scan. Irregular are the columns' places and meanders, the wavy edge of every sheet, and a slow swell of the ground.
 pub fn fingers(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<HeightField> {
     let lattice = Lattice::new(rough, 2.6, subject, notes)?;
@@ -68,8 +68,8 @@ pub fn fingers(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<
     let swell = Waves::new(&mut SplitMix64::new(rough.seed, SWELL), n, 5, 3, 3);
     lattice.field(rough, |i, j| {
         let (x, y) = lattice.cell(i, j);
-        let x = x + 2.5 * disorder * meander.at(i, j);
-        let y = y + 3.0 * disorder * edges.at(i, j);
+        let x = x + 0.045 * nx as f64 * disorder * meander.at(i, j);
+        let y = y + 0.13 * ny as f64 * disorder * edges.at(i, j);
         // the columns whose centres lie to the left and to the right
         let centre = |c: isize| c as f64 + centres[wrap(c, nx)];
         let mut left = x.floor() as isize;
@@ -90,9 +90,9 @@ pub fn fingers(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<
             sheet += 1;
         }
         let t = (edge(sheet) - y) / (edge(sheet) - edge(sheet - 1));
-        let width = 0.16 * t.sqrt() + 0.34 * t;
+        let width = 0.22 * t.sqrt() + 0.28 * t;
         let across = if width > 0.0 { (s / width).min(1.0) } else { 1.0 };
-        let finger = (1.0 - 0.28 * t) * (1.0 - 0.25 * across * across);
+        let finger = (1.0 - 0.38 * t) * (1.0 - 0.2 * across * across);
         let gap = 0.5 * (1.0 - t);
         // flanks slope over a tenth of the spacing
         let covered = smooth((width + 0.05 - s) / 0.1);
@@ -121,7 +121,7 @@ pub fn rows(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<Hei
     let meander = Waves::new(&mut SplitMix64::new(rough.seed, WARP), n, 4, 4, 2);
     lattice.field(rough, |i, j| {
         let (x, y) = lattice.cell(i, j);
-        let x = x + 0.3 * disorder * meander.at(i, j);
+        let x = x + 0.007 * nx as f64 * disorder * meander.at(i, j);
         let column = x.floor() as isize;
         // the furrow is the middle of a cell
         let s = x - column as f64 - 0.5;
@@ -159,7 +159,7 @@ impl Lattice {
             let cause = format!("`regularity = {}` is outside 0 to 1", rough.regularity);
             return Err(Error::new(Stage::Height, subject, cause).remedy("1 is a perfect lattice"));
         }
-        let mut cells = |key: &str, length_um: f64| {
+        let mut cells = |key: &str, length_um: f64, given: bool| {
             check_um(subject, key, length_um, f64::MAX)?;
             let error = |cause: String| Error::new(Stage::Height, subject, cause);
             let count = (rough.size_um / length_um).round();
@@ -177,15 +177,16 @@ impl Lattice {
                 .remedy("use more pixels, a smaller patch or larger features"));
             }
             let fitted = rough.size_um / count;
-            if (fitted - length_um).abs() > 1e-3 * length_um {
+            if given && (fitted - length_um).abs() > 1e-3 * length_um {
                 notes.push(format!(
                     "`{key} = {length_um}` became {fitted:.4}, so that {count} fit into the patch"
                 ));
             }
             Ok(count as usize)
         };
-        let columns = cells("pitch_um", rough.pitch_um)?;
-        let rows = cells("length_um", rough.length_um.unwrap_or(aspect * rough.pitch_um))?;
+        let columns = cells("pitch_um", rough.pitch_um, true)?;
+        let length_um = rough.length_um.unwrap_or(aspect * rough.pitch_um);
+        let rows = cells("length_um", length_um, rough.length_um.is_some())?;
         Ok(Lattice { columns, rows, pixels: rough.pixels, pitch_um })
     }
 
