@@ -101,7 +101,7 @@ where
 /// An NPY file of version 1 with any header dictionary.
 pub fn npy(dictionary: &str, data: &[u8]) -> Vec<u8> {
     let mut header = dictionary.to_owned();
-    while (header.len() + 11) % 64 != 0 {
+    while !(header.len() + 11).is_multiple_of(64) {
         header.push(' ');
     }
     header.push('\n');

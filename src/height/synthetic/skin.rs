@@ -50,11 +50,12 @@ pub fn bumps(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<He
 
 /// *Elaphe*-like: overlapping sheets like roof tiles, the upper edge of each cut into fingers that point up the picture.
 ///
-/// Columns of fingers stand `pitch_um` apart, sheets follow each other every `length_um`; a finger's tip rests on the root of the
-/// one above. With `s` across a finger (`-½ … ½`) and `t` from its tip down to its root, the finger covers `|s| < w(t)`,
-/// `w = 0.22 √t + 0.28 t`: a rounded tip, flanks that part until they meet the neighbours' in a notch. Its surface falls from 1 to 0.62 along
-/// `t` and by a fifth towards its flanks; the sheet below shows in the gaps, falling from 0.5 to 0. So the notch is the deepest place,
-/// as in the scan. Irregular are the columns' places and meanders, the wavy edge of every sheet, and a slow swell of the ground.
+/// Columns of fingers stand `pitch_um` apart, sheets follow each other every `length_um`; a finger's tip rests on the root
+/// of the one above. With `s` across a finger (`-½ … ½`) and `t` from its tip down to its root, the finger covers
+/// `|s| < w(t)`, `w = 0.22 √t + 0.28 t`: a rounded tip, and flanks that part until they meet the neighbours' in a notch. Its
+/// surface falls from 1 to 0.62 along `t`, and by a fifth towards its flanks; the sheet below shows in the gaps, falling
+/// from 0.5 to 0. So the notch is the deepest place, as in the scan. Irregular are the columns' places and meanders, the
+/// wavy edge of every sheet, and a slow swell of the ground.
 pub fn fingers(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<HeightField> {
     let lattice = Lattice::new(rough, 2.6, subject, notes)?;
     let (nx, ny, n, disorder) =
@@ -102,9 +103,10 @@ pub fn fingers(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<
 
 /// *Xenopeltis*-like: straight ridges along y, and a row of pits in every furrow between them.
 ///
-/// Ridges stand `pitch_um` apart with the profile `cos² πs`, flattened on top; pits follow each other every `length_um` along the
-/// furrow, Gaussian with radii 0.16 of the pitch and 0.27 of the length, 0.45 deep against the ridges' 0.55.
-/// Irregular are the places of ridges (slightly, as in the animal) and of pits, and the depth of pits.
+/// Ridges stand `pitch_um` apart; over the furrow between them, `s` from -½ to ½, the profile is `0.45 + 0.55 q (2 - q)` with
+/// `q = sin² πs`. Pits follow each other every `length_um` along the furrow, Gaussian with radii 0.16 of the pitch and 0.27
+/// of the length, 0.45 deep. Irregular are the places of ridges (slightly, as in the animal) and of pits, and the depth
+/// of pits; every furrow starts anywhere along y.
 pub fn rows(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<HeightField> {
     let lattice = Lattice::new(rough, 0.6, subject, notes)?;
     let (nx, ny, n, disorder) =
