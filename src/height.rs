@@ -14,7 +14,8 @@ use crate::plan::{SurfaceSource, SurfaceSpec};
 
 pub use gsf::write_gsf;
 
-/// Most pixels along one axis: three times the largest scan that atomic-force microscopes commonly deliver (4096 to 5120).
+/// Most pixels along one axis: three times the largest scan that atomic-force microscopes commonly deliver (4096 to
+/// 5120).
 pub const MAX_SIDE: usize = 16384;
 
 /// Most pixels of a surface: 8192², 512 MiB of heights. Its transforms would need 1 GiB per term.

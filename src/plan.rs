@@ -109,7 +109,7 @@ pub enum Grating {
     Rows(Rough),
 }
 
-/// Keys of the random surfaces; their formulas are in [`crate::height::synthetic`].
+/// Keys of the random surfaces; the module of synthetic height fields has their formulas.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rough {

@@ -17,12 +17,13 @@ mod openexr;
 mod png;
 mod text;
 mod tiff;
+mod units;
 
 use std::fs;
 use std::path::Path;
 
 use crate::error::{Error, Result, Stage};
-use crate::height::{MAX_HEIGHT_UM, MIN_PITCH_UM, check_pixel, check_pixels, check_um, gsf};
+use crate::height::{check_pixels, gsf};
 use crate::plan::FileSource;
 
 /// Longest file that is read: [`crate::height::MAX_PIXELS`] of four 64-bit channels, or as text of 30 characters each.
@@ -79,7 +80,7 @@ impl Samples {
 /// the place in the file, the value, and what to do.
 pub fn read(source: &FileSource, name: &str) -> Result<Reading> {
     let subject = &subject(name, &source.path);
-    check_keys(source, subject)?;
+    units::check_keys(source, subject)?;
     let (format, bytes) = open(&source.path, subject)?;
     let mut raster = match format {
         Format::Png => png::read(&bytes, subject),
@@ -92,8 +93,8 @@ pub fn read(source: &FileSource, name: &str) -> Result<Reading> {
     drop(bytes);
     let mut notes = std::mem::take(&mut raster.notes);
     let (columns, rows) = (raster.columns, raster.rows);
-    let (pitch_x_um, pitch_y_um) = pitch(source, &raster, subject, &mut notes)?;
-    let heights_um = heights(source, raster.samples, columns, subject, &mut notes)?;
+    let (pitch_x_um, pitch_y_um) = units::pitch(source, &raster, subject, &mut notes)?;
+    let heights_um = units::heights(source, raster.samples, columns, subject, &mut notes)?;
     Ok(Reading { columns, rows, pitch_x_um, pitch_y_um, heights_um, notes })
 }
 
@@ -142,9 +143,7 @@ impl Format {
             marks.iter().find(|(mark, _)| bytes.starts_with(mark)).map(|&(_, format)| format);
         let head = &bytes[..bytes.len().min(1024)];
         let texty = |b: &u8| *b >= b' ' || b.is_ascii_whitespace();
-        marked.or_else(|| {
-            (head.iter().all(texty) && head.iter().any(u8::is_ascii_digit)).then_some(Format::Text)
-        })
+        marked.or_else(|| head.iter().all(texty).then_some(Format::Text))
     }
 
     fn name(self) -> &'static str {
@@ -198,141 +197,6 @@ fn open(path: &Path, subject: &str) -> Result<(Format, Vec<u8>)> {
         ))
         .remedy("the file is damaged or misnamed")),
     }
-}
-
-/// Checks the keys that need no file.
-fn check_keys(source: &FileSource, subject: &str) -> Result<()> {
-    let check = |key: &str, value: Option<f64>, max: f64| {
-        value.map_or(Ok(()), |v| check_um(subject, key, v, max))
-    };
-    // 16384 pixels of the largest pitch
-    check("size_um", source.size_um, 16384.0 * 1000.0)?;
-    check("pixel_um", source.pixel_um, crate::height::MAX_PITCH_UM)?;
-    check("height_um", source.height_um, MAX_HEIGHT_UM)?;
-    // metres are the largest unit that a height field is stored in
-    check("z_unit_um", source.z_unit_um, 1e6)?;
-    if let (Some(size), Some(pixel)) = (source.size_um, source.pixel_um) {
-        let cause = format!("both `size_um = {size}` and `pixel_um = {pixel}` are given");
-        return Err(Error::new(Stage::Height, subject, cause).remedy("remove one of them"));
-    }
-    Ok(())
-}
-
-/// Pixel pitch along x and y, µm.
-fn pitch(
-    source: &FileSource,
-    raster: &Raster,
-    subject: &str,
-    notes: &mut Vec<String>,
-) -> Result<(f64, f64)> {
-    // the size is that along a profile, whichever way it lies
-    let along = if raster.columns == 1 { raster.rows } else { raster.columns };
-    let aspect = raster.scale.map_or(1.0, |(x, y)| y / x);
-    let given = match (source.size_um, source.pixel_um) {
-        (Some(size), _) if raster.columns == 1 => Some((
-            format!("`size_um = {size}` over {along} pixels"),
-            size / along as f64 / aspect,
-            aspect,
-        )),
-        (Some(size), _) => {
-            Some((format!("`size_um = {size}` over {along} pixels"), size / along as f64, aspect))
-        }
-        (None, Some(pixel)) => Some((format!("`pixel_um = {pixel}`"), pixel, 1.0)),
-        (None, None) => None,
-    };
-    let (origin, x, y) = match (given, raster.scale) {
-        (Some((origin, x, aspect)), _) => (origin, x, x * aspect),
-        (None, Some((x, y))) => ("the file's own scale".to_owned(), x, y),
-        (None, None) => {
-            return Err(Error::new(Stage::Height, subject, "no physical scale: neither `size_um` nor `pixel_um` is given")
-                .remedy("add `size_um` (width of the patch in µm) or `pixel_um` (pitch of the pixels in µm)"));
-        }
-    };
-    for pitch_um in [x, y] {
-        check_pixel(subject, &origin, pitch_um)?;
-    }
-    let differs = |a: f64, b: f64| (a - b).abs() > 1e-6 * b;
-    if let Some((file_x, file_y)) = raster.scale
-        && (differs(x, file_x) || differs(y, file_y))
-    {
-        notes.push(format!(
-            "{origin} overrides the file's own pitch, {file_x} × {file_y} µm, with {x} × {y} µm"
-        ));
-    }
-    Ok((x, y))
-}
-
-/// Samples to µm, with the checks that need the samples.
-fn heights(
-    source: &FileSource,
-    samples: Samples,
-    columns: usize,
-    subject: &str,
-    notes: &mut Vec<String>,
-) -> Result<Vec<f64>> {
-    let error = |cause: String| Error::new(Stage::Height, subject, cause);
-    let (mut values, unit_um, what) = match samples {
-        Samples::Grey { shares, bits } => {
-            let top = (1u32 << bits) - 1;
-            if let Some(unit) = source.z_unit_um {
-                return Err(error(format!(
-                    "`z_unit_um = {unit}` is for float files, this one has {bits}-bit integers"
-                ))
-                .remedy(format!("give `height_um`, the height of the full grey range 0…{top}")));
-            }
-            let height_um = source.height_um.ok_or_else(|| {
-                error(format!("`height_um` is missing: the file has {bits}-bit integers, which carry no height"))
-                    .remedy(format!("give the height in µm of the full grey range 0…{top}, not of the image's extrema"))
-            })?;
-            (shares, height_um, format!("`height_um = {height_um}`"))
-        }
-        Samples::Float { values, unit_um, needs_unit } => {
-            if let Some(height) = source.height_um {
-                let cause = format!(
-                    "`height_um = {height}` is for integer files, this one holds floats, which are heights in µm"
-                );
-                return Err(error(cause)
-                    .remedy("remove it; if the numbers are not µm, scale them with `z_unit_um`"));
-            }
-            if needs_unit && source.z_unit_um.is_none() {
-                return Err(error("the file's heights are in a unit that is no length".into())
-                    .remedy("give `z_unit_um`, the µm per unit"));
-            }
-            if let (Some(plan), Some(file)) = (source.z_unit_um, unit_um)
-                && plan != file
-            {
-                notes.push(format!(
-                    "`z_unit_um = {plan}` overrides the file's own unit of {file} µm"
-                ));
-            }
-            let unit = source.z_unit_um.or(unit_um).unwrap_or(1.0);
-            (values, unit, format!("with {unit} µm per unit"))
-        }
-    };
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    for (i, v) in values.iter_mut().enumerate() {
-        if v.is_infinite() {
-            return Err(error(format!(
-                "the height at column {}, row {} is {v}",
-                i % columns,
-                i / columns
-            ))
-            .remedy("only NaN marks a void pixel"));
-        }
-        *v *= unit_um;
-        (low, high) = (low.min(*v), high.max(*v));
-    }
-    let range = high - low;
-    if range > MAX_HEIGHT_UM {
-        return Err(error(format!(
-            "heights from {low} to {high} µm ({what}) span more than {MAX_HEIGHT_UM} µm"
-        ))
-        .remedy("are the numbers nm? then `z_unit_um = 0.001`"));
-    }
-    if range > 0.0 && range < MIN_PITCH_UM {
-        notes.push(format!("the heights span only {range:e} µm, less than an atom: are they metres (`z_unit_um = 1e6`)?"));
-    }
-    Ok(values)
 }
 
 /// Checks that a file of `length` bytes can hold `bytes` of pixels, `compressed` or not.

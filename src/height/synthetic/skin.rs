@@ -50,11 +50,12 @@ pub fn bumps(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<He
 
 /// *Elaphe*-like: overlapping sheets like roof tiles, the upper edge of each cut into fingers that point up the picture.
 ///
-/// Columns of fingers stand `pitch_um` apart, sheets follow each other every `length_um`; a finger's tip rests on the root of the
-/// one above. With `s` across a finger (`-½ … ½`) and `t` from its tip down to its root, the finger covers `|s| < w(t)`,
-/// `w = 0.16 √t + 0.34 t`: a rounded tip, flanks that part until they meet the neighbours' in a notch. Its surface falls from 1 to 0.72 along
-/// `t` and by a quarter towards its flanks; the sheet below shows in the gaps, falling from 0.5 to 0. So the notch is the deepest place,
-/// as in the scan. Irregular are the columns' places and meanders, the wavy edge of every sheet, and a slow swell of the ground.
+/// Columns of fingers stand `pitch_um` apart, sheets follow each other every `length_um`; a finger's tip rests on the root
+/// of the one above. With `s` across a finger (`-½ … ½`) and `t` from its tip down to its root, the finger covers
+/// `|s| < w(t)`, `w = 0.22 √t + 0.28 t`: a rounded tip, and flanks that part until they meet the neighbours' in a notch. Its
+/// surface falls from 1 to 0.62 along `t`, and by a fifth towards its flanks; the sheet below shows in the gaps, falling
+/// from 0.5 to 0. So the notch is the deepest place, as in the scan. Irregular are the columns' places and meanders, the
+/// wavy edge of every sheet, and a slow swell of the ground.
 pub fn fingers(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<HeightField> {
     let lattice = Lattice::new(rough, 2.6, subject, notes)?;
     let (nx, ny, n, disorder) =
@@ -68,8 +69,8 @@ pub fn fingers(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<
     let swell = Waves::new(&mut SplitMix64::new(rough.seed, SWELL), n, 5, 3, 3);
     lattice.field(rough, |i, j| {
         let (x, y) = lattice.cell(i, j);
-        let x = x + 2.5 * disorder * meander.at(i, j);
-        let y = y + 3.0 * disorder * edges.at(i, j);
+        let x = x + 0.045 * nx as f64 * disorder * meander.at(i, j);
+        let y = y + 0.13 * ny as f64 * disorder * edges.at(i, j);
         // the columns whose centres lie to the left and to the right
         let centre = |c: isize| c as f64 + centres[wrap(c, nx)];
         let mut left = x.floor() as isize;
@@ -90,9 +91,9 @@ pub fn fingers(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<
             sheet += 1;
         }
         let t = (edge(sheet) - y) / (edge(sheet) - edge(sheet - 1));
-        let width = 0.16 * t.sqrt() + 0.34 * t;
+        let width = 0.22 * t.sqrt() + 0.28 * t;
         let across = if width > 0.0 { (s / width).min(1.0) } else { 1.0 };
-        let finger = (1.0 - 0.28 * t) * (1.0 - 0.25 * across * across);
+        let finger = (1.0 - 0.38 * t) * (1.0 - 0.2 * across * across);
         let gap = 0.5 * (1.0 - t);
         // flanks slope over a tenth of the spacing
         let covered = smooth((width + 0.05 - s) / 0.1);
@@ -102,9 +103,10 @@ pub fn fingers(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<
 
 /// *Xenopeltis*-like: straight ridges along y, and a row of pits in every furrow between them.
 ///
-/// Ridges stand `pitch_um` apart with the profile `cos² πs`, flattened on top; pits follow each other every `length_um` along the
-/// furrow, Gaussian with radii 0.16 of the pitch and 0.27 of the length, 0.45 deep against the ridges' 0.55.
-/// Irregular are the places of ridges (slightly, as in the animal) and of pits, and the depth of pits.
+/// Ridges stand `pitch_um` apart; over the furrow between them, `s` from -½ to ½, the profile is `0.45 + 0.55 q (2 - q)` with
+/// `q = sin² πs`. Pits follow each other every `length_um` along the furrow, Gaussian with radii 0.16 of the pitch and 0.27
+/// of the length, 0.45 deep. Irregular are the places of ridges (slightly, as in the animal) and of pits, and the depth
+/// of pits; every furrow starts anywhere along y.
 pub fn rows(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<HeightField> {
     let lattice = Lattice::new(rough, 0.6, subject, notes)?;
     let (nx, ny, n, disorder) =
@@ -121,7 +123,7 @@ pub fn rows(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<Hei
     let meander = Waves::new(&mut SplitMix64::new(rough.seed, WARP), n, 4, 4, 2);
     lattice.field(rough, |i, j| {
         let (x, y) = lattice.cell(i, j);
-        let x = x + 0.3 * disorder * meander.at(i, j);
+        let x = x + 0.007 * nx as f64 * disorder * meander.at(i, j);
         let column = x.floor() as isize;
         // the furrow is the middle of a cell
         let s = x - column as f64 - 0.5;
@@ -159,7 +161,7 @@ impl Lattice {
             let cause = format!("`regularity = {}` is outside 0 to 1", rough.regularity);
             return Err(Error::new(Stage::Height, subject, cause).remedy("1 is a perfect lattice"));
         }
-        let mut cells = |key: &str, length_um: f64| {
+        let mut cells = |key: &str, length_um: f64, given: bool| {
             check_um(subject, key, length_um, f64::MAX)?;
             let error = |cause: String| Error::new(Stage::Height, subject, cause);
             let count = (rough.size_um / length_um).round();
@@ -177,15 +179,16 @@ impl Lattice {
                 .remedy("use more pixels, a smaller patch or larger features"));
             }
             let fitted = rough.size_um / count;
-            if (fitted - length_um).abs() > 1e-3 * length_um {
+            if given && (fitted - length_um).abs() > 1e-3 * length_um {
                 notes.push(format!(
                     "`{key} = {length_um}` became {fitted:.4}, so that {count} fit into the patch"
                 ));
             }
             Ok(count as usize)
         };
-        let columns = cells("pitch_um", rough.pitch_um)?;
-        let rows = cells("length_um", rough.length_um.unwrap_or(aspect * rough.pitch_um))?;
+        let columns = cells("pitch_um", rough.pitch_um, true)?;
+        let length_um = rough.length_um.unwrap_or(aspect * rough.pitch_um);
+        let rows = cells("length_um", length_um, rough.length_um.is_some())?;
         Ok(Lattice { columns, rows, pixels: rough.pixels, pitch_um })
     }
 
