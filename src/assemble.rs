@@ -9,7 +9,7 @@ use crate::module::{Module, compile};
 use crate::plan::{Coherence, CoherenceScaling, Colour, Packing, Variant};
 use crate::resolve::Resolved;
 use crate::spectrum::{Sample, Spectrum};
-use crate::tables::{Table, spectrum_table, terms_table};
+use crate::tables::{self, Table, spectrum_table, terms_table};
 use crate::template::{Constant, Defines, Sources, specialise};
 use crate::terms::Terms;
 
@@ -62,6 +62,11 @@ pub fn shader(
 /// The term table, unrounded. Time: one two-dimensional transform per two terms.
 pub fn terms(variant: &Variant, resolved: &Resolved, height: &HeightField) -> Table {
     terms_table(&Terms::new(height, &resolved.expansion, resolved.bins), variant.packing, variant.table)
+}
+
+/// The term table without its texels.
+pub fn terms_shape(variant: &Variant, resolved: &Resolved) -> Table {
+    tables::terms_shape(resolved.bins, resolved.expansion.terms as usize, variant.packing, variant.table)
 }
 
 /// The spectrum table, unrounded.

@@ -56,12 +56,7 @@ pub fn generate(request: &Request<'_>, done: &(dyn Fn(&str) + Sync)) -> Result<G
     let surfaces = load(request)?;
     let pairs: Vec<(&Loaded, &Variant)> =
         surfaces.iter().flat_map(|s| request.variants.iter().map(move |v| (s, v))).collect();
-    let built: Vec<Result<Built<'_>, Vec<Diagnostic>>> =
-        pairs.into_par_iter().map(|(surface, variant)| build(request, surface, variant)).collect();
-    let (built, errors): (Vec<_>, Vec<_>) = built.into_iter().partition_map_results();
-    if !errors.is_empty() {
-        return Err(errors);
-    }
+    let built = all_or_errors(pairs.into_par_iter().map(|(s, v)| build(request, s, v)).collect())?;
     let mut package = Package::new();
     let mut written = BTreeSet::new();
     let mut errors = Vec::new();
@@ -127,8 +122,19 @@ fn load(request: &Request<'_>) -> Result<Vec<Loaded>, Vec<Diagnostic>> {
         let hash = surface_hash(spec).map_err(|e| vec![Diagnostic::from(&e)])?;
         Ok(Loaded { spec: spec.clone(), surface, hash })
     };
-    let (loaded, errors) = request.surfaces.iter().map(load).collect::<Vec<_>>().into_iter().partition_map_results();
-    if errors.is_empty() { Ok(loaded) } else { Err(errors) }
+    all_or_errors(request.surfaces.iter().map(load).collect())
+}
+
+/// All values, or all errors of all results.
+fn all_or_errors<T>(results: Vec<Result<T, Vec<Diagnostic>>>) -> Result<Vec<T>, Vec<Diagnostic>> {
+    let (mut values, mut errors) = (Vec::new(), Vec::new());
+    for result in results {
+        match result {
+            Ok(value) => values.push(value),
+            Err(more) => errors.extend(more),
+        }
+    }
+    if errors.is_empty() { Ok(values) } else { Err(errors) }
 }
 
 fn build<'a>(request: &Request<'_>, surface: &'a Loaded, variant: &'a Variant) -> Result<Built<'a>, Vec<Diagnostic>> {
@@ -158,23 +164,24 @@ impl Built<'_> {
         let shader_folder = format!("shaders/{name}/{}", variant.name);
         let terms_id = terms_id(surface, variant);
         let spectrum_id = spectrum_id(surface, variant);
-        let terms = || match request.cache {
-            Some(folder) => cached(folder, &terms_id, variant, &resolved, surface),
-            None => assemble::terms(variant, &resolved, &surface.surface.field),
-        };
-        // a table that another variant has put there already is not made again, only described
-        let terms = if written.contains(&terms_id) { assemble::empty_terms(variant, &resolved) } else { terms() };
+        let terms = assemble::terms_shape(variant, &resolved);
         for (table, id) in [(&terms, &terms_id), (&spectrum, &spectrum_id)] {
-            if !written.insert(format!("{name}/{id}")) || table.texels.is_empty() {
+            // the variants of a surface share a table, made once
+            if !written.insert(format!("{name}/{id}")) {
                 continue;
             }
+            let bytes = match table.name {
+                "terms" => cached(request.cache, id, table.byte_count(), || {
+                    assemble::terms(variant, &resolved, &surface.surface.field).bytes()
+                }),
+                _ => table.bytes(),
+            };
             let layer = table.width * table.height * table.format.channels();
             let compare = Compare::Table { format: variant.table, tolerance: TABLE_TOLERANCE, layer };
-            package.insert(&format!("{tables_folder}/{id}.bin"), table.bytes(), compare)?;
+            package.insert(&format!("{tables_folder}/{id}.bin"), bytes, compare)?;
             let description = describe(table, id, &resolved, variant);
             insert_json(package, &format!("{tables_folder}/{id}.json"), &description)?;
         }
-        written.insert(terms_id.clone());
         let entry = |table: &Table, id: &str| TableEntry {
             binding: table.name,
             id: id.to_owned(),
@@ -190,4 +197,84 @@ impl Built<'_> {
         }
         Ok(())
     }
+}
+
+/// Largest difference between processors of a number in a table, relative to the layer's largest: the rounding to 32
+/// bits, once more.
+const TABLE_TOLERANCE: f64 = 2.4e-7;
+
+/// Finished bytes from the cache, or made and put there. The cache is only a saving: what cannot be read or written is
+/// computed.
+fn cached(folder: Option<&Path>, id: &str, length: usize, make: impl FnOnce() -> Vec<u8>) -> Vec<u8> {
+    let Some(folder) = folder else { return make() };
+    let file = folder.join(format!("{id}.bin"));
+    if let Ok(bytes) = std::fs::read(&file)
+        && bytes.len() == length
+    {
+        return bytes;
+    }
+    let bytes = make();
+    let partial = folder.join(format!("{id}.{}.partial", std::process::id()));
+    let stored = std::fs::create_dir_all(folder)
+        .and_then(|()| std::fs::write(&partial, &bytes))
+        .and_then(|()| std::fs::rename(&partial, &file));
+    if stored.is_err() {
+        let _ = std::fs::remove_file(&partial);
+    }
+    bytes
+}
+
+/// Identity of a term table: everything that its numbers and its size come from.
+fn terms_id(surface: &Loaded, variant: &Variant) -> String {
+    let terms = match variant.terms {
+        Auto::Value(terms) => json!(terms),
+        Auto::Auto => json!({ "error": variant.term_error }),
+    };
+    let radius = match variant.window_radius {
+        Auto::Value(radius) => json!(radius),
+        Auto::Auto => {
+            let optics = &variant.optics;
+            json!([optics.coherence_um, optics.coherence_scaling, variant.wavelengths.max_nm])
+        }
+    };
+    let inputs = json!([
+        TOOL_VERSION, surface.hash, variant.basis, terms, radius, variant.wavelengths.min_nm, variant.packing, variant.table,
+    ]);
+    format!("terms-{}", &hash(&inputs)[..12])
+}
+
+fn spectrum_id(surface: &Loaded, variant: &Variant) -> String {
+    let illuminant = &variant.optics.illuminant;
+    // a file counts by what is in it
+    let illuminant = std::fs::read(illuminant).map_or_else(|_| illuminant.clone(), |bytes| hex(&Sha256::digest(bytes)));
+    let inputs = json!([TOOL_VERSION, illuminant, variant.wavelengths, surface.spec.rotate_deg]);
+    format!("spectrum-{}", &hash(&inputs)[..12])
+}
+
+/// Hash of what a height field is made from: its formula, or its file's bytes with scale and preparation. Neither its
+/// name nor its path counts.
+fn surface_hash(spec: &SurfaceSpec) -> Result<String, Error> {
+    let source = match &spec.source {
+        SurfaceSource::Grating(grating) => json!(grating),
+        SurfaceSource::File(file) => {
+            let bytes = std::fs::read(&file.path)
+                .map_err(|e| Error::new(Stage::Height, file.path.display(), "cannot be read").source(e))?;
+            json!([hex(&Sha256::digest(bytes)), file.size_um, file.pixel_um, file.height_um, file.z_unit_um])
+        }
+    };
+    Ok(hash(&json!([source, spec.rotate_deg, spec.level, spec.clip_percent])))
+}
+
+fn hash(inputs: &Value) -> String {
+    hex(&Sha256::digest(inputs.to_string()))
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn insert_json(package: &mut Package, path: &str, value: &impl serde::Serialize) -> Result<(), Error> {
+    let text = serde_json::to_string_pretty(value)
+        .map_err(|e| Error::new(Stage::Package, path, "cannot be written as JSON").source(e))?;
+    package.insert(path, text + "\n", Compare::Json { tolerance: JSON_TOLERANCE })
 }

@@ -3,6 +3,7 @@
 use crate::plan::{Packing, TableFormat};
 use crate::spectrum::Sample;
 use crate::terms::Terms;
+use crate::transform::Bins;
 
 /// Texel format of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,7 +45,7 @@ pub struct Table {
     pub height: usize,
     /// Array layers; 0 for a plain two-dimensional texture.
     pub layers: usize,
-    /// Numbers, row-major.
+    /// Numbers, row-major; empty where only the shape is known.
     pub texels: Vec<f64>,
 }
 
@@ -63,7 +64,7 @@ impl Table {
 
     /// Size in bytes.
     pub fn byte_count(&self) -> usize {
-        self.texels.len() * size_of::<f32>()
+        self.width * self.height * self.layers.max(1) * self.format.channels() * size_of::<f32>()
     }
 
     /// A texel; missing channels are 0, as after `textureLoad` except that alpha is 0 too.
@@ -83,12 +84,9 @@ impl Table {
 /// The term table, 2-D array. `paired`: texel `(r, s)` of layer `p` holds terms `2p` (red, green) and `2p+1` (blue,
 /// alpha; zero if there is none); `single`: layer `n` holds term `n`. Column 0 is bin `-r_max`, row 0 is bin `-s_max`.
 pub fn terms_table(terms: &Terms, packing: Packing, format: TableFormat) -> Table {
-    let TableFormat::F32 = format;
-    let (format, per_texel) = match packing {
-        Packing::Paired => (TexelFormat::Rgba32Float, 2),
-        Packing::Single => (TexelFormat::Rg32Float, 1),
-    };
-    let layers = terms.tables.len().div_ceil(per_texel);
+    let shape = terms_shape(terms.bins, terms.tables.len(), packing, format);
+    let (format, layers) = (shape.format, shape.layers);
+    let per_texel = format.channels() / 2;
     let mut texels = Vec::with_capacity(layers * terms.bins.len() * format.channels());
     for group in terms.tables.chunks(per_texel) {
         for bin in 0..terms.bins.len() {
