@@ -1,4 +1,58 @@
-//! Ways to evaluate a variant.
+//! Ways to evaluate a variant: exactly, by its twin in f64, or by its shader on a driver.
+
+mod cpu;
+#[cfg(feature = "gpu")]
+mod shader;
 
 #[cfg(feature = "gpu")]
 pub mod gpu;
+
+use glam::DVec3;
+
+use crate::error::Result;
+use crate::frame::{Frame, view_directions};
+use crate::height::HeightField;
+use crate::plan::Variant;
+use crate::reference::Directions;
+
+pub use cpu::{Exact, TwinRunner};
+#[cfg(feature = "gpu")]
+pub use shader::ShaderRunner;
+
+/// What is evaluated: a variant on a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Subject<'a> {
+    /// The heights.
+    pub height: &'a HeightField,
+    /// Rotation of the surface about its normal, degrees.
+    pub rotate_deg: f64,
+    /// The variant.
+    pub variant: &'a Variant,
+}
+
+/// Called with the number of directions finished since the last call; from any thread.
+pub type Progress<'a> = &'a (dyn Fn(usize) + Sync);
+
+/// One way to evaluate a variant.
+pub trait Runner {
+    /// Its route: `exact`, `twin`, `vulkan:ADAPTER`, `gl:ADAPTER`.
+    fn route(&self) -> String;
+
+    /// Relative tristimulus values, gain included.
+    fn tristimulus(&self, directions: &[Directions], progress: Progress<'_>) -> Result<Vec<[f64; 3]>>;
+
+    /// `|P|²` at one wavelength, nm, without the gain.
+    fn response(&self, directions: &[Directions], lambda_nm: f64) -> Result<Vec<f64>>;
+
+    /// A BRDF map; by its own entry point where there is one.
+    fn map(&self, light: DVec3, size: usize, progress: Progress<'_>) -> Result<Frame> {
+        let directions: Vec<Directions> =
+            view_directions(size).into_iter().map(|wr| Directions { wi: light, wr }).collect();
+        Ok(Frame::from_disc(size, &self.tristimulus(&directions, progress)?))
+    }
+}
+
+/// The nearest vector of 32-bit floats: what a shader receives.
+pub fn rounded(v: DVec3) -> DVec3 {
+    v.as_vec3().as_dvec3()
+}

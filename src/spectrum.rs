@@ -10,6 +10,7 @@ use colorimetry::lab::CieLab;
 use colorimetry::observer::Observer;
 use colorimetry::traits::Light;
 use colorimetry::xyz::{RelXYZ, XYZ};
+use glam::{DMat3, DVec3};
 
 use crate::error::{Error, Result, Stage};
 use crate::plan::{Colour, Wavelengths};
@@ -139,6 +140,12 @@ pub fn sum(samples: &[Sample]) -> [f64; 3] {
 /// Tristimulus values to linear RGB; not clamped.
 pub fn to_rgb(xyz: [f64; 3], colour: Colour) -> [f64; 3] {
     rgb_matrix(colour).map(|row| row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2])
+}
+
+/// Linear RGB back to tristimulus values.
+pub fn from_rgb(rgb: [f64; 3], colour: Colour) -> [f64; 3] {
+    let rows = rgb_matrix(colour).map(DVec3::from);
+    (DMat3::from_cols(rows[0], rows[1], rows[2]).transpose().inverse() * DVec3::from(rgb)).to_array()
 }
 
 /// The sRGB transfer function (IEC 61966-2-1), on a linear component clamped to [0, 1].
@@ -290,6 +297,14 @@ mod tests {
         let total: f64 = grid(7.0).iter().map(|s| s.xyz[1]).sum();
         assert!((total - 1.0).abs() < 1e-3, "{total}");
         assert_eq!(nodes_nm(&Wavelengths { min_nm: 550.0, max_nm: 550.0, step_nm: 5.0 }), [550.0]);
+    }
+
+    #[test]
+    fn rgb_goes_back_to_where_it_came_from() {
+        for colour in [Colour::Srgb, Colour::Thesis] {
+            let back = from_rgb(to_rgb([0.3, 0.5, 0.1], colour), colour);
+            assert!(back.iter().zip([0.3, 0.5, 0.1]).all(|(a, b)| (a - b).abs() < 1e-14), "{back:?}");
+        }
     }
 
     #[test]

@@ -1,0 +1,92 @@
+//! Evaluation in f64 on all cores.
+
+use crate::assemble;
+use crate::error::Result;
+use crate::optics::{gain, path_difference};
+use crate::reference::{Directions, Reference, evaluate_all};
+use crate::resolve::{Resolved, resolve};
+use crate::tables::Table;
+use crate::twin::full::Twin;
+
+use super::{Progress, Runner, Subject};
+
+/// The exact reference; of the variant, only the optics count.
+pub struct Exact<'a>(pub Subject<'a>);
+
+impl Exact<'_> {
+    fn reference(&self, range_nm: (f64, f64), directions: &[Directions]) -> Result<Reference> {
+        let Subject { height, rotate_deg, variant } = self.0;
+        Reference::new(height, rotate_deg, &variant.optics, range_nm, directions.iter().copied())
+    }
+}
+
+impl Runner for Exact<'_> {
+    fn route(&self) -> String {
+        "exact".to_owned()
+    }
+
+    fn tristimulus(&self, directions: &[Directions], progress: Progress<'_>) -> Result<Vec<[f64; 3]>> {
+        Ok(self.reference(Reference::VISIBLE_NM, directions)?.tristimulus_all(directions, progress))
+    }
+
+    fn response(&self, directions: &[Directions], lambda_nm: f64) -> Result<Vec<f64>> {
+        let reference = self.reference((lambda_nm, lambda_nm), directions)?;
+        let response = |d, scratch: &mut _| [reference.response(d, lambda_nm, scratch), 0.0, 0.0];
+        Ok(evaluate_all(directions, &|_| (), response).into_iter().map(|r| r[0]).collect())
+    }
+}
+
+/// The f64 copy of the variant's template, on its tables.
+pub struct TwinRunner<'a> {
+    subject: Subject<'a>,
+    resolved: Resolved,
+    terms: Table,
+    spectrum: Table,
+}
+
+impl<'a> TwinRunner<'a> {
+    /// Computes the tables; `packed`: rounded as the shader reads them.
+    pub fn new(subject: Subject<'a>, packed: bool) -> Result<TwinRunner<'a>> {
+        let Subject { height, rotate_deg, variant } = subject;
+        let resolved = resolve(variant, height);
+        let round = |table: Table| if packed { table.rounded() } else { table };
+        let terms = round(assemble::terms(variant, &resolved, height));
+        let spectrum = round(assemble::spectrum(variant, rotate_deg)?);
+        Ok(TwinRunner { subject, resolved, terms, spectrum })
+    }
+
+    fn twin(&self) -> Twin<'_> {
+        Twin {
+            resolved: &self.resolved,
+            terms: &self.terms,
+            spectrum: &self.spectrum,
+            variant: self.subject.variant,
+            rotate_deg: self.subject.rotate_deg,
+        }
+    }
+}
+
+impl Runner for TwinRunner<'_> {
+    fn route(&self) -> String {
+        "twin".to_owned()
+    }
+
+    fn tristimulus(&self, directions: &[Directions], progress: Progress<'_>) -> Result<Vec<[f64; 3]>> {
+        let twin = self.twin();
+        Ok(evaluate_all(directions, progress, |d, (): &mut ()| twin.tristimulus(d)))
+    }
+
+    fn response(&self, directions: &[Directions], lambda_nm: f64) -> Result<Vec<f64>> {
+        let twin = self.twin();
+        let response = |d: Directions, (): &mut ()| {
+            let path = path_difference(d.wi, d.wr, self.subject.rotate_deg);
+            [twin.response(path, lambda_nm * 1e-3), 0.0, 0.0]
+        };
+        Ok(evaluate_all(directions, &|_| (), response).into_iter().map(|r| r[0]).collect())
+    }
+}
+
+/// `ρ = C·|P|²` of responses.
+pub fn rho(subject: &Subject<'_>, directions: &[Directions], responses: &[f64]) -> Vec<f64> {
+    directions.iter().zip(responses).map(|(d, p2)| gain(d.wi, d.wr, &subject.variant.optics) * p2).collect()
+}
