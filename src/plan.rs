@@ -1,5 +1,6 @@
 //! `plan.toml` as pure data: surfaces, optics, the axes of the variants, targets.
 
+mod cost;
 mod item;
 mod names;
 mod parse;
@@ -12,6 +13,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+pub use cost::Cost;
 pub use parse::MAX_PLAN_BYTES;
 pub use variants::MAX_VARIANTS;
 
