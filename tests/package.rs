@@ -1,4 +1,5 @@
 //! Packages on disk: what is ours and what is not, and outputs that stay whole whatever happens.
+#![allow(clippy::unwrap_used, reason = "a test that unwraps fails with the error")]
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -1,4 +1,5 @@
 //! `xtask list` as a user runs it: data on stdout, diagnostics on stderr, exit codes.
+#![allow(clippy::unwrap_used, reason = "a test that unwraps fails with the error")]
 
 use std::fs;
 use std::path::Path;
