@@ -87,16 +87,26 @@ impl Error {
     pub fn subject(&self) -> &str {
         &self.0.subject
     }
+
+    /// `subject: cause`, with the error beneath, without the remedy.
+    pub fn message(&self) -> String {
+        let Inner { subject, cause, source, .. } = &*self.0;
+        match source {
+            Some(source) => format!("{subject}: {cause}: {source}"),
+            None => format!("{subject}: {cause}"),
+        }
+    }
+
+    /// What the user can do about it, where that is known.
+    pub fn advice(&self) -> Option<&str> {
+        self.0.remedy.as_deref()
+    }
 }
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Inner { subject, cause, remedy, source, .. } = &*self.0;
-        write!(f, "{subject}: {cause}")?;
-        if let Some(source) = source {
-            write!(f, ": {source}")?;
-        }
-        if let Some(remedy) = remedy {
+        f.write_str(&self.message())?;
+        if let Some(remedy) = &self.0.remedy {
             write!(f, " ({remedy})")?;
         }
         Ok(())

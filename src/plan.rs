@@ -1,6 +1,5 @@
 //! `plan.toml` as pure data: surfaces, optics, the axes of the variants, targets.
 
-mod cost;
 mod item;
 mod names;
 mod parse;
@@ -13,7 +12,6 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-pub use cost::Cost;
 pub use parse::MAX_PLAN_BYTES;
 pub use variants::MAX_VARIANTS;
 
@@ -122,7 +120,7 @@ pub enum Grating {
     Rows(Rough),
 }
 
-/// Common keys of the random surfaces.
+/// Keys of the random surfaces; their formulas are in [`crate::height::synthetic`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rough {
@@ -136,6 +134,18 @@ pub struct Rough {
     pub height_um: f64,
     /// Seed of the generator.
     pub seed: u64,
+    /// Order of the placement, from 0 (as irregular as the kind allows) to 1 (a perfect lattice).
+    #[serde(default = "default_regularity")]
+    pub regularity: f64,
+    /// Distance of features along y, µm: of rows of fingers (default `2.6·pitch_um`), of pits (`0.6·pitch_um`), of
+    /// domes (`pitch_um`).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length_um: Option<f64>,
+}
+
+/// About what the *Elaphe* scan shows: finger spacings within 10 % of their mean.
+fn default_regularity() -> f64 {
+    0.7
 }
 
 /// Levelling of a measured surface.

@@ -1,1 +1,4 @@
 //! Ways to evaluate a variant.
+
+#[cfg(feature = "gpu")]
+pub mod gpu;

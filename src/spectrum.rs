@@ -1,1 +1,306 @@
 //! Illuminant times observer, and the way from tristimulus values to linear sRGB.
+//!
+//! Tables are those of the crate `colorimetry`: CIE 1931 2° observer and the CIE illuminants at 1 nm, 380–780 nm.
+//! Wavelengths outside that range are accepted and weigh nothing (they would add less than 1e-4 of Y).
+
+use std::path::Path;
+
+use colorimetry::illuminant::CieIlluminant;
+use colorimetry::lab::CieLab;
+use colorimetry::observer::Observer;
+use colorimetry::traits::Light;
+use colorimetry::xyz::{RelXYZ, XYZ};
+
+use crate::error::{Error, Result, Stage};
+use crate::plan::{Colour, Wavelengths};
+
+/// First wavelength of the colour tables, nm.
+pub const TABLE_MIN_NM: f64 = 380.0;
+/// Last wavelength of the colour tables, nm.
+pub const TABLE_MAX_NM: f64 = 780.0;
+
+/// IEC 61966-2-1:1999, XYZ (D65, Y of white 1) to linear sRGB, row by row.
+pub const XYZ_TO_SRGB: [[f64; 3]; 3] =
+    [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]];
+
+/// XYZ to CIE RGB as the texts print it (eq. 3.7), multiplied from the left by the D65 white they apply a second time.
+/// Kept to compare with their pictures; it is not a display's RGB.
+pub const XYZ_TO_THESIS: [[f64; 3]; 3] = [
+    [0.9505 * 0.41847, 0.9505 * -0.15866, 0.9505 * -0.082835],
+    [-0.091169, 0.25243, 0.015708],
+    [1.0890 * 0.00092090, 1.0890 * -0.0025498, 1.0890 * 0.17860],
+];
+
+/// The matrix from XYZ to the linear RGB of a colour profile, row by row.
+pub fn rgb_matrix(colour: Colour) -> [[f64; 3]; 3] {
+    match colour {
+        Colour::Srgb => XYZ_TO_SRGB,
+        Colour::Thesis => XYZ_TO_THESIS,
+    }
+}
+
+/// Colour weights of one wavelength: `S(λ)·(x̄, ȳ, z̄)(λ) / ∫ S ȳ dλ`, per nm.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spectrum {
+    per_nm: Vec<[f64; 3]>,
+}
+
+/// One node of a wavelength integral.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Wavelength, nm.
+    pub lambda_nm: f64,
+    /// X, Y, Z contributed by a response of 1 at this node (quadrature weight included).
+    pub xyz: [f64; 3],
+}
+
+impl Spectrum {
+    /// The weights of an illuminant: a CIE name (`D65`, `D50`, `E`, `A`, `F1` …) or the path of a CSV file with two
+    /// columns, wavelength in nm (rising, covering 380–780) and power in any unit.
+    pub fn new(illuminant: &str) -> Result<Spectrum> {
+        let power = match named(illuminant) {
+            Some(power) => power,
+            None => from_csv(illuminant)?,
+        };
+        let observer: Vec<[f64; 3]> = (380..=780)
+            .filter_map(|nm| Observer::Cie1931.xyz_at_wavelength(nm).ok())
+            .map(|xyz| xyz.to_array())
+            .collect();
+        let weigh = |i: usize| observer[i].map(|c| c * power[i]);
+        let last = power.len() - 1;
+        let luminance: f64 =
+            (0..=last).map(|i| weigh(i)[1] * if i == 0 || i == last { 0.5 } else { 1.0 }).sum();
+        if !(luminance.is_finite() && luminance > 0.0) {
+            let cause = "the illuminant has no visible power";
+            return Err(Error::new(Stage::Spectrum, illuminant, cause)
+                .remedy("give positive powers between 380 and 780 nm"));
+        }
+        Ok(Spectrum { per_nm: (0..=last).map(|i| weigh(i).map(|c| c / luminance)).collect() })
+    }
+
+    /// Weights per nm at a wavelength in nm, linear between the table's whole nm, zero outside 380–780 nm.
+    pub fn per_nm(&self, lambda_nm: f64) -> [f64; 3] {
+        let place = lambda_nm - TABLE_MIN_NM;
+        let last = self.per_nm.len() - 1;
+        if !(place >= 0.0 && place <= last as f64) {
+            return [0.0; 3];
+        }
+        let index = (place as usize).min(last - 1);
+        let t = place - index as f64;
+        std::array::from_fn(|c| self.per_nm[index][c] * (1.0 - t) + self.per_nm[index + 1][c] * t)
+    }
+
+    /// Trapezoid nodes of a wavelength range: `min`, `min + step`, …, and `max`; the last interval is shorter where the
+    /// step does not divide the range. A range of one wavelength is one node of 1 nm.
+    pub fn samples(&self, range: &Wavelengths) -> Vec<Sample> {
+        let nodes_nm = nodes_nm(range);
+        let last = nodes_nm.len() - 1;
+        let width = |i: usize| match i {
+            _ if last == 0 => 1.0,
+            0 => 0.5 * (nodes_nm[1] - nodes_nm[0]),
+            i if i == last => 0.5 * (nodes_nm[last] - nodes_nm[last - 1]),
+            i => 0.5 * (nodes_nm[i + 1] - nodes_nm[i - 1]),
+        };
+        let sample = |(i, &lambda_nm): (usize, &f64)| Sample {
+            lambda_nm,
+            xyz: self.per_nm(lambda_nm).map(|c| c * width(i)),
+        };
+        nodes_nm.iter().enumerate().map(sample).collect()
+    }
+
+    /// Tristimulus values of a response of 1 at every wavelength: the illuminant's white, `Y = 1`.
+    pub fn white(&self) -> [f64; 3] {
+        let fine = Wavelengths { min_nm: TABLE_MIN_NM, max_nm: TABLE_MAX_NM, step_nm: 1.0 };
+        sum(&self.samples(&fine))
+    }
+}
+
+/// The wavelengths, nm, of a uniform range; always both ends.
+pub fn nodes_nm(range: &Wavelengths) -> Vec<f64> {
+    let span = range.max_nm - range.min_nm;
+    let whole = (span / range.step_nm + 1e-9).floor().max(0.0) as usize;
+    let mut nodes: Vec<f64> =
+        (0..=whole).map(|i| range.min_nm + i as f64 * range.step_nm).collect();
+    match nodes.last_mut() {
+        Some(last) if span > 0.0 && (range.max_nm - *last).abs() < 1e-6 * range.step_nm => {
+            *last = range.max_nm
+        }
+        _ if span > 0.0 => nodes.push(range.max_nm),
+        _ => nodes.truncate(1),
+    }
+    nodes
+}
+
+/// Sum of the nodes' weights: what a response of 1 everywhere becomes on that grid.
+pub fn sum(samples: &[Sample]) -> [f64; 3] {
+    samples.iter().fold([0.0; 3], |a, s| std::array::from_fn(|c| a[c] + s.xyz[c]))
+}
+
+/// Tristimulus values to linear RGB; not clamped.
+pub fn to_rgb(xyz: [f64; 3], colour: Colour) -> [f64; 3] {
+    rgb_matrix(colour).map(|row| row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2])
+}
+
+/// The sRGB transfer function (IEC 61966-2-1), on a linear component clamped to [0, 1].
+pub fn srgb_encode(linear: f64) -> f64 {
+    let c = linear.clamp(0.0, 1.0);
+    if c <= 0.0031308 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// CIEDE2000 between two tristimulus values relative to D65 with `Y = 1` (Luo, Cui & Rigg 2001, by `colorimetry`).
+/// Components are clipped to the range from black to white first.
+pub fn ciede2000(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let white = D65_WHITE.map(|c| c * 100.0);
+    let lab = |xyz: [f64; 3]| {
+        let clipped = std::array::from_fn(|c| (xyz[c] * 100.0).clamp(0.0, white[c]));
+        CieLab::from_rxyz(RelXYZ::new(clipped, XYZ::new(white, Observer::Cie1931)))
+    };
+    lab(a).ciede2000(&lab(b)).unwrap_or(f64::NAN)
+}
+
+/// White point of D65 for the 2° observer, `Y = 1` (ASTM E308).
+pub const D65_WHITE: [f64; 3] = [0.95047, 1.0, 1.08883];
+
+fn named(name: &str) -> Option<Vec<f64>> {
+    use CieIlluminant as C;
+    let light = match name.to_ascii_uppercase().as_str() {
+        "D65" => C::D65,
+        "D50" => C::D50,
+        "E" => C::E,
+        "A" => C::A,
+        "F1" => C::F1,
+        "F2" => C::F2,
+        "F3" => C::F3,
+        "F4" => C::F4,
+        "F5" => C::F5,
+        "F6" => C::F6,
+        "F7" => C::F7,
+        "F8" => C::F8,
+        "F9" => C::F9,
+        "F10" => C::F10,
+        "F11" => C::F11,
+        "F12" => C::F12,
+        _ => return None,
+    };
+    Some(light.spectrum().as_array().to_vec())
+}
+
+fn from_csv(path: &str) -> Result<Vec<f64>> {
+    const MAX_BYTES: u64 = 1 << 20;
+    let fail =
+        |cause: String| Error::new(Stage::Spectrum, format!("optics.illuminant = {path:?}"), cause);
+    let remedy = "name a CIE illuminant (D65, D50, E, A, F1 to F12) or a CSV file of wavelength in nm and power";
+    if !Path::new(path).is_file() {
+        return Err(fail("is neither a known illuminant nor a file".into()).remedy(remedy));
+    }
+    let size = std::fs::metadata(path).map(|m| m.len()).unwrap_or(u64::MAX);
+    if size > MAX_BYTES {
+        return Err(fail(format!("is {size} bytes long"))
+            .remedy("an illuminant table has at most a few thousand lines"));
+    }
+    let text = std::fs::read_to_string(path)
+        .map_err(|e| fail("cannot be read".into()).source(e).remedy(remedy))?;
+    let mut rows: Vec<(f64, f64)> = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let mut fields =
+            line.split([',', ';', '\t', ' ']).filter(|f| !f.is_empty()).map(str::parse::<f64>);
+        match (fields.next(), fields.next()) {
+            (Some(Ok(nm)), Some(Ok(power)))
+                if nm.is_finite() && power.is_finite() && power >= 0.0 =>
+            {
+                if rows.last().is_some_and(|&(before, _)| before >= nm) {
+                    return Err(fail(format!(
+                        "line {}: wavelengths must rise, {nm} does not",
+                        index + 1
+                    )));
+                }
+                rows.push((nm, power));
+            }
+            _ if rows.is_empty() && index == 0 => {} // a header
+            _ => {
+                return Err(fail(format!(
+                    "line {}: {line:?} is not a wavelength and a power ≥ 0",
+                    index + 1
+                ))
+                .remedy(remedy));
+            }
+        }
+    }
+    let (Some(first), Some(last)) = (rows.first(), rows.last()) else {
+        return Err(fail("holds no numbers".into()).remedy(remedy));
+    };
+    if first.0 > TABLE_MIN_NM || last.0 < TABLE_MAX_NM {
+        let cause = format!("covers {} to {} nm, not 380 to 780 nm", first.0, last.0);
+        return Err(fail(cause).remedy("extend the table; write zeros where there is no power"));
+    }
+    let at = |nm: f64| {
+        let next = rows.partition_point(|&(x, _)| x < nm).clamp(1, rows.len() - 1);
+        let ((x0, y0), (x1, y1)) = (rows[next - 1], rows[next]);
+        y0 + (y1 - y0) * (nm - x0) / (x1 - x0)
+    };
+    if rows.len() < 2 {
+        return Err(fail("holds a single wavelength".into()).remedy(remedy));
+    }
+    Ok((380..=780).map(|nm| at(f64::from(nm))).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid(step_nm: f64) -> Vec<Sample> {
+        let range = Wavelengths { min_nm: 380.0, max_nm: 780.0, step_nm };
+        Spectrum::new("D65").expect("D65").samples(&range)
+    }
+
+    /// A mirror of 1 at every wavelength is the D65 white; a coarse grid's error shows, since the normaliser is fixed.
+    #[test]
+    fn mirror_is_white_and_coarse_grids_err_as_stated() {
+        let white = Spectrum::new("D65").expect("D65").white();
+        for (c, want) in [(0, 0.9505), (1, 1.0), (2, 1.0888)] {
+            assert!((white[c] - want).abs() < 3e-4, "{white:?}");
+        }
+        for (step, want, within) in [(5.0, 1.00002, 5e-6), (25.0, 1.009, 5e-4), (50.0, 1.025, 5e-4)]
+        {
+            let y = sum(&grid(step))[1];
+            assert!((y - want).abs() < within, "step {step}: {y}");
+        }
+    }
+
+    /// The texts apply D65 twice and use a CIE-RGB matrix: white is then far from (1, 1, 1).
+    #[test]
+    fn white_is_neutral_in_srgb_and_not_in_the_texts_matrix() {
+        let white = Spectrum::new("D65").expect("D65").white();
+        assert!(to_rgb(white, Colour::Srgb).iter().all(|c| (c - 1.0).abs() < 1e-3));
+        let thesis = to_rgb(white, Colour::Thesis);
+        assert!(
+            (thesis[0] - thesis[1]).abs() > 0.01 && thesis.iter().all(|c| *c < 0.3),
+            "{thesis:?}"
+        );
+    }
+
+    #[test]
+    fn a_step_that_does_not_divide_the_range_keeps_both_ends() {
+        let nodes = nodes_nm(&Wavelengths { min_nm: 380.0, max_nm: 780.0, step_nm: 7.0 });
+        assert_eq!((nodes[0], nodes[nodes.len() - 1]), (380.0, 780.0));
+        let total: f64 = grid(7.0).iter().map(|s| s.xyz[1]).sum();
+        assert!((total - 1.0).abs() < 1e-3, "{total}");
+        assert_eq!(nodes_nm(&Wavelengths { min_nm: 550.0, max_nm: 550.0, step_nm: 5.0 }), [550.0]);
+    }
+
+    #[test]
+    fn colour_difference_is_zero_on_itself_and_large_on_black() {
+        assert_eq!(ciede2000(D65_WHITE, D65_WHITE), 0.0);
+        assert!((ciede2000(D65_WHITE, [0.0; 3]) - 100.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn unknown_illuminants_say_what_is_known() {
+        let text = Spectrum::new("D66").expect_err("unknown").to_string();
+        assert!(text.contains("D66") && text.contains("D65"), "{text}");
+    }
+}

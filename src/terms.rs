@@ -1,1 +1,119 @@
 //! The transforms of the basis functions of a surface.
+
+use rayon::prelude::*;
+use rustfft::num_complex::Complex64;
+
+use crate::basis::Expansion;
+use crate::height::HeightField;
+use crate::transform::{Bins, axes, heights_upwards_um, ifft2};
+
+/// `ifft2(b_n(h))` of every term at the wanted bins, `[term][s][r]`, row-major, origin at the patch centre.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Terms {
+    /// The bins kept.
+    pub bins: Bins,
+    /// One table per term.
+    pub tables: Vec<Vec<Complex64>>,
+}
+
+impl Terms {
+    /// Transforms all terms. Two real functions share one complex transform, `f + i g`, and are told apart by the
+    /// symmetry `F(-r, -s) = F*(r, s)`; the powers of `i` are put on afterwards.
+    pub fn new(height: &HeightField, expansion: &Expansion, bins: Bins) -> Terms {
+        let x: Vec<f64> = heights_upwards_um(height)
+            .iter()
+            .map(|h| expansion.z_max * (h - expansion.origin_um))
+            .collect();
+        let axes = axes(height);
+        let mut power = vec![1.0; x.len()];
+        let mut tables = Vec::with_capacity(expansion.terms as usize);
+        for n in (0..expansion.terms).step_by(2) {
+            let next = |p: f64, x: f64, n: u32| p * x / f64::from(n + 1);
+            let mut data: Vec<Complex64> =
+                power.par_iter().zip(&x).map(|(&p, &x)| Complex64::new(p, next(p, x, n))).collect();
+            power
+                .par_iter_mut()
+                .zip(&data)
+                .zip(&x)
+                .for_each(|((p, pair), &x)| *p = next(pair.im, x, n + 1));
+            let both = ifft2(&mut data, axes, bins);
+            let last = both.len() - 1;
+            // bins run from -max to max on both axes, so the mirrored bin lies at the mirrored index
+            let mirrored = |i: usize| both[last - i].conj();
+            tables.push(
+                (0..both.len())
+                    .into_par_iter()
+                    .map(|i| times_i(0.5 * (both[i] + mirrored(i)), n))
+                    .collect(),
+            );
+            if n + 1 < expansion.terms {
+                // (Z(r) - Z*(-r))/2i is the odd one
+                let odd = |i: usize| times_i(0.5 * (both[i] - mirrored(i)), n + 4);
+                tables.push((0..both.len()).into_par_iter().map(odd).collect());
+            }
+        }
+        Terms { bins, tables }
+    }
+
+    /// Value of a term at bin `(r, s)`.
+    pub fn at(&self, term: usize, r: i64, s: i64) -> Complex64 {
+        let (column, row) = (r + self.bins.r_max as i64, s + self.bins.s_max as i64);
+        self.tables[term][row as usize * self.bins.width() + column as usize]
+    }
+}
+
+/// `i^n · c`, exactly.
+fn times_i(c: Complex64, n: u32) -> Complex64 {
+    match n % 4 {
+        0 => c,
+        1 => Complex64::new(-c.im, c.re),
+        2 => -c,
+        _ => Complex64::new(c.im, -c.re),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::coefficient_brute;
+    use crate::plan::Basis;
+
+    /// The series with enough terms is the transform of the phase function itself, up to the phase of the origin.
+    #[test]
+    fn many_terms_give_the_transform_of_the_phase_function() {
+        let heights_um: Vec<f64> = (0..35).map(|i| f64::from(i * i % 13) * 0.02).collect();
+        let height = HeightField::new(7, 5, 0.06, 0.05, heights_um).expect("valid");
+        for basis in [Basis::Taylor, Basis::TaylorZero] {
+            let expansion = Expansion::new(basis, 1, &height, 400.0).with_error(1e-12);
+            let terms = Terms::new(&height, &expansion, Bins { r_max: 5, s_max: 3 });
+            assert_eq!(terms.tables.len(), expansion.terms as usize);
+            for z in [-29.0_f64, -8.0, 3.0] {
+                let tau = z / expansion.z_max;
+                for (r, s) in [(0, 0), (1, 0), (0, -2), (-5, 3), (4, 1)] {
+                    let sum: Complex64 = (0..terms.tables.len())
+                        .map(|n| terms.at(n, r, s) * tau.powi(n as i32))
+                        .sum();
+                    let want = coefficient_brute(&height, r, s, z)
+                        * Complex64::cis(-z * expansion.origin_um);
+                    assert!(
+                        (sum - want).norm() < 1e-11,
+                        "{basis:?} {r},{s} z={z}: {sum} against {want}"
+                    );
+                }
+            }
+        }
+    }
+
+    /// One term fewer than asked for must show: the comparison above can fail.
+    #[test]
+    fn a_missing_term_shows() {
+        let height = HeightField::new(2, 1, 0.05, 0.05, vec![0.0, 0.4]).expect("valid");
+        let expansion = Expansion::new(Basis::Taylor, 3, &height, 400.0);
+        let terms = Terms::new(&height, &expansion, Bins { r_max: 0, s_max: 0 });
+        let tau = 20.0 / expansion.z_max;
+        let sum: Complex64 = (0..3).map(|n| terms.at(n, 0, 0) * tau.powi(n as i32)).sum();
+        let want =
+            coefficient_brute(&height, 0, 0, 20.0) * Complex64::cis(-20.0 * expansion.origin_um);
+        assert!((sum - want).norm() > 0.1);
+    }
+}

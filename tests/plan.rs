@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use diffraction_shaders::plan::{Auto, Basis, Mode, Packing, Plan, SurfaceSource, Target, Variant};
+use diffraction_shaders::spectrum::nodes_nm;
 
 const SURFACE: &str = "schema = 1\n[[surface]]\nname = \"a\"\ngrating = { kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 100 }\n";
 
@@ -411,13 +412,19 @@ fn presets_take_defaults_and_optics_but_not_the_axes() {
 }
 
 #[test]
-fn a_step_that_does_not_divide_its_range_is_noted() {
-    let plan = with("[variants]\nwavelengths = { step_nm = 30 }\n");
-    assert_eq!(plan.variants[0].wavelengths.count(), 14);
-    assert_eq!(
-        plan.notes,
-        ["full-taylor-t31-380to780by30: steps of 30 nm end at 770 nm, not at 780 nm"]
-    );
+fn samples_are_counted_as_they_are_taken() {
+    for (keys, count) in [
+        ("{}", 81),
+        ("{ step_nm = 2.5 }", 161),
+        ("{ step_nm = 30 }", 15),
+        ("{ step_nm = 400 }", 2),
+        ("{ min_nm = 380, max_nm = 380 }", 1),
+        ("{ min_nm = 400, max_nm = 700, step_nm = 0.1 }", 3001),
+    ] {
+        let plan = with(&format!("[variants]\nwavelengths = {keys}\n"));
+        let waves = plan.variants[0].wavelengths;
+        assert_eq!((waves.count(), nodes_nm(&waves).len()), (count, count), "{keys}");
+    }
 }
 
 #[test]

@@ -72,15 +72,15 @@ impl Variant {
 }
 
 impl Wavelengths {
-    /// Number of samples `min_nm + i·step_nm` up to `max_nm`; a range of no width has one.
+    /// Number of samples: both ends, and every `step_nm` from the first; a range of no width has one.
     pub fn count(&self) -> usize {
         let range = self.max_nm - self.min_nm;
-        if range <= 0.0 { 1 } else { (range / self.step_nm + 1e-9).floor() as usize + 1 }
-    }
-
-    /// The last sample, nm: below `max_nm` where the step does not divide the range.
-    pub fn last_nm(&self) -> f64 {
-        self.min_nm + (self.count() - 1) as f64 * self.step_nm
+        if range <= 0.0 {
+            return 1;
+        }
+        let steps = (range / self.step_nm + 1e-9).floor();
+        let ends_on_a_step = range - steps * self.step_nm < 1e-6 * self.step_nm;
+        steps as usize + if ends_on_a_step { 1 } else { 2 }
     }
 }
 

@@ -116,16 +116,6 @@ fn sections(root: &Table, folder: PathBuf, text_hash: String) -> Option<Plan> {
         let remedy = "give an axis a value that is available, or name a preset";
         root.source.fail_file(format!("no variant is left: {name}: {reason}"), remedy);
     }
-    for variant in variants.iter().filter(|v| v.wavelengths.count() > 1) {
-        let (last, max) = (variant.wavelengths.last_nm(), variant.wavelengths.max_nm);
-        if max - last > 1e-6 {
-            let step = variant.wavelengths.step_nm;
-            notes.push(format!(
-                "{}: steps of {step} nm end at {last} nm, not at {max} nm",
-                variant.name
-            ));
-        }
-    }
     Some(Plan { folder, text_hash, surfaces, optics, variants, rejected, targets, notes })
 }
 

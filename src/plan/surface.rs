@@ -177,6 +177,9 @@ fn check_numbers(table: &Table) -> bool {
                     x > 0.0 && x < 1.0
                 })
                 .is_some(),
+            "regularity" => item
+                .number("from 0 to 1", "the order of the placement", |x| (0.0..=1.0).contains(&x))
+                .is_some(),
             "height_um" => item.positive("a height in µm").is_some(),
             _ if key.ends_with("_um") => item.positive("a length in µm").is_some(),
             _ => item

@@ -347,7 +347,7 @@ fn wavelengths(item: &Item) -> Option<Wavelengths> {
             .fail(format!("a step of {step_nm} nm is wider than the range of {range} nm"), remedy);
         return None;
     }
-    if range / step_nm + 1.0 > MAX_SAMPLES {
+    if (range / step_nm).ceil() + 1.0 > MAX_SAMPLES {
         let least = (range / (MAX_SAMPLES - 1.0) * 1000.0).ceil() / 1000.0;
         let remedy = format!("use a step of at least {least} nm");
         place("step_nm").fail(format!("gives more than {MAX_SAMPLES} samples"), remedy);

@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use anyhow::Result;
+use diffraction_shaders::diagnostic::{self, Diagnostic};
 use diffraction_shaders::error::Error;
 
 /// Form of diagnostics.
@@ -47,32 +48,46 @@ impl Console {
 
     /// Tells something worth knowing though nothing is wrong.
     pub(crate) fn note(&self, text: &str) {
-        self.tell("note", text);
+        let severity = diagnostic::Severity::Note;
+        self.tell("note", text, Diagnostic { severity, ..Diagnostic::error(text) });
     }
 
     /// Tells why a command failed, with its causes.
     pub(crate) fn error(&self, error: &anyhow::Error) {
         match error.downcast_ref::<Errors>() {
-            Some(Errors(errors)) => {
-                errors.iter().for_each(|error| self.tell("error", &error.to_string()))
-            }
-            // The library's errors tell their sources themselves.
-            None if error.downcast_ref::<Error>().is_some() => {
-                self.tell("error", &error.to_string())
-            }
-            None => self.tell("error", &format!("{error:#}")),
+            Some(Errors(errors)) => errors.iter().for_each(|error| self.library_error(error)),
+            None => match error.downcast_ref::<Error>() {
+                Some(error) => self.library_error(error),
+                None => {
+                    let text = format!("{error:#}");
+                    self.tell("error", &text, Diagnostic::error(text.clone()));
+                }
+            },
         }
     }
 
-    fn tell(&self, level: &str, text: &str) {
-        let line = match self.format {
-            MessageFormat::Human => format!("{level}: {text}\n"),
-            MessageFormat::Json => {
-                format!("{}\n", serde_json::json!({ "level": level, "message": text }))
-            }
+    /// The library's errors tell their sources themselves.
+    fn library_error(&self, error: &Error) {
+        let plain = Diagnostic::error(error.message());
+        let diagnostic = match error.advice() {
+            Some(advice) => plain.help(advice),
+            None => plain,
         };
+        self.tell("error", &error.to_string(), diagnostic);
+    }
+
+    fn tell(&self, level: &str, line: &str, diagnostic: Diagnostic) {
+        let mut stderr = io::stderr().lock();
         // Nobody is left to tell when stderr is closed.
-        let _ = io::stderr().write_all(line.as_bytes());
+        let _ = match self.format {
+            MessageFormat::Human => writeln!(stderr, "{level}: {line}"),
+            MessageFormat::Json => diagnostic::write(
+                &[diagnostic],
+                diagnostic::MessageFormat::Json,
+                false,
+                &mut stderr,
+            ),
+        };
     }
 }
 

@@ -1,7 +1,15 @@
 //! `cargo xtask list`: what a plan means, and what it costs.
 
+mod table;
+
+use std::collections::BTreeMap;
+
 use anyhow::Result;
-use diffraction_shaders::plan::{Auto, Grating, Plan, SurfaceSource, SurfaceSpec, Variant};
+use diffraction_shaders::height;
+use diffraction_shaders::plan::{
+    Auto, Grating, Plan, Rejected, SurfaceSource, SurfaceSpec, Variant,
+};
+use diffraction_shaders::resolve::{Resolved, resolve};
 use serde_json::{Value, json};
 
 use crate::Outcome;
@@ -22,17 +30,38 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let plan = args.plan.read(console)?;
-    let text = if args.json { format!("{:#}\n", object(&plan)) } else { human(&plan) };
+    let costs = costs(&plan, console);
+    let text =
+        if args.json { format!("{:#}\n", object(&plan, &costs)) } else { human(&plan, &costs) };
     console.data(&text)?;
     Ok(Outcome::Done)
 }
 
-fn object(plan: &Plan) -> Value {
-    let rejected =
-        |r: &diffraction_shaders::plan::Rejected| json!({ "name": r.name, "reason": r.reason });
+/// Each variant on each surface that can be read, by the names of variant and surface.
+type Costs = BTreeMap<(String, String), Resolved>;
+
+fn costs(plan: &Plan, console: &Console) -> Costs {
+    let mut costs = Costs::new();
+    for spec in &plan.surfaces {
+        match height::load(spec) {
+            Ok(surface) => {
+                for variant in &plan.variants {
+                    let key = (variant.name.clone(), spec.name.clone());
+                    costs.insert(key, resolve(variant, &surface.field));
+                }
+            }
+            // What the plan means is clear without it.
+            Err(error) => console.note(&format!("no cost is known: {error}")),
+        }
+    }
+    costs
+}
+
+fn object(plan: &Plan, costs: &Costs) -> Value {
+    let rejected = |r: &Rejected| json!({ "name": r.name, "reason": r.reason });
     json!({
         "surfaces": plan.surfaces.iter().map(surface_object).collect::<Vec<_>>(),
-        "variants": plan.variants.iter().map(variant_object).collect::<Vec<_>>(),
+        "variants": plan.variants.iter().map(|variant| variant_object(variant, plan, costs)).collect::<Vec<_>>(),
         "targets": plan.targets.iter().map(|target| target.as_str()).collect::<Vec<_>>(),
         "rejected": plan.rejected.iter().map(rejected).collect::<Vec<_>>(),
         "notes": plan.notes,
@@ -48,16 +77,20 @@ fn surface_object(surface: &SurfaceSpec) -> Value {
     }
 }
 
-fn variant_object(variant: &Variant) -> Value {
-    let waves = &variant.wavelengths;
-    let cost = variant.cost().map(|cost| {
-        json!({
-            "evaluations_mean": cost.evaluations,
-            "evaluations_worst": cost.evaluations,
-            "term_fetches": cost.term_fetches,
-            "spectrum_fetches": cost.spectrum_fetches,
-            "fetches": cost.fetches(),
-        })
+fn variant_object(variant: &Variant, plan: &Plan, costs: &Costs) -> Value {
+    let cost = plan.surfaces.iter().filter_map(|surface| {
+        let on = costs.get(&(variant.name.clone(), surface.name.clone()))?;
+        let cost = json!({
+            "surface": surface.name,
+            "terms": on.expansion.terms,
+            "window_radius": on.window_radius,
+            "evaluations_mean": on.cost.evaluations,
+            "evaluations_worst": on.cost.evaluations,
+            "term_fetches": on.cost.term_fetches,
+            "fetches": on.cost.fetches,
+            "table_bytes": on.cost.table_bytes,
+        });
+        Some(cost)
     });
     json!({
         "name": variant.name,
@@ -65,14 +98,14 @@ fn variant_object(variant: &Variant) -> Value {
         "basis": variant.basis,
         "terms": auto(variant.terms),
         "window_radius": auto(variant.window_radius),
-        "wavelengths": waves,
-        "samples": waves.count(),
+        "wavelengths": variant.wavelengths,
+        "samples": variant.wavelengths.count(),
         "table": variant.table,
         "packing": variant.packing,
         "hoist": variant.hoist,
         "optics": variant.optics,
         "hash": variant.hash(),
-        "cost": cost,
+        "cost": cost.collect::<Vec<_>>(),
     })
 }
 
@@ -83,38 +116,72 @@ fn auto(value: Auto<u32>) -> Value {
     }
 }
 
-fn human(plan: &Plan) -> String {
+fn human(plan: &Plan, costs: &Costs) -> String {
     let surfaces = plan.surfaces.iter().map(|surface| vec![surface.name.clone(), source(surface)]);
     let variants = plan.variants.iter().map(|variant| {
-        let or_auto = |value: Auto<u32>| auto(value).to_string().replace('"', "");
-        let cost = |of: fn(&diffraction_shaders::plan::Cost) -> u64| {
-            variant.cost().map_or_else(|| "auto".to_owned(), |cost| of(&cost).to_string())
-        };
         vec![
             variant.name.clone(),
             variant.mode.as_str().to_owned(),
             variant.basis.as_str().to_owned(),
-            or_auto(variant.terms),
-            or_auto(variant.window_radius),
-            cost(|cost| cost.evaluations),
-            cost(|cost| cost.term_fetches),
-            cost(|cost| cost.fetches()),
         ]
     });
-    let mut text = table(&["surface", "heights"], surfaces.collect());
+    let mut text = table::text(&["surface", "heights"], surfaces.collect());
     text.push('\n');
-    let head =
-        ["variant", "mode", "basis", "terms", "radius", "evaluations", "term fetches", "fetches"];
-    text += &table(&head, variants.collect());
-    text += "per pixel; every lit pixel costs the same\n\n";
+    text += &table::text(&["variant", "mode", "basis"], variants.collect());
+    text.push('\n');
+    text += &cost_table(plan, costs);
     let targets: Vec<&str> = plan.targets.iter().map(|target| target.as_str()).collect();
     text += &format!("targets: {}\n", targets.join(", "));
     if !plan.rejected.is_empty() {
         let rejected = plan.rejected.iter().map(|r| vec![r.name.clone(), r.reason.clone()]);
         text.push('\n');
-        text += &table(&["rejected", "reason"], rejected.collect());
+        text += &table::text(&["rejected", "reason"], rejected.collect());
     }
     text
+}
+
+/// One line for each cost, with the surfaces that share it.
+fn cost_table(plan: &Plan, costs: &Costs) -> String {
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for variant in &plan.variants {
+        let begin = rows.len();
+        for surface in &plan.surfaces {
+            let Some(on) = costs.get(&(variant.name.clone(), surface.name.clone())) else {
+                continue;
+            };
+            let numbers = [
+                on.expansion.terms.to_string(),
+                on.window_radius.to_string(),
+                on.cost.evaluations.to_string(),
+                on.cost.term_fetches.to_string(),
+                on.cost.fetches.to_string(),
+                format!("{:.1}", on.cost.table_bytes as f64 / 1024.0),
+            ];
+            match rows[begin..].iter_mut().find(|row| row[2..] == numbers) {
+                Some(row) => row[1] = format!("{}, {}", row[1], surface.name),
+                None => rows.push(
+                    [variant.name.clone(), surface.name.clone()]
+                        .into_iter()
+                        .chain(numbers)
+                        .collect(),
+                ),
+            }
+        }
+    }
+    if rows.is_empty() {
+        return String::new();
+    }
+    let head = [
+        "variant",
+        "on",
+        "terms",
+        "radius",
+        "evaluations",
+        "term fetches",
+        "fetches",
+        "tables, KiB",
+    ];
+    table::text(&head, rows) + "evaluations and fetches per lit pixel; each costs the same\n\n"
 }
 
 fn source(surface: &SurfaceSpec) -> String {
@@ -132,29 +199,4 @@ fn source(surface: &SurfaceSpec) -> String {
             Grating::Rows(rough) => format!("rows, {} µm", rough.size_um),
         },
     }
-}
-
-/// Columns as wide as their widest cell; numbers to the right.
-fn table(head: &[&str], rows: Vec<Vec<String>>) -> String {
-    let head = head.iter().map(ToString::to_string).collect();
-    let rows: Vec<Vec<String>> = std::iter::once(head).chain(rows).collect();
-    let columns = rows[0].len();
-    let width =
-        |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..columns).map(width).collect();
-    let is_number = |column: usize| {
-        rows.len() > 1
-            && rows[1..]
-                .iter()
-                .all(|row| row[column] == "auto" || row[column].parse::<f64>().is_ok())
-    };
-    let mut text = String::new();
-    for row in &rows {
-        let cells = row.iter().zip(&widths).enumerate().map(|(column, (cell, width))| {
-            if is_number(column) { format!("{cell:>width$}") } else { format!("{cell:<width$}") }
-        });
-        text += cells.collect::<Vec<_>>().join("  ").trim_end();
-        text.push('\n');
-    }
-    text
 }

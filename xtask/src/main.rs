@@ -6,6 +6,7 @@
 mod args;
 mod console;
 mod list;
+mod test;
 
 // Flags without a command line entry yet: a command is registered below when it works.
 macro_rules! unregistered {
@@ -39,6 +40,7 @@ struct Cli {
 enum Command {
     /// Show surfaces, variants, targets, static cost, and what was rejected and why.
     List(list::Args),
+    Test(test::Args),
 }
 
 /// How a command ended that did not fail.
@@ -51,15 +53,24 @@ pub(crate) enum Outcome {
     Findings,
 }
 
+impl From<Outcome> for ExitCode {
+    fn from(outcome: Outcome) -> ExitCode {
+        match outcome {
+            Outcome::Done => ExitCode::SUCCESS,
+            Outcome::Findings => ExitCode::from(1),
+        }
+    }
+}
+
 fn main() -> ExitCode {
     let cli = Cli::parse();
     let console = Console::new(cli.message_format);
     let outcome = match cli.command {
-        Command::List(args) => list::run(&args, &console),
+        Command::List(args) => list::run(&args, &console).map(ExitCode::from),
+        Command::Test(args) => test::run(&args),
     };
     match outcome {
-        Ok(Outcome::Done) => ExitCode::SUCCESS,
-        Ok(Outcome::Findings) => ExitCode::from(1),
+        Ok(code) => code,
         Err(error) if console::is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             console.error(&error);

@@ -1,0 +1,400 @@
+//! Height fields from files: PNG, TIFF, EXR, NPY, GSF and text matrices.
+//!
+//! **Orientation.** The first row of the file is the top row, in every format.
+//!
+//! **Heights.** Integer files need `height_um`, the height of the *full* grey range (0…255 or 0…65535), not of the image's
+//! own extrema. Float files hold µm times `z_unit_um` (1 by default; a GSF's own unit otherwise). NaN is a void pixel.
+//!
+//! **Scale.** A GSF carries its own; other files need `size_um` (width; length of a profile) or `pixel_um` and have square
+//! pixels. Resolution tags of pictures are for printers and not read. **A scale in the plan overrides that of a GSF**, with a
+//! note of both: scanners are recalibrated after the fact, and the plan is the place where that is written down. `size_um`
+//! then keeps the file's aspect of pixels, `pixel_um` makes them square.
+//!
+//! The declared size is checked against the limits and against the file's length before anything is allocated.
+
+mod npy;
+mod openexr;
+mod png;
+mod text;
+mod tiff;
+
+use std::fs;
+use std::path::Path;
+
+use crate::error::{Error, Result, Stage};
+use crate::height::{MAX_HEIGHT_UM, MIN_PITCH_UM, check_pixel, check_pixels, check_um, gsf};
+use crate::plan::FileSource;
+
+/// Longest file that is read: [`crate::height::MAX_PIXELS`] of four 64-bit channels, or as text of 30 characters each.
+pub const MAX_FILE_BYTES: u64 = 1 << 31;
+
+/// More bytes of pixels per byte of file than any accepted compression reaches: deflate 1032 (two bits for a match of 258
+/// bytes), LZW about 1340 (a dictionary of 4096 growing runs), EXR's PIZ about 500.
+const MAX_COMPRESSION: u64 = 1500;
+
+/// What a file says, in µm, before voids are filled.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reading {
+    /// Pixels along x.
+    pub columns: usize,
+    /// Pixels along y.
+    pub rows: usize,
+    /// Pixel pitch along x, µm.
+    pub pitch_x_um: f64,
+    /// Pixel pitch along y, µm.
+    pub pitch_y_um: f64,
+    /// Heights, µm, `[row][column]`, row 0 at the top; NaN where the file has none, finite elsewhere.
+    pub heights_um: Vec<f64>,
+    /// Notes for the user.
+    pub notes: Vec<String>,
+}
+
+/// What a format's reader delivers: numbers in the file's own units.
+pub(super) struct Raster {
+    pub columns: usize,
+    pub rows: usize,
+    pub samples: Samples,
+    /// Pixel pitch along x and y, µm, where the file has one.
+    pub scale: Option<(f64, f64)>,
+    pub notes: Vec<String>,
+}
+
+/// Samples `[row][column]`, top row first, NaN where void.
+pub(super) enum Samples {
+    /// Shares of the full grey range, 0 to 1.
+    Grey { shares: Vec<f64>, bits: u8 },
+    /// Numbers; `unit_um` where the file says µm per unit, `needs_unit` where it has a unit that is no length.
+    Float { values: Vec<f64>, unit_um: Option<f64>, needs_unit: bool },
+}
+
+impl Samples {
+    pub(super) fn float(values: Vec<f64>) -> Samples {
+        Samples::Float { values, unit_um: None, needs_unit: false }
+    }
+}
+
+/// Reads the heights of surface `name` from a file.
+///
+/// The format is that of the extension, and the content must agree with it. Errors name the surface, the file, the key or
+/// the place in the file, the value, and what to do.
+pub fn read(source: &FileSource, name: &str) -> Result<Reading> {
+    let subject = &subject(name, &source.path);
+    check_keys(source, subject)?;
+    let (format, bytes) = open(&source.path, subject)?;
+    let mut raster = match format {
+        Format::Png => png::read(&bytes, subject),
+        Format::Tiff => tiff::read(&bytes, subject),
+        Format::Exr => openexr::read(&bytes, subject),
+        Format::Npy => npy::read(&bytes, subject),
+        Format::Gsf => gsf::read(&bytes, subject),
+        Format::Text => text::read(&bytes, subject),
+    }?;
+    drop(bytes);
+    let mut notes = std::mem::take(&mut raster.notes);
+    let (columns, rows) = (raster.columns, raster.rows);
+    let (pitch_x_um, pitch_y_um) = pitch(source, &raster, subject, &mut notes)?;
+    let heights_um = heights(source, raster.samples, columns, subject, &mut notes)?;
+    Ok(Reading { columns, rows, pitch_x_um, pitch_y_um, heights_um, notes })
+}
+
+/// How errors name a surface that comes from a file.
+pub(super) fn subject(name: &str, path: &Path) -> String {
+    format!("surface {name}: {}", path.display())
+}
+
+/// A file format, by what the user calls it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Png,
+    Tiff,
+    Exr,
+    Npy,
+    Gsf,
+    Text,
+}
+
+impl Format {
+    fn of_extension(extension: &str) -> Option<Format> {
+        Some(match extension.to_ascii_lowercase().as_str() {
+            "png" => Format::Png,
+            "tif" | "tiff" => Format::Tiff,
+            "exr" => Format::Exr,
+            "npy" => Format::Npy,
+            "gsf" => Format::Gsf,
+            "txt" | "csv" => Format::Text,
+            _ => return None,
+        })
+    }
+
+    /// By the first bytes; text is what has no NUL and no other format's mark.
+    fn of_content(bytes: &[u8]) -> Option<Format> {
+        let marks: [(&[u8], Format); 8] = [
+            (b"\x89PNG\r\n\x1a\n", Format::Png),
+            (b"II*\0", Format::Tiff),
+            (b"MM\0*", Format::Tiff),
+            (b"II+\0", Format::Tiff),
+            (b"MM\0+", Format::Tiff),
+            (b"\x76\x2f\x31\x01", Format::Exr),
+            (b"\x93NUMPY", Format::Npy),
+            (gsf::MAGIC, Format::Gsf),
+        ];
+        let marked =
+            marks.iter().find(|(mark, _)| bytes.starts_with(mark)).map(|&(_, format)| format);
+        let head = &bytes[..bytes.len().min(1024)];
+        let texty = |b: &u8| *b >= b' ' || b.is_ascii_whitespace();
+        marked.or_else(|| {
+            (head.iter().all(texty) && head.iter().any(u8::is_ascii_digit)).then_some(Format::Text)
+        })
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Format::Png => "PNG",
+            Format::Tiff => "TIFF",
+            Format::Exr => "OpenEXR",
+            Format::Npy => "NPY",
+            Format::Gsf => "Gwyddion Simple Field",
+            Format::Text => "text",
+        }
+    }
+}
+
+/// The whole file and its format.
+fn open(path: &Path, subject: &str) -> Result<(Format, Vec<u8>)> {
+    let error = |cause: &str| Error::new(Stage::Height, subject, cause);
+    let known = "one of png, tif, tiff, exr, npy, gsf, txt, csv";
+    let meta = fs::metadata(path).map_err(|e| {
+        error("cannot be read").source(e).remedy("`file` is relative to the folder of the plan")
+    })?;
+    if !meta.is_file() {
+        return Err(error("is not a regular file").remedy("give the path of a height field"));
+    }
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
+    let format = Format::of_extension(extension).ok_or_else(|| {
+        error(&format!("the extension `{extension}` is not that of a known format"))
+            .remedy(format!("use {known}"))
+    })?;
+    if meta.len() == 0 {
+        return Err(error("the file is empty"));
+    }
+    if meta.len() > MAX_FILE_BYTES {
+        let cause = format!("the file has {} bytes, the limit is {MAX_FILE_BYTES}", meta.len());
+        return Err(error(&cause).remedy("crop the surface"));
+    }
+    let bytes = fs::read(path).map_err(|e| error("cannot be read").source(e))?;
+    match Format::of_content(&bytes) {
+        Some(found) if found == format => Ok((format, bytes)),
+        Some(found) => {
+            let cause = format!(
+                "the content is {}, the extension `{extension}` says {}",
+                found.name(),
+                format.name()
+            );
+            Err(error(&cause).remedy("rename or convert the file"))
+        }
+        None => Err(error(&format!(
+            "the content is not {}, as the extension `{extension}` says",
+            format.name()
+        ))
+        .remedy("the file is damaged or misnamed")),
+    }
+}
+
+/// Checks the keys that need no file.
+fn check_keys(source: &FileSource, subject: &str) -> Result<()> {
+    let check = |key: &str, value: Option<f64>, max: f64| {
+        value.map_or(Ok(()), |v| check_um(subject, key, v, max))
+    };
+    // 16384 pixels of the largest pitch
+    check("size_um", source.size_um, 16384.0 * 1000.0)?;
+    check("pixel_um", source.pixel_um, crate::height::MAX_PITCH_UM)?;
+    check("height_um", source.height_um, MAX_HEIGHT_UM)?;
+    // metres are the largest unit that a height field is stored in
+    check("z_unit_um", source.z_unit_um, 1e6)?;
+    if let (Some(size), Some(pixel)) = (source.size_um, source.pixel_um) {
+        let cause = format!("both `size_um = {size}` and `pixel_um = {pixel}` are given");
+        return Err(Error::new(Stage::Height, subject, cause).remedy("remove one of them"));
+    }
+    Ok(())
+}
+
+/// Pixel pitch along x and y, µm.
+fn pitch(
+    source: &FileSource,
+    raster: &Raster,
+    subject: &str,
+    notes: &mut Vec<String>,
+) -> Result<(f64, f64)> {
+    // the size is that along a profile, whichever way it lies
+    let along = if raster.columns == 1 { raster.rows } else { raster.columns };
+    let aspect = raster.scale.map_or(1.0, |(x, y)| y / x);
+    let given = match (source.size_um, source.pixel_um) {
+        (Some(size), _) if raster.columns == 1 => Some((
+            format!("`size_um = {size}` over {along} pixels"),
+            size / along as f64 / aspect,
+            aspect,
+        )),
+        (Some(size), _) => {
+            Some((format!("`size_um = {size}` over {along} pixels"), size / along as f64, aspect))
+        }
+        (None, Some(pixel)) => Some((format!("`pixel_um = {pixel}`"), pixel, 1.0)),
+        (None, None) => None,
+    };
+    let (origin, x, y) = match (given, raster.scale) {
+        (Some((origin, x, aspect)), _) => (origin, x, x * aspect),
+        (None, Some((x, y))) => ("the file's own scale".to_owned(), x, y),
+        (None, None) => {
+            return Err(Error::new(Stage::Height, subject, "no physical scale: neither `size_um` nor `pixel_um` is given")
+                .remedy("add `size_um` (width of the patch in µm) or `pixel_um` (pitch of the pixels in µm)"));
+        }
+    };
+    for pitch_um in [x, y] {
+        check_pixel(subject, &origin, pitch_um)?;
+    }
+    let differs = |a: f64, b: f64| (a - b).abs() > 1e-6 * b;
+    if let Some((file_x, file_y)) = raster.scale
+        && (differs(x, file_x) || differs(y, file_y))
+    {
+        notes.push(format!(
+            "{origin} overrides the file's own pitch, {file_x} × {file_y} µm, with {x} × {y} µm"
+        ));
+    }
+    Ok((x, y))
+}
+
+/// Samples to µm, with the checks that need the samples.
+fn heights(
+    source: &FileSource,
+    samples: Samples,
+    columns: usize,
+    subject: &str,
+    notes: &mut Vec<String>,
+) -> Result<Vec<f64>> {
+    let error = |cause: String| Error::new(Stage::Height, subject, cause);
+    let (mut values, unit_um, what) = match samples {
+        Samples::Grey { shares, bits } => {
+            let top = (1u32 << bits) - 1;
+            if let Some(unit) = source.z_unit_um {
+                return Err(error(format!(
+                    "`z_unit_um = {unit}` is for float files, this one has {bits}-bit integers"
+                ))
+                .remedy(format!("give `height_um`, the height of the full grey range 0…{top}")));
+            }
+            let height_um = source.height_um.ok_or_else(|| {
+                error(format!("`height_um` is missing: the file has {bits}-bit integers, which carry no height"))
+                    .remedy(format!("give the height in µm of the full grey range 0…{top}, not of the image's extrema"))
+            })?;
+            (shares, height_um, format!("`height_um = {height_um}`"))
+        }
+        Samples::Float { values, unit_um, needs_unit } => {
+            if let Some(height) = source.height_um {
+                let cause = format!(
+                    "`height_um = {height}` is for integer files, this one holds floats, which are heights in µm"
+                );
+                return Err(error(cause)
+                    .remedy("remove it; if the numbers are not µm, scale them with `z_unit_um`"));
+            }
+            if needs_unit && source.z_unit_um.is_none() {
+                return Err(error("the file's heights are in a unit that is no length".into())
+                    .remedy("give `z_unit_um`, the µm per unit"));
+            }
+            if let (Some(plan), Some(file)) = (source.z_unit_um, unit_um)
+                && plan != file
+            {
+                notes.push(format!(
+                    "`z_unit_um = {plan}` overrides the file's own unit of {file} µm"
+                ));
+            }
+            let unit = source.z_unit_um.or(unit_um).unwrap_or(1.0);
+            (values, unit, format!("with {unit} µm per unit"))
+        }
+    };
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for (i, v) in values.iter_mut().enumerate() {
+        if v.is_infinite() {
+            return Err(error(format!(
+                "the height at column {}, row {} is {v}",
+                i % columns,
+                i / columns
+            ))
+            .remedy("only NaN marks a void pixel"));
+        }
+        *v *= unit_um;
+        (low, high) = (low.min(*v), high.max(*v));
+    }
+    let range = high - low;
+    if range > MAX_HEIGHT_UM {
+        return Err(error(format!(
+            "heights from {low} to {high} µm ({what}) span more than {MAX_HEIGHT_UM} µm"
+        ))
+        .remedy("are the numbers nm? then `z_unit_um = 0.001`"));
+    }
+    if range > 0.0 && range < MIN_PITCH_UM {
+        notes.push(format!("the heights span only {range:e} µm, less than an atom: are they metres (`z_unit_um = 1e6`)?"));
+    }
+    Ok(values)
+}
+
+/// Checks that a file of `length` bytes can hold `bytes` of pixels, `compressed` or not.
+fn check_length(subject: &str, length: usize, bytes: u64, compressed: bool) -> Result<()> {
+    let most = if compressed { length as u64 * MAX_COMPRESSION } else { length as u64 };
+    if bytes <= most {
+        return Ok(());
+    }
+    let cause = format!(
+        "the header announces {bytes} bytes of pixels, more than a file of {length} bytes can hold"
+    );
+    Err(Error::new(Stage::Height, subject, cause).remedy("the file is truncated or damaged"))
+}
+
+/// Grey shares from interleaved integer samples: `channels` of them per pixel, the last being opacity if `alpha`.
+///
+/// Colour is accepted where red, green and blue agree exactly; a fully transparent pixel is void.
+fn grey<T: Copy + Into<u32>>(
+    samples: &[T],
+    channels: usize,
+    alpha: bool,
+    columns: usize,
+    bits: u8,
+    subject: &str,
+) -> Result<Samples> {
+    let top = (1u32 << bits) - 1;
+    let place = |i: usize| format!("column {}, row {}", i % columns, i / columns);
+    let error = |cause: String| Error::new(Stage::Height, subject, cause);
+    let mut shares = Vec::with_capacity(samples.len() / channels);
+    for (i, pixel) in samples.chunks_exact(channels).enumerate() {
+        let value = |c: usize| -> u32 { pixel[c].into() };
+        if alpha {
+            match value(channels - 1) {
+                0 => {
+                    shares.push(f64::NAN);
+                    continue;
+                }
+                a if a < top => {
+                    return Err(error(format!(
+                        "the pixel at {} is partly transparent ({a} of {top})",
+                        place(i)
+                    ))
+                    .remedy(
+                        "use opaque pixels, or fully transparent ones where the height is void",
+                    ));
+                }
+                _ => {}
+            }
+        }
+        let colours = if alpha { channels - 1 } else { channels };
+        if (1..colours).any(|c| value(c) != value(0)) {
+            let listed: Vec<String> = (0..colours).map(|c| value(c).to_string()).collect();
+            return Err(error(format!(
+                "the pixel at {} is coloured ({})",
+                place(i),
+                listed.join(", ")
+            ))
+            .remedy(
+                "heights need a grey image; false colours cannot be undone, so export it as grey",
+            ));
+        }
+        shares.push(f64::from(value(0)) / f64::from(top));
+    }
+    Ok(Samples::Grey { shares, bits })
+}

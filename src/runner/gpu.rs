@@ -1,0 +1,104 @@
+//! Shaders on a real driver, headless: wgpu on Vulkan or GL, a full-screen triangle into an f32 target, pixels read back.
+//!
+//! No window and no graphics card are needed: `mesa-vulkan-drivers` brings lavapipe (Vulkan), `libegl1 libgles2 libgl1-mesa-dri` bring
+//! llvmpipe (GL).
+//!
+//! Conventions, the same on every backend:
+//!
+//! * Pixels come row by row from the top: row 0 is next to y = +1 of normalised device coordinates, column 0 next to x = -1.
+//! * All bindings are in group 0. Textures are read by `textureLoad`: they are bound as not filterable, and there are no samplers.
+//! * Every failure is an [`Error`](crate::error::Error) of stage `Run`: what wgpu reports, a lost device, and a panic inside wgpu,
+//!   which it raises where it has no other way to report (the panic's own message also goes to stderr, as Rust's hook prints it).
+//! * Shaders run with wgpu's own run-time checks (bounds of loads, bounded loops). Switching them off is 1.0 to 1.5 times faster
+//!   and takes an unsafe call that vouches for the shader; this runner exists to measure shaders of which nobody can vouch yet.
+//!
+//! Calls on one [`Gpu`] and its pipelines, from any number of threads, take turns.
+
+mod adapter;
+mod guard;
+mod program;
+mod render;
+
+pub use self::adapter::{AdapterInfo, Backend, MESA_FLOAT_TARGETS};
+pub use self::program::{Program, Texture, TextureFormat, TextureLayout, Uniform};
+pub use self::render::Pipeline;
+
+use std::sync::Arc;
+
+use self::guard::Shared;
+use crate::error::Result;
+
+/// An open device of one adapter.
+#[derive(Clone, Debug)]
+pub struct Gpu {
+    shared: Arc<Shared>,
+}
+
+impl Gpu {
+    /// Opens the best adapter of `backend`: the first whose name or driver contains `adapter`, in any case of letters, where given;
+    /// graphics cards before software.
+    ///
+    /// The device gets all the limits that the adapter has, since tables can be large.
+    /// The error lists every adapter of the machine where none matches, and what to set where it cannot render to f32.
+    pub fn open(backend: Backend, adapter: Option<&str>) -> Result<Gpu> {
+        guard::caught(backend.name(), || adapter::open(backend, adapter))
+            .map(|shared| Gpu { shared: Arc::new(shared) })
+    }
+
+    /// All adapters of the machine, by backend. Empty where there is no driver.
+    pub fn adapters() -> Vec<AdapterInfo> {
+        guard::caught("adapters", || Ok(adapter::list())).unwrap_or_default()
+    }
+
+    /// The adapter that was opened.
+    pub fn info(&self) -> &AdapterInfo {
+        &self.shared.info
+    }
+
+    /// Uploads the textures of `program` and compiles its shader.
+    ///
+    /// What the adapter cannot hold is refused by the name of the limit, before anything is created.
+    pub fn program(&self, program: &Program<'_>) -> Result<Pipeline> {
+        program::check(program, &self.shared.limits)?;
+        self.shared.guarded(program.name, || program::build(&self.shared, program))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lost_device_is_an_error_and_stays_one() {
+        for backend in [Backend::Vulkan, Backend::Gl] {
+            // whether a driver must be there is the business of tests/gpu.rs
+            let Ok(gpu) = Gpu::open(backend, None) else { continue };
+            let wgsl = "
+                @vertex fn v(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
+                    return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+                }
+                @fragment fn f() -> @location(0) vec4f { return vec4f(1.0); }";
+            let program = Program {
+                name: "test",
+                wgsl,
+                vertex_entry: "v",
+                fragment_entry: "f",
+                textures: vec![],
+                uniform: None,
+            };
+            let pipeline = gpu.program(&program).expect("valid program");
+            assert_eq!(pipeline.render(1, 1, &[]).expect("renders"), [[1.0; 4]]);
+            gpu.shared.device.destroy();
+            for _ in 0..2 {
+                for error in [
+                    pipeline.render(1, 1, &[]).expect_err("lost"),
+                    pipeline.time(2, 2, &[]).expect_err("lost"),
+                    gpu.program(&program).expect_err("lost"),
+                ] {
+                    assert!(error.to_string().contains("was lost"), "{error}");
+                }
+            }
+            assert!(Gpu::open(backend, None).and_then(|gpu| gpu.program(&program)).is_ok());
+        }
+    }
+}

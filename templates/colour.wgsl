@@ -1,0 +1,24 @@
+// From tristimulus values to linear RGB.
+
+// Scene-linear radiance factor, relative to the peak of a mirror at normal incidence; not clamped.
+fn diffraction(wi: vec3f, wr: vec3f) -> vec3f {
+    return to_rgb(tristimulus(wi, wr));
+}
+
+fn to_rgb(xyz: vec3f) -> vec3f {
+#ifdef COLOUR_THESIS
+    // CIE RGB with D65 applied a second time, as the texts do; for comparison with their pictures only
+    return vec3f(
+        0.9505 * dot(vec3f(0.41847, -0.15866, -0.082835), xyz),
+        dot(vec3f(-0.091169, 0.25243, 0.015708), xyz),
+        1.0890 * dot(vec3f(0.00092090, -0.0025498, 0.17860), xyz),
+    );
+#else
+    // sRGB primaries, IEC 61966-2-1
+    return vec3f(
+        dot(vec3f(3.2406, -1.5372, -0.4986), xyz),
+        dot(vec3f(-0.9689, 1.8758, 0.0415), xyz),
+        dot(vec3f(0.0557, -0.2040, 1.0570), xyz),
+    );
+#endif
+}

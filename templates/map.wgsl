@@ -1,0 +1,42 @@
+// A full-screen picture of all viewing directions under one light.
+
+struct Params {
+    // xyz: direction to the light; w: unused
+    light: vec4f,
+    // xy: size of the picture in pixels; zw: unused
+    size: vec4f,
+}
+@group(0) @binding(0) var<uniform> params: Params;
+
+struct FullScreen {
+    @builtin(position) position: vec4f,
+    @location(0) place: vec2f,
+}
+
+// One triangle that covers the screen; `place` runs over [-1, 1]², y up.
+@vertex
+fn vert(@builtin(vertex_index) index: u32) -> FullScreen {
+    let place = vec2f(select(-1.0, 3.0, index == 1u), select(-1.0, 3.0, index == 2u));
+    return FullScreen(vec4f(place, 0.0, 1.0), place);
+}
+
+// The pixel that holds `place`, counted from the lower left; exact, however the driver interpolates.
+fn pixel_of(place: vec2f) -> vec2f {
+    return floor((0.5 * place + 0.5) * params.size.xy);
+}
+
+// Direction to the viewer of a pixel; z is negative outside the disc.
+fn view_direction(pixel: vec2f) -> vec3f {
+    let centre = (2.0 * pixel + 1.0) / params.size.xy - 1.0;
+    let squared = dot(centre, centre);
+    return vec3f(centre, select(-1.0, sqrt(max(0.0, 1.0 - squared)), squared < 1.0));
+}
+
+@fragment
+fn map(@location(0) place: vec2f) -> @location(0) vec4f {
+    let wr = view_direction(pixel_of(place));
+    if (wr.z < 0.0) {
+        return vec4f(0.0);
+    }
+    return vec4f(diffraction(params.light.xyz, wr), 1.0);
+}

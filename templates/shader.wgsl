@@ -1,0 +1,11 @@
+// Diffraction of a height field: scene-linear radiance factor for a direction to the light and one to the viewer.
+//
+// Frame: x along the tangent, y along the bitangent, z along the normal. Directions are unit vectors that point away
+// from the surface. Results are relative to the peak of a mirror at normal incidence, not clamped, and may be negative
+// where a colour lies outside the primaries.
+#constants
+#import gain
+#import full
+#import colour
+#import map
+#import probe

@@ -1,0 +1,166 @@
+//! What several tests need.
+#![allow(dead_code, reason = "each test binary uses a part of it")]
+
+use std::fs;
+
+use diffraction_shaders::{
+    diagnostic::Diagnostic,
+    emit::{EmittedFile, emit},
+    module::{Module, compile},
+    plan::Target,
+    template::{Constant, Defines, Sources, Specialised, specialise},
+    validate::{Report, Tool, tools, validate},
+};
+
+/// Every target.
+pub const TARGETS: [Target; 4] = [Target::Wgsl, Target::Glsl450, Target::GlslEs300, Target::Spirv];
+
+/// The root of the small test shader, with resources like those of the shipped ones.
+pub const ROOT: &str = "\
+// A small shader with the resources of the real ones.
+struct Params {
+    scale: vec4f,
+    gain: vec4f,
+}
+@group(0) @binding(0) var<uniform> params: Params;
+@group(0) @binding(1) var terms: texture_2d_array<f32>;
+@group(0) @binding(2) var spectrum: texture_2d<f32>;
+
+#constants
+#import core
+
+struct VertexOutput {
+    @builtin(position) position: vec4f,
+    @location(0) place: vec2f,
+}
+
+@vertex
+fn vert(@builtin(vertex_index) index: u32) -> VertexOutput {
+    let corner = vec2f(f32((index << 1u) & 2u), f32(index & 2u));
+    var out: VertexOutput;
+    out.place = corner * 2.0 - 1.0;
+    out.position = vec4f(out.place, 0.0, 1.0);
+    return out;
+}
+
+@fragment
+fn map(@location(0) place: vec2f) -> @location(0) vec4f {
+    let wr = vec3f(place, sqrt(max(0.0, 1.0 - dot(place, place))));
+    return vec4f(diffraction(vec3f(0.0, 0.0, 1.0), wr), 1.0);
+}
+
+#import probe
+";
+
+/// The core function of the test shader.
+pub const CORE: &str = "\
+// Sums all terms over all wavelengths.
+fn diffraction(wi: vec3f, wr: vec3f) -> vec3f {
+    let size = vec2i(textureDimensions(terms));
+    let h = wi + wr;
+    let texel = (vec2i(floor(h.xy * params.scale.xy)) % size + size) % size;
+    var sum = vec3f(0.0);
+    for (var w = 0; w < WAVELENGTHS; w += 1) {
+        let weight = textureLoad(spectrum, vec2i(w, 0), 0);
+        var amplitude = vec2f(0.0);
+        var power = 1.0;
+        for (var t = 0; t < TERMS; t += 1) {
+            let term = textureLoad(terms, texel, t, 0);
+#ifdef PAIRED
+            amplitude += power * (term.xy + h.z * term.zw);
+#else
+            amplitude += power * term.xy;
+#endif
+            power *= h.z * weight.w;
+        }
+        sum += weight.xyz * dot(amplitude, amplitude);
+    }
+    return sum * params.gain.xyz * SCALE;
+}
+";
+
+/// The second fragment shader of the test shader.
+pub const PROBE: &str = "\
+@group(0) @binding(3) var directions: texture_2d<f32>;
+
+@fragment
+fn probe(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let row = i32(position.y);
+    let wi = textureLoad(directions, vec2i(0, row), 0).xyz;
+    let wr = textureLoad(directions, vec2i(1, row), 0).xyz;
+    return vec4f(diffraction(wi, wr), 1.0);
+}
+";
+
+/// Templates of the test shader.
+pub fn sources() -> Sources {
+    [("root", ROOT), ("core", CORE), ("probe", PROBE)].into_iter().collect()
+}
+
+/// What the test shader wants to be told.
+pub fn defines() -> Defines {
+    Defines {
+        flags: [("PAIRED".to_owned(), true)].into(),
+        constants: [
+            ("WAVELENGTHS".to_owned(), Constant::I32(81)),
+            ("TERMS".to_owned(), Constant::I32(31)),
+            ("SCALE".to_owned(), Constant::F32(0.1)),
+        ]
+        .into(),
+    }
+}
+
+/// The specialised test shader.
+pub fn specialised() -> Specialised {
+    specialise(&sources(), "root", &defines()).unwrap_or_else(|errors| panic!("{errors:#?}"))
+}
+
+/// The compiled test shader.
+pub fn module() -> Module {
+    compile(&specialised(), &sources(), "test").unwrap_or_else(|errors| panic!("{errors:#?}"))
+}
+
+/// All files of all targets of the test shader.
+pub fn files() -> Vec<EmittedFile> {
+    let module = module();
+    TARGETS.into_iter().flat_map(|target| emit(&module, target).unwrap()).collect()
+}
+
+/// `file:line:column: message` of every diagnostic.
+pub fn lines(diagnostics: &[Diagnostic]) -> Vec<String> {
+    let describe = |diagnostic: &Diagnostic| match &diagnostic.primary {
+        Some(p) => format!("{}:{}:{}: {}", p.file, p.line, p.column, diagnostic.message),
+        None => diagnostic.message.clone(),
+    };
+    diagnostics.iter().map(describe).collect()
+}
+
+/// The external validators that are installed. One that is not is a failure if `DIFFRACTION_REQUIRE_TOOLS=1`;
+/// otherwise it is said that it did not run.
+pub fn installed_tools() -> Vec<Box<dyn Tool>> {
+    let required = std::env::var("DIFFRACTION_REQUIRE_TOOLS").is_ok_and(|value| value == "1");
+    let mut installed = Vec::new();
+    for tool in tools() {
+        if tool.version().is_some() {
+            installed.push(tool);
+            continue;
+        }
+        let remedy = match tool.package() {
+            Some(package) => format!("apt-get install {package}"),
+            None => "its binary has to be on the PATH".to_owned(),
+        };
+        // no package brings those without one, so that they cannot be required
+        assert!(!required || tool.package().is_none(), "{}: missing; {remedy}", tool.name());
+        eprintln!("NOT RUN: {} is not installed; {remedy}", tool.name());
+    }
+    installed
+}
+
+/// What the installed tools say about files of that name and content.
+pub fn validate_files<'a>(files: impl IntoIterator<Item = (&'a str, &'a [u8])>) -> Report {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in files {
+        fs::write(folder.path().join(name), bytes).unwrap();
+    }
+    validate(folder.path(), &installed_tools(), &[]).unwrap()
+}

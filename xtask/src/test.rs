@@ -1,0 +1,180 @@
+//! `cargo xtask test`: sets up what the tests need and runs all of them.
+
+mod setup;
+
+use std::{
+    ffi::{OsStr, OsString},
+    path::Path,
+    process::{Command, ExitCode},
+    time::{Duration, Instant},
+};
+
+use anyhow::Context as _;
+
+/// Sets up what the tests need, and runs all of them.
+///
+/// Missing software drivers and validators are installed with apt-get, where that takes no password. Then come formatting,
+/// lints, documentation and tests, all of them even if one fails.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  cargo xtask test
+  cargo xtask test -- --test gpu           only the tests of tests/gpu.rs
+  cargo xtask test --no-setup -- -- bands  only tests whose name contains `bands`")]
+pub struct Args {
+    /// Install nothing; tests that lack a tool say so and pass
+    #[arg(long)]
+    pub no_setup: bool,
+    /// Further arguments of `cargo test`
+    #[arg(last = true, value_name = "ARGS")]
+    pub cargo_test: Vec<OsString>,
+}
+
+/// Runs the command. 0: all steps passed; 1: one failed; 2: one could not be run, or a tool is missing.
+pub fn run(args: &Args) -> anyhow::Result<ExitCode> {
+    if !args.no_setup
+        && let setup::Outcome::Missing = setup::run()?
+    {
+        return Ok(ExitCode::from(2));
+    }
+    let root =
+        Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask lies in the workspace")?;
+    let mut done = Vec::new();
+    for step in steps(&args.cargo_test) {
+        eprintln!("\n== {}: cargo {}", step.name, step.arguments.join(OsStr::new(" ")).display());
+        let begun = Instant::now();
+        let status = step.command(root, !args.no_setup).status();
+        let outcome = match status {
+            Ok(status) if status.success() => Outcome::Passed,
+            Ok(_) => Outcome::Failed,
+            Err(e) => {
+                eprintln!("{}: cargo cannot be started: {e}", step.name);
+                Outcome::NotRun
+            }
+        };
+        done.push(Done { name: step.name, outcome, time: begun.elapsed() });
+    }
+    eprintln!();
+    for Done { name, outcome, time } in &done {
+        eprintln!("{name:<20} {:<10} {:7.1} s", outcome.word(), time.as_secs_f64());
+    }
+    Ok(ExitCode::from(exit_code(&done)))
+}
+
+/// One call of cargo.
+struct Step {
+    name: &'static str,
+    arguments: Vec<OsString>,
+    environment: &'static [(&'static str, &'static str)],
+}
+
+impl Step {
+    fn command(&self, root: &Path, tools_required: bool) -> Command {
+        let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+        command.args(&self.arguments).current_dir(root).envs(self.environment.iter().copied());
+        if tools_required {
+            command.env("DIFFRACTION_REQUIRE_TOOLS", "1");
+        }
+        command
+    }
+}
+
+/// All but formatting share one folder and one set of features, so that each dependency is built once.
+fn steps(cargo_test: &[OsString]) -> Vec<Step> {
+    let shared = "--release --workspace --target-dir target/gpu";
+    let step = |name, command: &str, rest: &str| Step {
+        name,
+        arguments: format!("{command} {rest}").split_whitespace().map(OsString::from).collect(),
+        environment: &[],
+    };
+    let mut test = step("tests", "test", &format!("{shared} --features gpu --no-fail-fast"));
+    test.arguments.extend_from_slice(cargo_test);
+    test.environment = &[
+        // Mesa's GL renders to 32-bit float targets only when asked to
+        ("MESA_EXTENSION_OVERRIDE", "+GL_ARB_color_buffer_float"),
+        // else Mesa's Vulkan looks for a Wayland display and complains
+        ("NODEVICE_SELECT", "1"),
+    ];
+    let mut doc = step("documentation", "doc", &format!("{shared} --features gpu --no-deps"));
+    doc.environment = &[("RUSTDOCFLAGS", "-D warnings")];
+    vec![
+        step("formatting", "fmt", "--all -- --check"),
+        step("lints", "clippy", &format!("{shared} --all-targets --features gpu -- -D warnings")),
+        step("lints without gpu", "clippy", &format!("{shared} -- -D warnings")),
+        doc,
+        test,
+    ]
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Outcome {
+    Passed,
+    Failed,
+    NotRun,
+}
+
+impl Outcome {
+    fn word(self) -> &'static str {
+        match self {
+            Outcome::Passed => "passed",
+            Outcome::Failed => "failed",
+            Outcome::NotRun => "not run",
+        }
+    }
+}
+
+struct Done {
+    name: &'static str,
+    outcome: Outcome,
+    time: Duration,
+}
+
+/// That of the first step that did not pass.
+fn exit_code(done: &[Done]) -> u8 {
+    done.iter()
+        .find_map(|done| match done.outcome {
+            Outcome::Passed => None,
+            Outcome::Failed => Some(1),
+            Outcome::NotRun => Some(2),
+        })
+        .unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_step_that_does_not_pass_decides() {
+        let done = |outcomes: &[Outcome]| -> Vec<Done> {
+            let done =
+                |outcome: &Outcome| Done { name: "", outcome: *outcome, time: Duration::ZERO };
+            outcomes.iter().map(done).collect()
+        };
+        use Outcome::{Failed, NotRun, Passed};
+        assert_eq!(exit_code(&done(&[Passed, Passed])), 0);
+        assert_eq!(exit_code(&done(&[Passed, Failed, NotRun])), 1);
+        assert_eq!(exit_code(&done(&[NotRun, Failed])), 2);
+    }
+
+    #[test]
+    fn a_second_pair_of_dashes_reaches_the_tests() {
+        #[derive(clap::Parser)]
+        struct Cli {
+            #[command(flatten)]
+            args: Args,
+        }
+        let cli = <Cli as clap::Parser>::parse_from(["test", "--", "--test", "gpu", "--", "bands"]);
+        assert_eq!(cli.args.cargo_test, ["--test", "gpu", "--", "bands"]);
+        let cli = <Cli as clap::Parser>::parse_from(["test", "--no-setup", "--", "--", "bands"]);
+        assert_eq!(cli.args.cargo_test, ["--", "bands"]);
+    }
+
+    #[test]
+    fn further_arguments_go_to_cargo_test() {
+        let steps = steps(&["--test".into(), "gpu".into()]);
+        let with: Vec<_> =
+            steps.iter().filter(|s| s.arguments.contains(&"gpu".into())).map(|s| s.name).collect();
+        assert_eq!(with, ["lints", "documentation", "tests"]);
+        assert!(steps[4].arguments.ends_with(&["--test".into(), "gpu".into()]));
+    }
+}

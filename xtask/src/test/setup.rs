@@ -1,0 +1,188 @@
+//! The Debian packages that the tests need, installed where that takes no password.
+
+use std::{
+    env, fs,
+    path::PathBuf,
+    process::{Command, Stdio},
+};
+
+/// Whether the tests can run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outcome {
+    /// Everything is there.
+    Ready,
+    /// Something is missing; what to do was printed.
+    Missing,
+}
+
+/// Looks for every package and installs those that are missing.
+pub fn run() -> anyhow::Result<Outcome> {
+    let missing = missing(&Machine::look());
+    if missing.is_empty() {
+        return Ok(Outcome::Ready);
+    }
+    let list = missing.join(" ");
+    let advice =
+        format!("sudo apt-get update && sudo apt-get install -y --no-install-recommends {list}");
+    if find("apt-get").is_none() {
+        eprintln!(
+            "the tests need what Debian calls {list}; install it by your system's means, or pass --no-setup"
+        );
+        return Ok(Outcome::Missing);
+    }
+    let Some(prefix) = privilege() else {
+        eprintln!("the tests need {list}; run\n  {advice}\nor pass --no-setup");
+        return Ok(Outcome::Missing);
+    };
+    eprintln!("== setup: apt-get install {list}");
+    // an old list of packages may still do
+    apt(prefix, &["update", "-q"]);
+    let mut arguments = vec!["install", "-q", "-y", "--no-install-recommends"];
+    arguments.extend(&missing);
+    let installed = apt(prefix, &arguments);
+    let left = self::missing(&Machine::look());
+    if !installed || !left.is_empty() {
+        eprintln!("{list}: not installed (run\n  {advice}\nor pass --no-setup)");
+        return Ok(Outcome::Missing);
+    }
+    Ok(Outcome::Ready)
+}
+
+/// By what a package is known to be there, whoever installed it.
+enum Sign {
+    /// A program on the path.
+    Program(&'static str),
+    /// A library that the loader knows, by the beginning of its file's name.
+    Library(&'static str),
+    /// A file of Mesa's GL drivers; later versions have a library instead.
+    Dri,
+    /// The description of a Vulkan driver, by the beginning of its file's name.
+    VulkanDriver(&'static str),
+}
+
+const PACKAGES: [(&str, Sign); 8] = [
+    ("mesa-vulkan-drivers", Sign::VulkanDriver("lvp_icd")),
+    ("libvulkan1", Sign::Library("libvulkan.so.1")),
+    ("libegl1", Sign::Library("libEGL.so.1")),
+    ("libgles2", Sign::Library("libGLESv2.so.2")),
+    // llvmpipe itself, which libegl1 does not depend on in Debian 12
+    ("libgl1-mesa-dri", Sign::Dri),
+    ("spirv-tools", Sign::Program("spirv-val")),
+    ("glslang-tools", Sign::Program("glslangValidator")),
+    ("spirv-cross", Sign::Program("spirv-cross")),
+];
+
+/// What was found on this machine.
+struct Machine {
+    programs: Vec<&'static str>,
+    libraries: String,
+    vulkan_drivers: Vec<String>,
+    installed: Vec<&'static str>,
+}
+
+impl Machine {
+    fn look() -> Machine {
+        let programs = PACKAGES.iter().filter_map(|(_, sign)| match sign {
+            Sign::Program(name) => find(name).map(|_| *name),
+            _ => None,
+        });
+        let folders =
+            ["/usr/share/vulkan/icd.d", "/usr/local/share/vulkan/icd.d", "/etc/vulkan/icd.d"];
+        let drivers =
+            folders.iter().filter_map(|folder| fs::read_dir(folder).ok()).flatten().flatten();
+        let ldconfig = ["ldconfig", "/sbin/ldconfig"].iter().find_map(|name| output(name, &["-p"]));
+        let installed = |name: &str| {
+            output("dpkg-query", &["-W", "-f=${Status}", name])
+                .is_some_and(|s| s == "install ok installed")
+        };
+        Machine {
+            programs: programs.collect(),
+            libraries: ldconfig.unwrap_or_default(),
+            vulkan_drivers: drivers
+                .map(|entry| entry.file_name().to_string_lossy().into_owned())
+                .collect(),
+            installed: PACKAGES
+                .iter()
+                .map(|(name, _)| *name)
+                .filter(|name| installed(name))
+                .collect(),
+        }
+    }
+
+    fn shows(&self, package: &str, sign: &Sign) -> bool {
+        let library =
+            |name: &str| self.libraries.lines().any(|line| line.trim_start().starts_with(name));
+        self.installed.contains(&package)
+            || match sign {
+                Sign::Program(name) => self.programs.contains(name),
+                Sign::Library(name) => library(name),
+                Sign::Dri => library("libgallium"),
+                Sign::VulkanDriver(name) => {
+                    self.vulkan_drivers.iter().any(|file| file.starts_with(name))
+                }
+            }
+    }
+}
+
+fn missing(machine: &Machine) -> Vec<&'static str> {
+    PACKAGES
+        .iter()
+        .filter(|(package, sign)| !machine.shows(package, sign))
+        .map(|(package, _)| *package)
+        .collect()
+}
+
+/// What to put before apt-get, if it can be run at all without a password.
+fn privilege() -> Option<&'static [&'static str]> {
+    if output("id", &["-u"])?.trim() == "0" {
+        return Some(&[]);
+    }
+    output("sudo", &["-n", "true"]).map(|_| ["sudo", "-n"].as_slice())
+}
+
+fn apt(prefix: &[&str], arguments: &[&str]) -> bool {
+    let line = [prefix, &["env", "DEBIAN_FRONTEND=noninteractive", "apt-get"], arguments].concat();
+    // its report belongs with the other diagnostics
+    let status = Command::new(line[0])
+        .args(&line[1..])
+        .stdin(Stdio::null())
+        .stdout(std::io::stderr())
+        .status();
+    status.is_ok_and(|status| status.success())
+}
+
+/// What a program prints, if it can be run and succeeds.
+fn output(program: &str, arguments: &[&str]) -> Option<String> {
+    let output = Command::new(program).args(arguments).stdin(Stdio::null()).output().ok()?;
+    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+fn find(program: &str) -> Option<PathBuf> {
+    let path = env::var_os("PATH")?;
+    env::split_paths(&path).map(|folder| folder.join(program)).find(|file| file.is_file())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_package_is_known_by_its_name_or_by_its_sign() {
+        let bare = Machine {
+            programs: vec![],
+            libraries: String::new(),
+            vulkan_drivers: vec!["intel_icd.x86_64.json".to_owned()],
+            installed: vec![],
+        };
+        assert_eq!(missing(&bare).len(), PACKAGES.len());
+        let some = Machine {
+            programs: vec!["spirv-val"],
+            libraries:
+                "2 libs found\n\tlibEGL.so.1 (libc6) => there\n\tlibgallium-25.so (libc6) => there"
+                    .to_owned(),
+            vulkan_drivers: vec!["lvp_icd.x86_64.json".to_owned()],
+            installed: vec!["libvulkan1", "spirv-cross"],
+        };
+        assert_eq!(missing(&some), ["libgles2", "glslang-tools"]);
+    }
+}
