@@ -1,8 +1,19 @@
 //! `plan.toml` as pure data: surfaces, optics, the axes of the variants, targets.
 
+mod item;
+mod names;
+mod parse;
+mod select;
+mod surface;
+mod variants;
+mod words;
+
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
+
+pub use parse::MAX_PLAN_BYTES;
+pub use variants::MAX_VARIANTS;
 
 /// One surface of a plan.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -315,15 +326,32 @@ pub struct Variant {
     pub optics: Optics,
 }
 
+/// A combination of the product that cannot be built, and why.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Rejected {
+    /// The name that the variant would have had.
+    pub name: String,
+    /// The constraint that it breaks.
+    pub reason: String,
+}
+
 /// A checked plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
+    /// Folder of the file; paths in the plan are relative to it.
+    pub folder: PathBuf,
+    /// SHA-256 of the text, hexadecimal.
+    pub text_hash: String,
     /// In the order of the file.
     pub surfaces: Vec<SurfaceSpec>,
     /// `[optics]`, the base of every variant's.
     pub optics: Optics,
-    /// Product first, then presets.
+    /// Product first, then presets; names are unique.
     pub variants: Vec<Variant>,
+    /// Combinations of the product that a constraint rejects, in the order of the product.
+    pub rejected: Vec<Rejected>,
     /// Languages to emit.
     pub targets: Vec<Target>,
+    /// What a user may want to know though nothing is wrong.
+    pub notes: Vec<String>,
 }

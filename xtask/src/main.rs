@@ -1,26 +1,103 @@
 //! Command line of diffraction-shaders.
+//!
+//! One file per command, with `Args` (flags and help) and `run`; this file parses, dispatches and turns the outcome
+//! into an exit code: 0 done, 1 findings, 2 usage, configuration, input or internal error.
 
+mod args;
+mod console;
+mod list;
 mod test;
+
+// Flags without a command line entry yet: a command is registered below when it works.
+macro_rules! unregistered {
+    ($($name:ident),*) => {
+        $(
+            #[allow(dead_code, reason = "not registered as a command yet")]
+            mod $name;
+        )*
+    };
+}
+unregistered!(eval, explain, generate, inspect, interrupt, reexec, render, testbench, validate);
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-/// Command line of diffraction-shaders.
-#[derive(Debug, Parser)]
-#[command(name = "cargo xtask", bin_name = "cargo xtask")]
+use console::{Console, MessageFormat};
+
+/// From a height field to validated diffraction shaders.
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", version)]
 struct Cli {
+    /// How diagnostics appear on stderr.
+    #[arg(long, global = true, value_enum, default_value_t = MessageFormat::Human)]
+    message_format: MessageFormat,
     #[command(subcommand)]
     command: Command,
 }
 
-#[derive(Debug, Subcommand)]
+#[derive(Subcommand)]
 enum Command {
+    /// Show surfaces, variants, targets, static cost, and what was rejected and why.
+    List(list::Args),
     Test(test::Args),
 }
 
-fn main() -> anyhow::Result<ExitCode> {
-    match Cli::parse().command {
+/// How a command ended that did not fail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    /// Exit code 0.
+    Done,
+    /// Exit code 1: stale output, over tolerance, failed validation.
+    #[allow(dead_code, reason = "no registered command finds anything yet")]
+    Findings,
+}
+
+impl From<Outcome> for ExitCode {
+    fn from(outcome: Outcome) -> ExitCode {
+        match outcome {
+            Outcome::Done => ExitCode::SUCCESS,
+            Outcome::Findings => ExitCode::from(1),
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let console = Console::new(cli.message_format);
+    let outcome = match cli.command {
+        Command::List(args) => list::run(&args, &console).map(ExitCode::from),
         Command::Test(args) => test::run(&args),
+    };
+    match outcome {
+        Ok(code) => code,
+        Err(error) if console::is_closed_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            console.error(&error);
+            ExitCode::from(2)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn every_command_is_sound_and_has_an_example() {
+        let mut command = Cli::command();
+        command.build();
+        command.clone().debug_assert();
+        for command in command.get_subcommands().filter(|command| command.get_name() != "help") {
+            let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+            let call = format!("cargo xtask {}", command.get_name());
+            assert!(
+                help.starts_with("Example") && help.contains(&call),
+                "{}: {help}",
+                command.get_name()
+            );
+        }
     }
 }

@@ -1,0 +1,357 @@
+//! Writing a package: beside the output, then one exchange, so that no reader and no crash sees half of it.
+
+use std::collections::BTreeSet;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use crate::error::{Error, Result, Stage};
+
+use super::folder::{self, Folder, sibling};
+use super::{Compare, Content, Package, compare};
+
+/// What a write did.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct WriteReport {
+    /// Files of the package.
+    pub files: usize,
+    /// Their total size.
+    pub bytes: u64,
+    /// Files of the previous package that are gone.
+    pub removed: Vec<String>,
+    /// Foreign files that were carried over.
+    pub carried: Vec<PathBuf>,
+    /// The previous output, where it could not be removed entirely; the next run tries again.
+    pub left_behind: Option<PathBuf>,
+}
+
+/// Stops a write from another thread; the previous output stays whole.
+#[derive(Clone, Debug, Default)]
+pub struct Cancel(Arc<Mutex<bool>>);
+
+impl Cancel {
+    /// Not cancelled.
+    pub fn new() -> Cancel {
+        Cancel::default()
+    }
+
+    /// Cancels. When this returns the exchange has either happened or never will.
+    pub fn cancel(&self) {
+        *self.lock() = true;
+    }
+
+    /// Whether it was cancelled.
+    pub fn is_cancelled(&self) -> bool {
+        *self.lock()
+    }
+
+    fn lock(&self) -> MutexGuard<'_, bool> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Writes a package to `out`, which must be absent, empty or hold our manifest.
+///
+/// All is built in `OUT.tmp-PID` and exchanged with `OUT` in one step. Foreign files are carried over. On any error the
+/// previous output is as it was and the temporary folder is gone. Temporary folders of dead processes are removed.
+pub fn write(package: &Package, out: &Path) -> Result<WriteReport> {
+    write_unless(package, out, &Cancel::new())
+}
+
+/// Like [`write`], until cancelled.
+pub fn write_unless(package: &Package, out: &Path, cancel: &Cancel) -> Result<WriteReport> {
+    let error =
+        |cause: &str| Error::new(Stage::Package, format!("output {}", out.display()), cause);
+    if let Some(parent) = out.parent() {
+        fs::create_dir_all(parent)
+            .map_err(|e| error("has a parent that cannot be made").source(e))?;
+    }
+    let root = folder::resolve(out)?;
+    restore_set_aside(&root).map_err(|e| error("cannot be restored after a crash").source(e))?;
+    let old = folder::open(out)?;
+    remove_stale(&root)
+        .map_err(|e| error("has a stale temporary folder that cannot be removed").source(e))?;
+    let temporary = Temporary::create(sibling(&root, &format!(".tmp-{}", std::process::id()))?)?;
+    let mut report = build(package, &temporary.path, cancel)?;
+    if let Some(old) = &old {
+        report.carried = carry(package, old, &temporary.path)?;
+        let gone = |path: &&String| !package.files().contains_key(*path);
+        report.removed = old.listed.keys().filter(gone).cloned().collect();
+        let permissions = fs::metadata(&root).map(|found| found.permissions());
+        permissions
+            .and_then(|permissions| fs::set_permissions(&temporary.path, permissions))
+            .map_err(|e| error("cannot pass on its permissions").source(e))?;
+    }
+    {
+        let cancelled = cancel.lock();
+        if *cancelled {
+            return Err(interrupted(out));
+        }
+        match &old {
+            Some(old) => {
+                exchange(&temporary.path, &root)
+                    .map_err(|e| error("cannot be replaced").source(e))?;
+                adopt_latecomers(old, &temporary.path, &root, &report.carried);
+            }
+            None => {
+                fs::rename(&temporary.path, &root)
+                    .map_err(|e| error("cannot be put in place").source(e))?;
+            }
+        }
+        sync_folder(root.parent().unwrap_or(&root));
+    }
+    if fs::remove_dir_all(&temporary.path).is_err_and(|e| e.kind() != io::ErrorKind::NotFound) {
+        report.left_behind = Some(temporary.path.clone());
+    }
+    Ok(report)
+}
+
+/// `OUT.tmp-PID`, locked while this process lives and removed when dropped.
+struct Temporary {
+    path: PathBuf,
+    _lock: Option<File>,
+}
+
+impl Temporary {
+    fn create(path: PathBuf) -> Result<Temporary> {
+        let error = |e: io::Error| {
+            let remedy = "is the folder writable, and does no other run write to the same output?";
+            Error::new(Stage::Package, path.display(), "cannot be made").source(e).remedy(remedy)
+        };
+        fs::create_dir(&path).map_err(error)?;
+        let lock = lock_folder(&path);
+        Ok(Temporary { path, _lock: lock })
+    }
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        // After the exchange this is the previous output; an error was, or will be, told by the caller.
+        let _ = fs::remove_dir_all(&self.path);
+    }
+}
+
+fn interrupted(out: &Path) -> Error {
+    Error::new(Stage::Package, format!("output {}", out.display()), "interrupted; left as it was")
+}
+
+fn build(package: &Package, into: &Path, cancel: &Cancel) -> Result<WriteReport> {
+    let mut report = WriteReport::default();
+    let mut folders = BTreeSet::from([into.to_owned()]);
+    for (path, file) in package.files() {
+        if cancel.is_cancelled() {
+            return Err(interrupted(into));
+        }
+        let at = into.join(path);
+        let parent = at.parent().unwrap_or(into);
+        let bytes = fs::create_dir_all(parent).and_then(|()| match &file.content {
+            Content::Bytes(bytes) => write_file(&at, bytes),
+            Content::Kept(from) => {
+                fs::copy(from, &at).and_then(|n| File::open(&at)?.sync_all().map(|()| n))
+            }
+        });
+        report.files += 1;
+        report.bytes += bytes.map_err(|e| {
+            Error::new(Stage::Package, format!("generated file {path}"), "cannot be written")
+                .source(e)
+        })?;
+        folders.insert(parent.to_owned());
+    }
+    folders.iter().for_each(|folder| sync_folder(folder));
+    Ok(report)
+}
+
+fn write_file(at: &Path, bytes: &[u8]) -> io::Result<u64> {
+    let mut file = OpenOptions::new().write(true).create_new(true).open(at)?;
+    file.write_all(bytes)?;
+    file.sync_all()?;
+    Ok(bytes.len() as u64)
+}
+
+/// A file system that cannot sync folders still renames them in order.
+fn sync_folder(path: &Path) {
+    if let Ok(folder) = File::open(path) {
+        let _ = folder.sync_all();
+    }
+}
+
+/// Links (or copies) the foreign files of the old output into the new one.
+fn carry(package: &Package, old: &Folder, into: &Path) -> Result<Vec<PathBuf>> {
+    let mut carried = Vec::new();
+    for path in old.foreign()? {
+        let (from, to) = (old.root.join(&path), into.join(&path));
+        let error = |cause: &str| {
+            Error::new(Stage::Package, format!("foreign file {}", from.display()), cause)
+        };
+        let conflict = || {
+            error("is in the way of a generated file").remedy("move it out of the output folder")
+        };
+        let is_folder = fs::symlink_metadata(&from).is_ok_and(|found| found.is_dir());
+        if fs::symlink_metadata(&to).is_ok() {
+            let fresh =
+                folder::slashed(&path).and_then(|path| package.bytes(&path).map(<[u8]>::to_owned));
+            let is_same = fresh.is_some_and(|fresh| {
+                fs::read(&from).is_ok_and(|disk| compare::same(Compare::Bytes, &fresh, &disk))
+            });
+            if is_same || (is_folder && to.is_dir()) {
+                continue;
+            }
+            return Err(conflict());
+        }
+        let parent = to.parent().unwrap_or(into);
+        if parent
+            .ancestors()
+            .any(|folder| fs::symlink_metadata(folder).is_ok_and(|found| !found.is_dir()))
+        {
+            return Err(conflict());
+        }
+        let done = fs::create_dir_all(parent)
+            .and_then(|()| if is_folder { fs::create_dir(&to) } else { link(&from, &to) });
+        done.map_err(|e| error("cannot be carried over").source(e))?;
+        carried.push(path);
+    }
+    Ok(carried)
+}
+
+/// A second name for the same file where the file system has that, else a copy.
+fn link(from: &Path, to: &Path) -> io::Result<()> {
+    fs::hard_link(from, to).or_else(|_| fs::copy(from, to).and_then(|_| File::open(to)?.sync_all()))
+}
+
+/// Foreign files that appeared in the old output while the new one was built move over too.
+fn adopt_latecomers(old: &Folder, now_at: &Path, root: &Path, carried: &[PathBuf]) {
+    let moved = Folder {
+        root: now_at.to_owned(),
+        listed: old.listed.clone(),
+        has_manifest: old.has_manifest,
+    };
+    for path in moved.foreign().unwrap_or_default() {
+        let to = root.join(&path);
+        if carried.binary_search(&path).is_err() && fs::symlink_metadata(&to).is_err() {
+            let made = to.parent().map_or(Ok(()), fs::create_dir_all);
+            // It stays in the folder that is removed only if even this fails.
+            let _ = made.and_then(|()| fs::rename(now_at.join(&path), &to));
+        }
+    }
+}
+
+/// Exchanges two folders, in one step where the system can.
+///
+/// Elsewhere the old one is set aside as `OUT.old-PID` first; a crash between the two renames leaves it there, whole,
+/// and the next run puts it back ([`restore_set_aside`]).
+fn exchange(new: &Path, out: &Path) -> io::Result<()> {
+    #[cfg(any(target_os = "linux", target_vendor = "apple"))]
+    {
+        use rustix::fs::{CWD, RenameFlags, renameat_with};
+        use rustix::io::Errno;
+        match renameat_with(CWD, new, CWD, out, RenameFlags::EXCHANGE) {
+            Ok(()) => return Ok(()),
+            // The file system, or an old kernel, knows no exchange.
+            Err(Errno::NOSYS | Errno::INVAL | Errno::NOTSUP) => {}
+            Err(e) => return Err(e.into()),
+        }
+    }
+    exchange_in_steps(new, out)
+}
+
+fn exchange_in_steps(new: &Path, out: &Path) -> io::Result<()> {
+    let mut aside = out.as_os_str().to_owned();
+    aside.push(format!(".old-{}", std::process::id()));
+    let aside = PathBuf::from(aside);
+    fs::rename(out, &aside)?;
+    if let Err(e) = fs::rename(new, out) {
+        fs::rename(&aside, out)?;
+        return Err(e);
+    }
+    fs::rename(&aside, new)
+}
+
+fn restore_set_aside(root: &Path) -> io::Result<()> {
+    if fs::symlink_metadata(root).is_ok() {
+        return Ok(());
+    }
+    match siblings(root, ".old-")?.first() {
+        Some(aside) => fs::rename(aside, root),
+        None => Ok(()),
+    }
+}
+
+/// Removes `OUT.tmp-PID` folders that no living process holds.
+fn remove_stale(root: &Path) -> io::Result<()> {
+    for path in siblings(root, ".tmp-")? {
+        if let Some(_lock) = lock_folder(&path) {
+            match fs::remove_dir_all(&path) {
+                Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
+                _ => {}
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Folders named `ROOT`, a mark and digits.
+fn siblings(root: &Path, mark: &str) -> io::Result<Vec<PathBuf>> {
+    let (Some(parent), Some(name)) =
+        (root.parent(), root.file_name().and_then(|name| name.to_str()))
+    else {
+        return Ok(Vec::new());
+    };
+    let prefix = format!("{name}{mark}");
+    let mut found = Vec::new();
+    for entry in fs::read_dir(parent)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        let digits = name.to_str().and_then(|name| name.strip_prefix(&prefix));
+        let is_process =
+            digits.is_some_and(|d| !d.is_empty() && d.chars().all(|c| c.is_ascii_digit()));
+        if is_process && entry.file_type()?.is_dir() {
+            found.push(entry.path());
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// The lock that marks a temporary folder as in use; the system drops it with the process, however that ends.
+#[cfg(unix)]
+fn lock_folder(path: &Path) -> Option<File> {
+    let folder = File::open(path).ok()?;
+    rustix::fs::flock(&folder, rustix::fs::FlockOperation::NonBlockingLockExclusive).ok()?;
+    Some(folder)
+}
+
+/// Without such a lock nothing is taken for stale.
+#[cfg(not(unix))]
+fn lock_folder(_path: &Path) -> Option<File> {
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_exchange_in_steps_ends_like_the_atomic_one() {
+        let base = tempfile::tempdir().unwrap();
+        let (new, out) = (base.path().join("new"), base.path().join("out"));
+        for (folder, text) in [(&new, "new"), (&out, "old")] {
+            fs::create_dir(folder).unwrap();
+            fs::write(folder.join("text"), text).unwrap();
+        }
+        exchange_in_steps(&new, &out).unwrap();
+        assert_eq!(fs::read_to_string(out.join("text")).unwrap(), "new");
+        assert_eq!(fs::read_to_string(new.join("text")).unwrap(), "old");
+        assert_eq!(fs::read_dir(base.path()).unwrap().count(), 2);
+    }
+
+    #[test]
+    fn an_output_set_aside_by_a_crash_comes_back() {
+        let base = tempfile::tempdir().unwrap();
+        let aside = base.path().join("out.old-4711");
+        fs::create_dir(&aside).unwrap();
+        fs::write(aside.join("text"), "old").unwrap();
+        restore_set_aside(&base.path().join("out")).unwrap();
+        assert_eq!(fs::read_to_string(base.path().join("out/text")).unwrap(), "old");
+    }
+}

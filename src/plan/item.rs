@@ -1,0 +1,310 @@
+//! Values of a TOML text with their places, and the checks that turn them into numbers and words.
+
+use std::cell::RefCell;
+use std::fmt::Display;
+use std::ops::Range;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use crate::error::{Error, Stage};
+
+/// The text that is being read, and what was found wrong with it.
+pub(super) struct Source<'a> {
+    text: &'a str,
+    file: String,
+    errors: RefCell<Vec<(usize, Error)>>,
+}
+
+impl<'a> Source<'a> {
+    pub(super) fn new(text: &'a str, file: impl Display) -> Source<'a> {
+        Source { text, file: file.to_string(), errors: RefCell::default() }
+    }
+
+    /// Notes an error at a byte of the text.
+    pub(super) fn fail(&self, at: usize, cause: impl Display, remedy: Option<String>) {
+        let before = self.text.get(..at).unwrap_or(self.text);
+        let line = before.matches('\n').count() + 1;
+        let error = Error::new(Stage::Plan, format!("{}:{line}", self.file), cause);
+        let error = match remedy {
+            Some(remedy) => error.remedy(remedy),
+            None => error,
+        };
+        self.errors.borrow_mut().push((at, error));
+    }
+
+    /// Notes an error of the text as a whole.
+    pub(super) fn fail_file(&self, cause: impl Display, remedy: impl Display) {
+        let error = Error::new(Stage::Plan, &self.file, cause).remedy(remedy);
+        self.errors.borrow_mut().push((0, error));
+    }
+
+    /// Everything noted, in the order of the text.
+    pub(super) fn into_errors(self) -> Vec<Error> {
+        let mut errors = self.errors.into_inner();
+        errors.sort_by_key(|(at, _)| *at);
+        errors.into_iter().map(|(_, error)| error).collect()
+    }
+}
+
+/// A table with its dotted path and place.
+#[derive(Clone)]
+pub(super) struct Table<'s, 't> {
+    pub(super) source: &'s Source<'t>,
+    pub(super) path: String,
+    table: &'s DeTable<'t>,
+    at: usize,
+}
+
+impl<'s, 't> Table<'s, 't> {
+    pub(super) fn root(source: &'s Source<'t>, table: &'s DeTable<'t>) -> Table<'s, 't> {
+        Table { source, path: String::new(), table, at: 0 }
+    }
+
+    /// The value of a key.
+    pub(super) fn get(&self, key: &str) -> Option<Item<'s, 't>> {
+        self.items().into_iter().find(|(name, _)| *name == key).map(|(_, item)| item)
+    }
+
+    /// The value of a key; an error when it is missing.
+    pub(super) fn require(&self, key: &str, what: &str) -> Option<Item<'s, 't>> {
+        let item = self.get(key);
+        if item.is_none() {
+            self.fail(format!("{} is missing", self.path_of(key)), Some(what.to_owned()));
+        }
+        item
+    }
+
+    /// All keys and values.
+    pub(super) fn items(&self) -> Vec<(&'s str, Item<'s, 't>)> {
+        self.table
+            .iter()
+            .map(|(key, value)| (&**key.get_ref(), self.item(key.get_ref(), value)))
+            .collect()
+    }
+
+    /// Notes every key that is not known, with the nearest that is.
+    pub(super) fn only(&self, known: &[&str]) {
+        for (key, _) in self.table.iter().filter(|(key, _)| !known.contains(&&**key.get_ref())) {
+            let cause = format!("unknown key {}", self.path_of(key.get_ref()));
+            self.source.fail(key.span().start, cause, Some(suggest(key.get_ref(), known)));
+        }
+    }
+
+    /// The same table under another path, once its name is known.
+    pub(super) fn renamed(&self, path: String) -> Table<'s, 't> {
+        Table { path, ..self.clone() }
+    }
+
+    /// Notes an error of the table as a whole.
+    pub(super) fn fail(&self, cause: impl Display, remedy: Option<String>) {
+        self.source.fail(self.at, cause, remedy);
+    }
+
+    fn path_of(&self, key: &str) -> String {
+        if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
+    }
+
+    fn item(&self, key: &str, value: &'s Spanned<DeValue<'t>>) -> Item<'s, 't> {
+        Item {
+            source: self.source,
+            path: self.path_of(key),
+            value: value.get_ref(),
+            span: value.span(),
+        }
+    }
+}
+
+/// A value with its dotted path and place.
+#[derive(Clone)]
+pub(super) struct Item<'s, 't> {
+    pub(super) path: String,
+    source: &'s Source<'t>,
+    value: &'s DeValue<'t>,
+    span: Range<usize>,
+}
+
+impl<'s, 't> Item<'s, 't> {
+    /// Notes `path = value: cause (remedy)` at the place of the value.
+    pub(super) fn fail(&self, cause: impl Display, remedy: impl Display) {
+        let cause = format!("{} = {}: {cause}", self.path, self.shown());
+        self.source.fail(self.span.start, cause, Some(remedy.to_string()));
+    }
+
+    pub(super) fn is_array(&self) -> bool {
+        self.value.is_array()
+    }
+
+    pub(super) fn is_integer(&self) -> bool {
+        self.value.is_integer()
+    }
+
+    pub(super) fn as_str(&self) -> Option<&'s str> {
+        self.value.as_str()
+    }
+
+    /// The elements of an array; an array of tables is one too.
+    pub(super) fn elements(&self, what: &str) -> Option<Vec<Item<'s, 't>>> {
+        let Some(array) = self.value.as_array() else {
+            self.wrong_type(&format!("an array of {what}"));
+            return None;
+        };
+        let element = |(i, value): (usize, &'s Spanned<DeValue<'t>>)| Item {
+            source: self.source,
+            path: format!("{}[{}]", self.path, i + 1),
+            value: value.get_ref(),
+            span: value.span(),
+        };
+        Some(array.iter().enumerate().map(element).collect())
+    }
+
+    pub(super) fn table(&self, what: &str) -> Option<Table<'s, 't>> {
+        let Some(table) = self.value.as_table() else {
+            self.wrong_type(&format!("a table: {what}"));
+            return None;
+        };
+        Some(Table { source: self.source, path: self.path.clone(), table, at: self.span.start })
+    }
+
+    pub(super) fn string(&self, what: &str) -> Option<&'s str> {
+        if !self.value.is_str() {
+            self.wrong_type(&format!("a string: {what}"));
+        }
+        self.value.as_str()
+    }
+
+    pub(super) fn boolean(&self) -> Option<bool> {
+        if !self.value.is_bool() {
+            self.wrong_type("true or false");
+        }
+        self.value.as_bool()
+    }
+
+    /// A finite number that passes a check; integers are numbers.
+    pub(super) fn number(
+        &self,
+        must: &str,
+        what: &str,
+        check: impl Fn(f64) -> bool,
+    ) -> Option<f64> {
+        let number = match self.value {
+            DeValue::Integer(n) => {
+                i64::from_str_radix(n.as_str(), n.radix()).ok().map(|n| n as f64)
+            }
+            DeValue::Float(x) => x.as_str().parse().ok(),
+            _ => {
+                self.wrong_type(&format!("a number: {what}"));
+                return None;
+            }
+        };
+        let number = number.filter(|x: &f64| x.is_finite() && check(*x));
+        if number.is_none() {
+            self.fail(format!("must be {must}"), what);
+        }
+        number
+    }
+
+    /// A positive finite number.
+    pub(super) fn positive(&self, what: &str) -> Option<f64> {
+        self.number("positive and finite", what, |x| x > 0.0)
+    }
+
+    /// A whole number of a range.
+    pub(super) fn whole(&self, range: Range<u64>, what: &str) -> Option<u64> {
+        let DeValue::Integer(n) = self.value else {
+            self.wrong_type(&format!("a whole number: {what}"));
+            return None;
+        };
+        let number = u64::from_str_radix(n.as_str(), n.radix()).ok().filter(|n| range.contains(n));
+        if number.is_none() {
+            let must = match range.end {
+                u64::MAX => {
+                    "must be a whole number of at least".to_owned() + &format!(" {}", range.start)
+                }
+                end => format!("must be a whole number from {} to {}", range.start, end - 1),
+            };
+            self.fail(must, what);
+        }
+        number
+    }
+
+    /// One of the words of a list.
+    pub(super) fn word<T: Copy>(&self, words: &[(&'static str, T)]) -> Option<(&'static str, T)> {
+        let known: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
+        let Some(text) = self.value.as_str() else {
+            self.wrong_type(&format!("one of {}", quoted(&known)));
+            return None;
+        };
+        let found = words.iter().find(|(word, _)| *word == text).copied();
+        if found.is_none() {
+            self.fail("unknown value", suggest(text, &known));
+        }
+        found
+    }
+
+    /// The value without its places, for types that read themselves.
+    pub(super) fn plain(&self) -> Option<toml::Value> {
+        plain(self.value)
+    }
+
+    fn wrong_type(&self, wanted: &str) {
+        self.fail(
+            format!("is {}", with_article(self.value.type_str())),
+            format!("expected {wanted}"),
+        );
+    }
+
+    /// The value as written, cut to one short line.
+    fn shown(&self) -> String {
+        if self.value.is_table() {
+            return "{…}".to_owned();
+        }
+        let text = self.source.text.get(self.span.clone()).unwrap_or("…");
+        let line = text.lines().next().unwrap_or("…");
+        let short: String = line.chars().take(48).collect();
+        if short.len() < text.len() { format!("{short}…") } else { short }
+    }
+}
+
+/// `did you mean …` for a near miss, else all that is known.
+pub(super) fn suggest(text: &str, known: &[&str]) -> String {
+    let distance = |word: &str| strsim::damerau_levenshtein(text, word);
+    let nearest = known.iter().min_by_key(|word| distance(word));
+    match nearest {
+        Some(word) if distance(word) <= 2.max(word.len() / 3) => {
+            format!("did you mean \"{word}\"?")
+        }
+        Some(word) if known.len() > 12 => format!("the nearest known one is \"{word}\""),
+        _ => format!("known: {}", known.join(", ")),
+    }
+}
+
+fn quoted(words: &[&str]) -> String {
+    words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", ")
+}
+
+fn with_article(name: &str) -> String {
+    let article = if name.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
+    format!("{article} {name}")
+}
+
+fn plain(value: &DeValue<'_>) -> Option<toml::Value> {
+    Some(match value {
+        DeValue::String(text) => toml::Value::String(text.to_string()),
+        DeValue::Integer(n) => {
+            toml::Value::Integer(i64::from_str_radix(n.as_str(), n.radix()).ok()?)
+        }
+        DeValue::Float(x) => toml::Value::Float(x.as_str().parse().ok()?),
+        DeValue::Boolean(b) => toml::Value::Boolean(*b),
+        DeValue::Datetime(at) => toml::Value::Datetime(*at),
+        DeValue::Array(items) => toml::Value::Array(
+            items.iter().map(|item| plain(item.get_ref())).collect::<Option<_>>()?,
+        ),
+        DeValue::Table(table) => {
+            let entry = |(key, value): (&Spanned<_>, &Spanned<DeValue<'_>>)| {
+                Some((ToString::to_string(key.get_ref()), plain(value.get_ref())?))
+            };
+            toml::Value::Table(table.iter().map(entry).collect::<Option<_>>()?)
+        }
+    })
+}

@@ -1,0 +1,176 @@
+//! Canonical names and hashes of configurations, the built-in preset, numbers of samples.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+
+use super::variants::Draft;
+use super::{Auto, Basis, Coherence, CoherenceScaling, Colour, Mode, Optics, Packing, TableFormat};
+use super::{Variant, Wavelengths};
+
+impl Variant {
+    /// Name of the built-in preset.
+    pub const TEXTS: &str = "texts";
+
+    /// The shader as the texts print it, baseline of every speed claim: 31 `taylor-zero` terms, 3 × 3 bins,
+    /// 380–780 nm by 5 nm, one complex term per texel, nothing hoisted.
+    pub fn texts(optics: &Optics) -> Variant {
+        Variant {
+            name: Variant::TEXTS.to_owned(),
+            mode: Mode::Full,
+            basis: Basis::TaylorZero,
+            terms: Auto::Value(31),
+            term_error: 1e-3,
+            window_radius: Auto::Value(1),
+            wavelengths: Wavelengths { min_nm: 380.0, max_nm: 780.0, step_nm: 5.0 },
+            table: TableFormat::F32,
+            packing: Packing::Single,
+            hoist: false,
+            optics: optics.clone(),
+        }
+    }
+
+    /// The configuration as one line of JSON with sorted keys: what the hash is of. The name is not in it, nor is
+    /// anything that the variant does not read.
+    pub fn canonical(&self) -> String {
+        let optics = &self.optics;
+        let waves = &self.wavelengths;
+        let mut map: BTreeMap<&str, Value> = BTreeMap::from([
+            ("mode", json!(self.mode)),
+            ("basis", json!(self.basis)),
+            ("terms", auto_value(self.terms)),
+            ("window_radius", auto_value(self.window_radius)),
+            ("min_nm", json!(waves.min_nm)),
+            ("max_nm", json!(waves.max_nm)),
+            ("table", json!(self.table)),
+            ("packing", json!(self.packing)),
+            ("hoist", json!(self.hoist)),
+            ("coherence_um", json!(optics.coherence_um)),
+            ("coherence", json!(optics.coherence)),
+            ("coherence_scaling", json!(optics.coherence_scaling)),
+            ("refractive_index", json!(optics.refractive_index)),
+            ("shadowing", json!(optics.shadowing)),
+            ("illuminant", json!(optics.illuminant)),
+            ("colour", json!(optics.colour)),
+        ]);
+        if self.terms == Auto::Auto {
+            map.insert("term_error", json!(self.term_error));
+        }
+        if waves.count() > 1 {
+            map.insert("step_nm", json!(waves.step_nm));
+        }
+        let pairs: Vec<String> =
+            map.iter().map(|(key, value)| format!("\"{key}\":{value}")).collect();
+        format!("{{{}}}", pairs.join(","))
+    }
+
+    /// SHA-256 of [`Variant::canonical`], hexadecimal: the identity of the configuration.
+    pub fn hash(&self) -> String {
+        sha256_hex(self.canonical().as_bytes())
+    }
+}
+
+impl Wavelengths {
+    /// Number of samples: both ends, and every `step_nm` from the first; a range of no width has one.
+    pub fn count(&self) -> usize {
+        let range = self.max_nm - self.min_nm;
+        if range <= 0.0 {
+            return 1;
+        }
+        let steps = (range / self.step_nm + 1e-9).floor();
+        let ends_on_a_step = range - steps * self.step_nm < 1e-6 * self.step_nm;
+        steps as usize + if ends_on_a_step { 1 } else { 2 }
+    }
+}
+
+/// SHA-256 of bytes, hexadecimal.
+pub(super) fn sha256_hex(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// The canonical name: mode, basis and terms, then every part that is read and differs from its documented default.
+/// It depends on nothing but the configuration, and two configurations never share one.
+pub(super) fn name_of(draft: &Draft) -> String {
+    let standard = Draft::standard(Optics::standard());
+    let pq = draft.mode.0 == "pq";
+    let mut parts =
+        vec![draft.mode.0.to_owned(), draft.basis.0.to_owned(), format!("t{}", auto(draft.terms))];
+    let mut add = |present: bool, part: String| {
+        if present {
+            parts.push(part);
+        }
+    };
+    let error_is_read = draft.terms == Auto::Auto;
+    add(
+        error_is_read && draft.term_error != standard.term_error,
+        format!("e{}", exponent(draft.term_error)),
+    );
+    add(draft.reconstruction != standard.reconstruction, draft.reconstruction.0.to_owned());
+    add(draft.window_radius != standard.window_radius, format!("r{}", auto(draft.window_radius)));
+    if let (true, Some([x, y])) = (pq, draft.periods) {
+        add(true, format!("q{x}x{y}"));
+    }
+    let waves = wavelengths(draft);
+    add(waves != wavelengths(&Draft { mode: draft.mode, ..standard.clone() }), waves);
+    add(draft.table != standard.table, draft.table.0.to_owned());
+    add(draft.packing != standard.packing, draft.packing.as_str().to_owned());
+    add(!draft.hoist, "nohoist".to_owned());
+    let (optics, plain) = (&draft.optics, &standard.optics);
+    add(optics.coherence_um != plain.coherence_um, format!("lc{}", number(optics.coherence_um)));
+    add(optics.coherence == Coherence::Ensemble, "ensemble".to_owned());
+    add(optics.coherence_scaling == CoherenceScaling::Wavelength, "lcwave".to_owned());
+    add(
+        optics.refractive_index != plain.refractive_index,
+        format!("n{}", number(optics.refractive_index)),
+    );
+    add(!optics.shadowing, "noshadow".to_owned());
+    add(optics.illuminant != plain.illuminant, illuminant(&optics.illuminant));
+    add(optics.colour == Colour::Thesis, "thesis".to_owned());
+    parts.join("-")
+}
+
+fn auto_value(value: Auto<u32>) -> Value {
+    match value {
+        Auto::Value(n) => json!(n),
+        Auto::Auto => json!("auto"),
+    }
+}
+
+fn auto(value: Auto<u32>) -> String {
+    match value {
+        Auto::Value(n) => n.to_string(),
+        Auto::Auto => "auto".to_owned(),
+    }
+}
+
+fn wavelengths(draft: &Draft) -> String {
+    let waves = &draft.wavelengths;
+    let (min, max) = (number(waves.min_nm), number(waves.max_nm));
+    match draft.mode.0 {
+        "adaptive" => format!("{min}to{max}"),
+        _ if waves.count() == 1 => format!("{min}nm"),
+        _ => format!("{min}to{max}by{}", number(waves.step_nm)),
+    }
+}
+
+/// A number in a file name: the decimal point is a `p`.
+fn number(x: f64) -> String {
+    format!("{x}").replace('.', "p")
+}
+
+fn exponent(x: f64) -> String {
+    format!("{x:e}").replace('.', "p")
+}
+
+/// `ill-f2` for a plain name; a path keeps its readable part and gains eight digits of its hash.
+fn illuminant(text: &str) -> String {
+    let plain = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit();
+    if !text.is_empty() && text.len() <= 16 && text.chars().all(plain) {
+        return format!("ill-{}", text.to_ascii_lowercase());
+    }
+    let stem = text.rsplit(['/', '\\']).next().unwrap_or(text);
+    let stem = stem.split('.').next().unwrap_or(stem).to_ascii_lowercase();
+    let readable: String = stem.chars().filter(|c| c.is_ascii_alphanumeric()).take(24).collect();
+    format!("ill-{readable}-{}", &sha256_hex(text.as_bytes())[..8])
+}

@@ -1,0 +1,286 @@
+//! From the text of a plan to data: everything that is wrong, in one run, with lines.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use toml::de::DeTable;
+
+use crate::error::{Error, Result, Stage};
+
+use super::item::{Item, Source, Table, suggest};
+use super::names::{name_of, sha256_hex};
+use super::variants::{Draft, read_optics, read_preset, read_product};
+use super::words::{self, Words, unavailable};
+use super::{Optics, Plan, Rejected, SurfaceSpec, Target, Variant, surface};
+
+/// Largest plan that is read.
+pub const MAX_PLAN_BYTES: u64 = 4 << 20;
+
+const SECTIONS: [&str; 6] = ["schema", "surface", "optics", "variants", "preset", "targets"];
+
+impl Plan {
+    /// Reads and checks a plan; the error is the first of [`Plan::read_all`].
+    pub fn read(path: &Path) -> Result<Plan> {
+        Plan::read_all(path).map_err(first)
+    }
+
+    /// Reads and checks a plan; returns all errors, in the order of the text.
+    pub fn read_all(path: &Path) -> Result<Plan, Vec<Error>> {
+        let text = read_text(path).map_err(|error| vec![error])?;
+        Plan::parse_all(&text, path)
+    }
+
+    /// Checks the text of a plan; `path` names it in messages, and its folder is what files are relative to.
+    pub fn parse(text: &str, path: &Path) -> Result<Plan> {
+        Plan::parse_all(text, path).map_err(first)
+    }
+
+    /// Like [`Plan::parse`], with all errors.
+    pub fn parse_all(text: &str, path: &Path) -> Result<Plan, Vec<Error>> {
+        let hash = sha256_hex(text.as_bytes());
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let source = Source::new(text, path.display());
+        let (document, faults) = DeTable::parse_recoverable(text);
+        if !faults.is_empty() {
+            for fault in faults {
+                let cause = format!("not valid TOML: {}", fault.message().replace('\n', ", "));
+                source.fail(fault.span().map_or(0, |span| span.start), cause, None);
+            }
+            return Err(source.into_errors());
+        }
+        let plan = sections(&Table::root(&source, document.get_ref()), folder(path), hash);
+        match (plan, source.into_errors()) {
+            (Some(plan), errors) if errors.is_empty() => Ok(plan),
+            (None, errors) if errors.is_empty() => {
+                Err(vec![Error::new(Stage::Plan, path.display(), "is no plan")])
+            }
+            (_, errors) => Err(errors),
+        }
+    }
+}
+
+fn first(errors: Vec<Error>) -> Error {
+    errors.into_iter().next().unwrap_or_else(|| Error::new(Stage::Plan, "plan", "is no plan"))
+}
+
+fn read_text(path: &Path) -> Result<String> {
+    let error = |cause: &str| Error::new(Stage::Plan, path.display(), cause);
+    let unreadable = |e: std::io::Error| {
+        let remedy = "write one, or name another with --plan";
+        error("cannot be read").source(e).remedy(remedy)
+    };
+    let file = File::open(path).map_err(unreadable)?;
+    if file.metadata().map_err(unreadable)?.is_dir() {
+        return Err(error("is a folder")
+            .remedy(format!("name the file, such as {}", path.join("plan.toml").display())));
+    }
+    let mut bytes = Vec::new();
+    file.take(MAX_PLAN_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    if bytes.len() as u64 > MAX_PLAN_BYTES {
+        return Err(
+            error("is larger than 4 MiB").remedy("a plan is a short text: is this the right file?")
+        );
+    }
+    String::from_utf8(bytes).map_err(|e| {
+        let valid = e.utf8_error().valid_up_to();
+        let line = e.as_bytes()[..valid].iter().filter(|byte| **byte == b'\n').count() + 1;
+        Error::new(Stage::Plan, format!("{}:{line}", path.display()), "is not UTF-8 text")
+            .remedy("save it as UTF-8")
+    })
+}
+
+fn folder(path: &Path) -> PathBuf {
+    path.parent().unwrap_or(Path::new("")).to_owned()
+}
+
+fn sections(root: &Table, folder: PathBuf, text_hash: String) -> Option<Plan> {
+    if root.items().is_empty() {
+        root.source.fail_file("is empty", "it needs schema = 1 and at least one [[surface]]");
+        return None;
+    }
+    schema(root);
+    root.only(&SECTIONS);
+    let section = |key: &str, what: &str| root.get(key).and_then(|item| item.table(what));
+    let optics =
+        section("optics", "[optics]").map_or_else(Optics::standard, |table| read_optics(&table));
+    let mut notes = Vec::new();
+    let mut rejected = Vec::new();
+    let mut variants = product(root, &optics, &mut rejected, &mut notes);
+    presets(root, &optics, &mut variants, &mut notes);
+    let targets = targets(section("targets", "[targets]").as_ref());
+    let shortest = variants.iter().map(|v| v.wavelengths.min_nm).fold(f64::INFINITY, f64::min);
+    let surfaces = surfaces(root, &folder, if shortest.is_finite() { shortest } else { 380.0 });
+    if let (true, Some(Rejected { name, reason })) = (variants.is_empty(), rejected.first()) {
+        let remedy = "give an axis a value that is available, or name a preset";
+        root.source.fail_file(format!("no variant is left: {name}: {reason}"), remedy);
+    }
+    Some(Plan { folder, text_hash, surfaces, optics, variants, rejected, targets, notes })
+}
+
+fn schema(root: &Table) {
+    let what = "the format of this file: schema = 1";
+    if let Some(item) = root.require("schema", what)
+        && item.plain().and_then(|value| value.as_integer()) != Some(1)
+    {
+        item.fail("must be 1", what);
+    }
+}
+
+/// The tables of an array of tables.
+fn tables<'s, 't>(root: &Table<'s, 't>, key: &str) -> Vec<Table<'s, 't>> {
+    let Some(item) = root.get(key) else { return Vec::new() };
+    if !item.is_array() {
+        item.fail("is no array of tables", format!("write [[{key}]] with two brackets"));
+        return Vec::new();
+    }
+    let elements = item.elements("tables").unwrap_or_default();
+    elements.iter().filter_map(|element| element.table(&format!("[[{key}]]"))).collect()
+}
+
+fn product(
+    root: &Table,
+    optics: &Optics,
+    rejected: &mut Vec<Rejected>,
+    notes: &mut Vec<String>,
+) -> Vec<Variant> {
+    let base = Draft::standard(optics.clone());
+    let drafts = match root.get("variants") {
+        Some(item) => {
+            item.table("[variants]").map_or_else(Vec::new, |table| read_product(&table, &base))
+        }
+        None if root.get("preset").is_some() => Vec::new(),
+        None => vec![base],
+    };
+    let mut seen: BTreeMap<String, u32> = BTreeMap::new();
+    let mut variants = Vec::new();
+    for draft in drafts {
+        let name = name_of(&draft);
+        let times = seen.entry(name.clone()).or_default();
+        *times += 1;
+        if *times > 1 {
+            continue;
+        }
+        match draft.build(name.clone()) {
+            Ok(variant) => variants.push(variant),
+            Err(reasons) => {
+                let reason =
+                    reasons.into_iter().map(|(_, reason)| reason).collect::<Vec<_>>().join("; ");
+                rejected.push(Rejected { name, reason });
+            }
+        }
+    }
+    for (name, times) in seen.into_iter().filter(|(_, times)| *times > 1) {
+        notes.push(format!(
+            "{name}: {times} combinations differ only in keys that it does not read"
+        ));
+    }
+    variants
+}
+
+fn presets(root: &Table, optics: &Optics, variants: &mut Vec<Variant>, notes: &mut Vec<String>) {
+    let base = Draft::standard(optics.clone());
+    for table in tables(root, "preset") {
+        let name = surface::name(&table);
+        let path = name.as_ref().map_or(table.path.clone(), |name| format!("preset.{name}"));
+        let table = table.renamed(path);
+        let variant = read_preset(&table, &base);
+        let (Some(name), Some(variant)) = (name, variant) else { continue };
+        let Some(item) = table.get("name") else { continue };
+        if name == Variant::TEXTS {
+            item.fail(
+                "is the name of a built-in preset",
+                "choose another name; ask for it with --variant texts",
+            );
+        } else if variants.iter().any(|other| other.name == name) {
+            item.fail("is the name of another variant", "choose another name");
+        } else {
+            let hash = variant.hash();
+            if let Some(other) = variants.iter().find(|other| other.hash() == hash) {
+                notes.push(format!("{name}: the same configuration as {}", other.name));
+            }
+            variants.push(Variant { name, ..variant });
+        }
+    }
+}
+
+fn surfaces(root: &Table, folder: &Path, lambda_min_nm: f64) -> Vec<SurfaceSpec> {
+    let tables = tables(root, "surface");
+    if tables.is_empty() && root.get("surface").is_none_or(|item| item.is_array()) {
+        root.source
+            .fail_file("has no surface", "add a [[surface]] with a name and a grating or a file");
+    }
+    let mut names: Vec<String> = Vec::new();
+    let mut surfaces = Vec::new();
+    for table in tables {
+        let name = table.get("name").filter(|item| item.as_str().is_some());
+        if let Some((item, text)) =
+            name.and_then(|item| item.as_str().map(|text| (item.clone(), text)))
+        {
+            if names.iter().any(|other| other == text) {
+                item.fail("is the name of another surface", "choose another name");
+            }
+            names.push(text.to_owned());
+        }
+        surfaces.extend(surface::read(&table, folder, lambda_min_nm));
+    }
+    surfaces
+}
+
+fn targets(table: Option<&Table>) -> Vec<Target> {
+    let Some(table) = table else { return Target::all() };
+    table.only(&["emit", "tables"]);
+    if let Some(item) = table.get("tables") {
+        listed(&item, "table container", words::CONTAINERS);
+    }
+    let mut targets = Vec::new();
+    match table.get("emit") {
+        Some(item) => {
+            for target in listed(&item, "target", words::TARGETS) {
+                if !targets.contains(&target) {
+                    targets.push(target);
+                }
+            }
+        }
+        None => targets = Target::all(),
+    }
+    targets
+}
+
+/// Words of a list, each of which must be available.
+fn listed<T: Copy>(item: &Item, what: &str, known: Words<T>) -> Vec<T> {
+    let items = if item.is_array() {
+        item.elements("words").unwrap_or_default()
+    } else {
+        vec![item.clone()]
+    };
+    if items.is_empty() {
+        item.fail("is empty", format!("name at least one {what}, or leave the key out"));
+    }
+    let available: Vec<&str> =
+        known.iter().filter(|(_, value)| value.is_some()).map(|(word, _)| *word).collect();
+    let read = |item: &Item| {
+        let (word, value) = item.word(known)?;
+        if value.is_none() {
+            item.fail(unavailable(what, word), format!("available: {}", available.join(", ")));
+        }
+        value
+    };
+    items.iter().filter_map(read).collect()
+}
+
+impl Target {
+    /// Reads one word of `--target`.
+    pub fn parse(word: &str) -> Result<Target> {
+        let error = |cause: String| Error::new(Stage::Plan, format!("target \"{word}\""), cause);
+        match words::TARGETS.iter().find(|(known, _)| *known == word) {
+            Some((_, Some(target))) => Ok(*target),
+            Some((_, None)) => Err(error("is not available in this version".to_owned())),
+            None => {
+                let known: Vec<&str> = words::TARGETS.iter().map(|(known, _)| *known).collect();
+                Err(error("is unknown".to_owned()).remedy(suggest(word, &known)))
+            }
+        }
+    }
+}

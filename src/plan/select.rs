@@ -1,0 +1,109 @@
+//! Finding variants and surfaces of a plan by name.
+
+use crate::error::{Error, Result, Stage};
+
+use super::item::suggest;
+use super::{Plan, SurfaceSpec, Variant};
+
+impl Plan {
+    /// The surface of a name; the error lists what there is.
+    pub fn surface(&self, name: &str) -> Result<&SurfaceSpec> {
+        let known: Vec<&str> = self.surfaces.iter().map(|surface| surface.name.as_str()).collect();
+        let found = self.surfaces.iter().find(|surface| surface.name == name);
+        found.ok_or_else(|| unknown("surface", name, &known))
+    }
+
+    /// The variant of a name, or the only one; `texts` is found though no plan lists it.
+    pub fn variant(&self, name: Option<&str>) -> Result<Variant> {
+        match (name, self.variants.as_slice()) {
+            (Some(Variant::TEXTS), _) => Ok(Variant::texts(&self.optics)),
+            (Some(name), variants) => {
+                let found = variants.iter().find(|variant| variant.name == name).cloned();
+                found.ok_or_else(|| unknown("variant", name, &self.variant_names()))
+            }
+            (None, [only]) => Ok(only.clone()),
+            (None, variants) => {
+                let cause = format!("is needed: the plan has {}", variants.len());
+                let remedy = format!("--variant with one of {}", self.variant_names().join(", "));
+                Err(Error::new(Stage::Plan, "variant", cause).remedy(remedy))
+            }
+        }
+    }
+
+    /// The variants that any of the patterns matches (`*`, `?`), in the order of the plan; all for no patterns.
+    /// `texts` comes last, and only when it is named exactly. A pattern that matches nothing is an error.
+    pub fn select(&self, patterns: &[String]) -> Result<Vec<Variant>> {
+        if patterns.is_empty() {
+            return Ok(self.variants.clone());
+        }
+        for pattern in patterns.iter().filter(|pattern| *pattern != Variant::TEXTS) {
+            if !self.variants.iter().any(|variant| matches(pattern, &variant.name)) {
+                let rejected =
+                    self.rejected.iter().find(|rejected| matches(pattern, &rejected.name));
+                return Err(match rejected {
+                    Some(rejected) => Error::new(
+                        Stage::Plan,
+                        format!("variant \"{}\"", rejected.name),
+                        &rejected.reason,
+                    ),
+                    None => unknown("variant", pattern, &self.variant_names()),
+                });
+            }
+        }
+        let wanted =
+            |variant: &&Variant| patterns.iter().any(|pattern| matches(pattern, &variant.name));
+        let mut selected: Vec<Variant> = self.variants.iter().filter(wanted).cloned().collect();
+        if patterns.iter().any(|pattern| pattern == Variant::TEXTS) {
+            selected.push(Variant::texts(&self.optics));
+        }
+        Ok(selected)
+    }
+
+    fn variant_names(&self) -> Vec<&str> {
+        self.variants.iter().map(|variant| variant.name.as_str()).collect()
+    }
+}
+
+fn unknown(what: &str, name: &str, known: &[&str]) -> Error {
+    Error::new(Stage::Plan, format!("{what} \"{name}\""), "is not in the plan")
+        .remedy(suggest(name, known))
+}
+
+/// Whether a pattern of plain characters, `*` (any run) and `?` (any one) matches a whole text.
+fn matches(pattern: &str, text: &str) -> bool {
+    // `reached[i]`: the pattern so far matches the first `i` characters.
+    let text: Vec<char> = text.chars().collect();
+    let mut reached = vec![false; text.len() + 1];
+    reached[0] = true;
+    for symbol in pattern.chars() {
+        let mut next = vec![false; text.len() + 1];
+        for i in 0..=text.len() {
+            next[i] = match symbol {
+                '*' => reached[i] || (i > 0 && next[i - 1]),
+                _ => i > 0 && reached[i - 1] && (symbol == '?' || symbol == text[i - 1]),
+            };
+        }
+        reached = next;
+    }
+    reached[text.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::matches;
+
+    #[test]
+    fn patterns_match_whole_names() {
+        for (pattern, text, expected) in [
+            ("*", "", true),
+            ("full-*", "full-taylor-t31", true),
+            ("full", "full-taylor-t31", false),
+            ("*t31*", "full-taylor-t31-r2", true),
+            ("*-t?1", "full-taylor-t31", true),
+            ("**", "x", true),
+            ("", "x", false),
+        ] {
+            assert_eq!(matches(pattern, text), expected, "{pattern} on {text}");
+        }
+    }
+}

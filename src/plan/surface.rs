@@ -1,0 +1,272 @@
+//! `[[surface]]`: names, gratings, files.
+
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::item::{Item, Table, suggest};
+use super::{FileSource, Grating, Level, SurfaceSource, SurfaceSpec, words};
+
+const KEYS: [&str; 9] = [
+    "name",
+    "grating",
+    "file",
+    "size_um",
+    "pixel_um",
+    "height_um",
+    "z_unit_um",
+    "rotate_deg",
+    "level",
+];
+const FILE_KEYS: [&str; 4] = ["size_um", "pixel_um", "height_um", "z_unit_um"];
+
+/// Reads one surface; `lambda_min_nm` is the shortest wavelength that the plan asks of it.
+pub(super) fn read(table: &Table, folder: &Path, lambda_min_nm: f64) -> Option<SurfaceSpec> {
+    let known: Vec<&str> = KEYS.into_iter().chain(["clip_percent"]).collect();
+    table.only(&known);
+    let name = name(table)?;
+    let table = &table.renamed(format!("surface.{name}"));
+    let rotate_deg = match table.get("rotate_deg") {
+        Some(item) => item.number("finite", "an angle in degrees", |_| true)?,
+        None => 0.0,
+    };
+    let level = match table.get("level") {
+        Some(item) => item.word(words::LEVELS)?.1,
+        None => Level::None,
+    };
+    let clip_percent = match table.get("clip_percent") {
+        Some(item) => {
+            let what = "the share of heights clipped at each end";
+            item.number("from 0 to below 50", what, |x| (0.0..50.0).contains(&x))?
+        }
+        None => 0.0,
+    };
+    let source = match (table.get("grating"), table.get("file")) {
+        (Some(item), None) => SurfaceSource::Grating(grating_surface(table, &item, lambda_min_nm)?),
+        (None, Some(item)) => SurfaceSource::File(file(table, &item, folder, lambda_min_nm)?),
+        (grating, _) => {
+            let cause = if grating.is_some() {
+                "both grating and file"
+            } else {
+                "neither grating nor file"
+            };
+            let remedy = "give one of the two: grating = { kind = … } or file = \"…\"".to_owned();
+            table.fail(format!("{} has {cause}", table.path), Some(remedy));
+            return None;
+        }
+    };
+    Some(SurfaceSpec { name, source, rotate_deg, level, clip_percent })
+}
+
+/// Reads the key `name`: lower-case letters, digits and hyphens, at most 64.
+pub(super) fn name(table: &Table) -> Option<String> {
+    let item = table.require("name", "a name of a-z, 0-9 and hyphens")?;
+    let text = item.string("a name of a-z, 0-9 and hyphens")?;
+    let allowed = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+    if text.is_empty() || text.len() > 64 || !text.chars().all(allowed) {
+        item.fail("is no name", "use 1 to 64 of a-z, 0-9 and hyphens; it becomes a folder");
+        return None;
+    }
+    Some(text.to_owned())
+}
+
+fn file(table: &Table, item: &Item, folder: &Path, lambda_min_nm: f64) -> Option<FileSource> {
+    let path = item.string("the path of a height field, relative to the plan")?;
+    if path.is_empty() || path.contains('\0') {
+        item.fail("names no file", "the path of a height field, relative to the plan");
+        return None;
+    }
+    let [size_um, pixel_um, height_um, z_unit_um] = FILE_KEYS.map(|key| table.get(key));
+    let excludes = [
+        (&size_um, &pixel_um, "size_um and pixel_um both set the scale", "keep one of the two"),
+        (
+            &height_um,
+            &z_unit_um,
+            "height_um and z_unit_um both set the heights",
+            "height_um is for integer files, z_unit_um for float files",
+        ),
+    ];
+    for (one, other, cause, remedy) in excludes {
+        if let (Some(_), Some(other)) = (one, other) {
+            other.fail(cause, remedy);
+            return None;
+        }
+    }
+    let read = |item: &Option<Item>, what: &str| match item {
+        Some(item) => item.positive(what).map(Some),
+        None => Some(None),
+    };
+    let pitch = read(&pixel_um, "the pixel pitch in µm");
+    let source = FileSource {
+        path: folder.join(path),
+        size_um: read(&size_um, "the width of the patch in µm")?,
+        pixel_um: pitch?,
+        height_um: read(&height_um, "a height in µm")?,
+        z_unit_um: read(&z_unit_um, "µm per unit of the file")?,
+    };
+    if let (Some(pitch), Some(item)) = (source.pixel_um, &pixel_um) {
+        let limit = limit_um(lambda_min_nm);
+        if too_coarse(pitch, limit) {
+            let cause = format!("a pitch above λmin/4 = {limit} µm cannot carry all orders");
+            item.fail(cause, format!("scan or resample at {limit} µm or less"));
+            return None;
+        }
+    }
+    Some(source)
+}
+
+fn grating_surface(table: &Table, item: &Item, lambda_min_nm: f64) -> Option<Grating> {
+    for key in FILE_KEYS {
+        if let Some(item) = table.get(key) {
+            item.fail(
+                "belongs to a file",
+                "the keys of a synthetic surface stand inside grating = { … }",
+            );
+            return None;
+        }
+    }
+    let table = item.table("{ kind = … }")?;
+    table.require(
+        "kind",
+        "flat, sinusoidal, blazed, lamellar, triangle, crossed, bumps, fingers or rows",
+    )?;
+    let sound = check_numbers(&table);
+    let grating = match item.plain().map(Grating::deserialize) {
+        Some(Ok(grating)) => grating,
+        Some(Err(error)) => {
+            explain(&table, &error.to_string());
+            return None;
+        }
+        None => {
+            item.fail("is no grating", "expected { kind = … }");
+            return None;
+        }
+    };
+    if let Grating::Crossed { x, y } = &grating {
+        for (key, part) in [("x", x), ("y", y)] {
+            if matches!(
+                **part,
+                Grating::Crossed { .. }
+                    | Grating::Bumps(_)
+                    | Grating::Fingers(_)
+                    | Grating::Rows(_)
+            ) {
+                let item = table.get(key)?;
+                item.fail(
+                    "is no one-dimensional grating",
+                    "crossed takes flat, sinusoidal, blazed, lamellar or triangle",
+                );
+                return None;
+            }
+        }
+    }
+    (sound && check_pitch(&table, limit_um(lambda_min_nm))).then_some(grating)
+}
+
+/// Checks the numbers of a grating by what their names say; all, so that every fault is told in one run.
+fn check_numbers(table: &Table) -> bool {
+    let mut sound = true;
+    for (key, item) in table.items() {
+        sound &= match key {
+            "kind" => true,
+            "x" | "y" => item.table("a grating").is_some_and(|part| check_numbers(&part)),
+            "pixels" => item.whole(2..16385, "pixels along the period or side").is_some(),
+            "seed" => item.whole(0..i64::MAX as u64, "the seed of the generator").is_some(),
+            "duty" | "apex" => item
+                .number("between 0 and 1, both excluded", "a share of the period", |x| {
+                    x > 0.0 && x < 1.0
+                })
+                .is_some(),
+            "regularity" => item
+                .number("from 0 to 1", "the order of the placement", |x| (0.0..=1.0).contains(&x))
+                .is_some(),
+            "height_um" => item.positive("a height in µm").is_some(),
+            _ if key.ends_with("_um") => item.positive("a length in µm").is_some(),
+            _ => item
+                .plain()
+                .is_none_or(|value| value.as_float().is_none_or(f64::is_finite) || refuse(&item)),
+        };
+    }
+    sound
+}
+
+fn refuse(item: &Item) -> bool {
+    item.fail("must be finite", "a number");
+    false
+}
+
+/// The coarsest pitch that carries all orders with `|u| ≤ 2`.
+fn limit_um(lambda_min_nm: f64) -> f64 {
+    lambda_min_nm / 4000.0
+}
+
+fn too_coarse(pitch_um: f64, limit_um: f64) -> bool {
+    pitch_um > limit_um * (1.0 + 1e-9)
+}
+
+fn check_pitch(table: &Table, limit_um: f64) -> bool {
+    let parts = ["x", "y"].map(|key| table.get(key).and_then(|item| item.table("a grating")));
+    let parts_are_sound = parts.into_iter().flatten().all(|part| check_pitch(&part, limit_um));
+    let length = table.get("period_um").or_else(|| table.get("size_um"));
+    let (Some(length), Some(pixels)) = (length, table.get("pixels")) else {
+        return parts_are_sound;
+    };
+    let (Some(size_um), Some(count)) = (length.positive("µm"), pixels.whole(2..16385, "pixels"))
+    else {
+        return false;
+    };
+    let pitch = size_um / count as f64;
+    if too_coarse(pitch, limit_um) {
+        let least = (size_um / limit_um * (1.0 - 1e-9)).ceil();
+        let cause = format!("a pitch of {pitch:.4} µm is above λmin/4 = {limit_um} µm");
+        pixels.fail(cause, format!("use at least {least} pixels for {size_um} µm"));
+        return false;
+    }
+    parts_are_sound
+}
+
+/// Finds the place that a message of the reader speaks of; its words in backticks are the bad one and the known.
+fn explain(table: &Table, message: &str) {
+    let line = message.lines().next().unwrap_or(message);
+    let words: Vec<&str> = line.split('`').skip(1).step_by(2).collect();
+    match words.as_slice() {
+        [bad, known @ ..] if line.starts_with("unknown field") => {
+            let at = holder(table, bad);
+            at.only(
+                &at.items()
+                    .iter()
+                    .map(|(key, _)| *key)
+                    .filter(|key| key != bad)
+                    .chain(known.iter().copied())
+                    .collect::<Vec<_>>(),
+            );
+        }
+        [bad, known @ ..] if line.starts_with("unknown variant") => match kind_item(table, bad) {
+            Some(item) => item.fail("unknown value", suggest(bad, known)),
+            None => table.fail(format!("{}: {line}", table.path), None),
+        },
+        [key] if line.starts_with("missing field") => {
+            table.fail(format!("{}.{key} is missing", table.path), None);
+        }
+        _ => table.fail(format!("{}: {line}", table.path), None),
+    }
+}
+
+/// The table, or the part of a crossed grating, that has a key.
+fn holder<'s, 't>(table: &Table<'s, 't>, key: &str) -> Table<'s, 't> {
+    let part = |name| {
+        table
+            .get(name)
+            .and_then(|item| item.table("a grating"))
+            .filter(|part| part.get(key).is_some())
+    };
+    if table.get(key).is_some() { None } else { part("x").or_else(|| part("y")) }
+        .unwrap_or_else(|| table.clone())
+}
+
+fn kind_item<'s, 't>(table: &Table<'s, 't>, kind: &str) -> Option<Item<'s, 't>> {
+    let own = table.get("kind").filter(|item| item.as_str() == Some(kind));
+    own.or_else(|| {
+        ["x", "y"].iter().find_map(|key| kind_item(&table.get(key)?.table("a grating")?, kind))
+    })
+}

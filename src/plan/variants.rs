@@ -1,0 +1,357 @@
+//! Axes of the product and keys of presets: one reader per key, one list that fixes their order.
+
+use super::item::{Item, Table};
+use super::words::{self, unavailable};
+use super::{
+    Auto, Basis, Coherence, CoherenceScaling, Colour, Mode, Optics, Packing, TableFormat, Variant,
+    Wavelengths,
+};
+
+/// Most combinations that the axes of a plan may span.
+pub const MAX_VARIANTS: usize = 4096;
+
+/// Most wavelength samples of a variant.
+const MAX_SAMPLES: f64 = 4000.0;
+
+/// A configuration before the constraints: it may hold words that this version does not build.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Draft {
+    pub(super) mode: Word<Mode>,
+    pub(super) basis: Word<Basis>,
+    pub(super) terms: Auto<u32>,
+    pub(super) term_error: f64,
+    pub(super) reconstruction: Word<()>,
+    pub(super) window_radius: Auto<u32>,
+    pub(super) periods: Option<[u32; 2]>,
+    pub(super) wavelengths: Wavelengths,
+    pub(super) table: Word<TableFormat>,
+    pub(super) packing: Packing,
+    pub(super) hoist: bool,
+    pub(super) optics: Optics,
+}
+
+/// A word of the plan and its meaning; `None` when it is not available in this version.
+pub(super) type Word<T> = (&'static str, Option<T>);
+
+/// One value of one axis.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Setting {
+    Mode(Word<Mode>),
+    Basis(Word<Basis>),
+    Terms(Auto<u32>),
+    TermError(f64),
+    Reconstruction(Word<()>),
+    WindowRadius(Auto<u32>),
+    Periods(Option<[u32; 2]>),
+    Wavelengths(Wavelengths),
+    Table(Word<TableFormat>),
+    Packing(Packing),
+    Hoist(bool),
+    CoherenceUm(f64),
+    Coherence(Coherence),
+    CoherenceScaling(CoherenceScaling),
+    RefractiveIndex(f64),
+    Shadowing(bool),
+    Illuminant(String),
+    Colour(Colour),
+}
+
+type Axis = (&'static str, fn(&Item) -> Option<Setting>);
+
+/// Keys of `[variants]` and of a preset in the order of the product: the first varies slowest.
+const AXES: [Axis; 11] = [
+    ("mode", |item| item.word(words::MODES).map(Setting::Mode)),
+    ("basis", |item| item.word(words::BASES).map(Setting::Basis)),
+    ("terms", |item| auto(item, 1..201, "the number of terms, or \"auto\"").map(Setting::Terms)),
+    ("term_error", term_error),
+    ("reconstruction", |item| item.word(words::RECONSTRUCTIONS).map(Setting::Reconstruction)),
+    ("window_radius", |item| {
+        auto(item, 0..65, "bins to each side of the nearest one, or \"auto\"")
+            .map(Setting::WindowRadius)
+    }),
+    ("periods", |item| periods(item).map(Setting::Periods)),
+    ("wavelengths", |item| wavelengths(item).map(Setting::Wavelengths)),
+    ("table", |item| item.word(words::TABLE_FORMATS).map(Setting::Table)),
+    ("packing", |item| item.word(words::PACKINGS).map(|(_, packing)| Setting::Packing(packing))),
+    ("hoist", |item| item.boolean().map(Setting::Hoist)),
+];
+
+/// Keys of `[optics]`, which are axes too; they vary fastest.
+const OPTICS: [Axis; 7] = [
+    ("coherence_um", coherence_um),
+    ("coherence", |item| item.word(words::COHERENCES).map(|(_, word)| Setting::Coherence(word))),
+    ("coherence_scaling", |item| {
+        item.word(words::SCALINGS).map(|(_, word)| Setting::CoherenceScaling(word))
+    }),
+    ("refractive_index", refractive_index),
+    ("shadowing", |item| item.boolean().map(Setting::Shadowing)),
+    ("illuminant", illuminant),
+    ("colour", |item| item.word(words::COLOURS).map(|(_, word)| Setting::Colour(word))),
+];
+
+/// Reads `[optics]` over the documented defaults.
+pub(super) fn read_optics(table: &Table) -> Optics {
+    table.only(&OPTICS.map(|(key, _)| key));
+    let mut draft = Draft::standard(Optics::standard());
+    for (_, value) in preset_values(table, &OPTICS) {
+        draft.set(value);
+    }
+    draft.optics
+}
+
+/// Reads `[variants]` and spans the product over a base.
+pub(super) fn read_product(table: &Table, base: &Draft) -> Vec<Draft> {
+    let axes = [AXES.as_slice(), OPTICS.as_slice()].concat();
+    table.only(&axes.iter().map(|(key, _)| *key).collect::<Vec<_>>());
+    let values: Vec<Vec<Setting>> = axes
+        .iter()
+        .filter_map(|(key, read)| Some(axis_values(key, &table.get(key)?, *read)))
+        .collect();
+    let count = values.iter().try_fold(1usize, |n, axis| n.checked_mul(axis.len()));
+    if count.is_none_or(|n| n > MAX_VARIANTS) {
+        let remedy =
+            "take values from the axes, or name the variants you want as presets".to_owned();
+        table.fail(
+            format!("variants: the product has more than {MAX_VARIANTS} combinations"),
+            Some(remedy),
+        );
+        return Vec::new();
+    }
+    values.iter().fold(vec![base.clone()], |drafts, axis| {
+        drafts
+            .iter()
+            .flat_map(|draft| axis.iter().map(|value| draft.clone().with(value.clone())))
+            .collect()
+    })
+}
+
+/// Reads the keys of a preset, `name` apart, over a base; refuses what cannot be built.
+pub(super) fn read_preset(table: &Table, base: &Draft) -> Option<Variant> {
+    let axes = [AXES.as_slice(), OPTICS.as_slice()].concat();
+    let mut known: Vec<_> = axes.iter().map(|(key, _)| *key).collect();
+    known.push("name");
+    table.only(&known);
+    let draft = preset_values(table, &axes)
+        .into_iter()
+        .fold(base.clone(), |draft, (_, value)| draft.with(value));
+    match draft.build(String::new()) {
+        Ok(variant) => Some(variant),
+        Err(refusals) => {
+            for (key, reason) in refusals {
+                match table.get(key) {
+                    Some(item) => item.fail(reason, "see `cargo xtask list` for what is available"),
+                    None => table.fail(format!("{}: {reason}", table.path), None),
+                }
+            }
+            None
+        }
+    }
+}
+
+impl Draft {
+    /// The documented defaults with given optics.
+    pub(super) fn standard(optics: Optics) -> Draft {
+        Draft {
+            mode: ("full", Some(Mode::Full)),
+            basis: ("taylor", Some(Basis::Taylor)),
+            terms: Auto::Value(31),
+            term_error: 1e-3,
+            reconstruction: ("window", Some(())),
+            window_radius: Auto::Value(1),
+            periods: None,
+            wavelengths: Wavelengths { min_nm: 380.0, max_nm: 780.0, step_nm: 5.0 },
+            table: ("f32", Some(TableFormat::F32)),
+            packing: Packing::Paired,
+            hoist: true,
+            optics,
+        }
+    }
+
+    /// Applies the constraints; refusals name the key that they are about.
+    pub(super) fn build(&self, name: String) -> Result<Variant, Vec<(&'static str, String)>> {
+        let mut refusals = Vec::new();
+        let mode = available(&mut refusals, "mode", self.mode);
+        let basis = available(&mut refusals, "basis", self.basis);
+        available(&mut refusals, "reconstruction", self.reconstruction);
+        let table = available(&mut refusals, "table", self.table);
+        let (Some(mode), Some(basis), Some(table), true) =
+            (mode, basis, table, refusals.is_empty())
+        else {
+            return Err(refusals);
+        };
+        Ok(Variant {
+            name,
+            mode,
+            basis,
+            terms: self.terms,
+            term_error: self.term_error,
+            window_radius: self.window_radius,
+            wavelengths: self.wavelengths,
+            table,
+            packing: self.packing,
+            hoist: self.hoist,
+            optics: self.optics.clone(),
+        })
+    }
+
+    fn with(mut self, value: Setting) -> Draft {
+        self.set(value);
+        self
+    }
+
+    fn set(&mut self, value: Setting) {
+        match value {
+            Setting::Mode(x) => self.mode = x,
+            Setting::Basis(x) => self.basis = x,
+            Setting::Terms(x) => self.terms = x,
+            Setting::TermError(x) => self.term_error = x,
+            Setting::Reconstruction(x) => self.reconstruction = x,
+            Setting::WindowRadius(x) => self.window_radius = x,
+            Setting::Periods(x) => self.periods = x,
+            Setting::Wavelengths(x) => self.wavelengths = x,
+            Setting::Table(x) => self.table = x,
+            Setting::Packing(x) => self.packing = x,
+            Setting::Hoist(x) => self.hoist = x,
+            Setting::CoherenceUm(x) => self.optics.coherence_um = x,
+            Setting::Coherence(x) => self.optics.coherence = x,
+            Setting::CoherenceScaling(x) => self.optics.coherence_scaling = x,
+            Setting::RefractiveIndex(x) => self.optics.refractive_index = x,
+            Setting::Shadowing(x) => self.optics.shadowing = x,
+            Setting::Illuminant(x) => self.optics.illuminant = x,
+            Setting::Colour(x) => self.optics.colour = x,
+        }
+    }
+}
+
+fn available<T: Copy>(
+    refusals: &mut Vec<(&'static str, String)>,
+    key: &'static str,
+    word: Word<T>,
+) -> Option<T> {
+    if word.1.is_none() {
+        refusals.push((key, unavailable(key, word.0)));
+    }
+    word.1
+}
+
+fn preset_values(table: &Table, axes: &[Axis]) -> Vec<(&'static str, Setting)> {
+    let value = |(key, read): &Axis| {
+        let item = table.get(key)?;
+        if item.is_array() && *key != "periods" {
+            item.fail("is an array", "expected one value; only [variants] takes several");
+            return None;
+        }
+        Some((*key, read(&item)?))
+    };
+    axes.iter().filter_map(value).collect()
+}
+
+/// The values of an axis: an array, or a single value in place of an array of one.
+fn axis_values(key: &str, item: &Item, read: fn(&Item) -> Option<Setting>) -> Vec<Setting> {
+    let whole = !item.is_array() || (key == "periods" && is_pair(item));
+    let items =
+        if whole { vec![item.clone()] } else { item.elements("values").unwrap_or_default() };
+    if items.is_empty() {
+        item.fail("has no values", "leave the key out to mean its default");
+    }
+    let values: Vec<Setting> = items.iter().filter_map(read).collect();
+    for (i, value) in values.iter().enumerate() {
+        if values[..i].contains(value) && values.len() == items.len() {
+            items[i].fail("is listed twice", "remove one of the two");
+        }
+    }
+    values
+}
+
+fn auto(item: &Item, range: std::ops::Range<u64>, what: &str) -> Option<Auto<u32>> {
+    match item.as_str() {
+        Some("auto") => Some(Auto::Auto),
+        _ => item.whole(range, what).and_then(|n| u32::try_from(n).ok()).map(Auto::Value),
+    }
+}
+
+fn term_error(item: &Item) -> Option<Setting> {
+    let what = "the largest error of the phase function that terms = \"auto\" may leave";
+    item.number("above 0 and at most 0.5", what, |x| x > 0.0 && x <= 0.5).map(Setting::TermError)
+}
+
+fn coherence_um(item: &Item) -> Option<Setting> {
+    let what = "the coherence length in µm; sunlight has about 65";
+    item.number("from 0.1 to 10000", what, |x| (0.1..=10000.0).contains(&x))
+        .map(Setting::CoherenceUm)
+}
+
+fn refractive_index(item: &Item) -> Option<Setting> {
+    let what = "an index of 1 reflects nothing, and the gain divides by the reflectance at normal incidence";
+    item.number("above 1 and at most 5", what, |n| n > 1.0 && n <= 5.0)
+        .map(Setting::RefractiveIndex)
+}
+
+fn illuminant(item: &Item) -> Option<Setting> {
+    let text = item.string("the name of an illuminant, such as \"D65\", or a CSV file")?;
+    if text.is_empty() || text.chars().any(char::is_control) {
+        item.fail("names no illuminant", "use a name such as \"D65\", or a CSV file");
+        return None;
+    }
+    Some(Setting::Illuminant(text.to_owned()))
+}
+
+fn is_pair(item: &Item) -> bool {
+    item.elements("numbers")
+        .is_some_and(|items| items.len() == 2 && items.iter().all(Item::is_integer))
+}
+
+fn periods(item: &Item) -> Option<Option<[u32; 2]>> {
+    let what = "the numbers of replicas along x and y, [qx, qy], or \"auto\"";
+    if item.as_str() == Some("auto") {
+        return Some(None);
+    }
+    if !item.is_array() {
+        item.fail("is neither a pair nor \"auto\"", what);
+        return None;
+    }
+    let numbers = item.elements("two numbers")?;
+    let [x, y] = numbers.as_slice() else {
+        item.fail("has not two numbers", what);
+        return None;
+    };
+    let read = |item: &Item| item.whole(1..10001, what).and_then(|n| u32::try_from(n).ok());
+    Some(Some([read(x)?, read(y)?]))
+}
+
+fn wavelengths(item: &Item) -> Option<Wavelengths> {
+    let table = item.table("{ min_nm, max_nm, step_nm }")?;
+    table.only(&["min_nm", "max_nm", "step_nm"]);
+    let limit = |key: &str, default: f64| match table.get(key) {
+        Some(item) => {
+            let what = "the range of the spectral tables; visible light is 380 to 780 nm";
+            item.number("from 360 to 830", what, |x| (360.0..=830.0).contains(&x))
+        }
+        None => Some(default),
+    };
+    let (min_nm, max_nm) = (limit("min_nm", 380.0), limit("max_nm", 780.0));
+    let step_nm = table
+        .get("step_nm")
+        .map_or(Some(5.0), |item| item.positive("the distance of samples in nm"));
+    let (min_nm, max_nm, step_nm) = (min_nm?, max_nm?, step_nm?);
+    let place = |key: &str| table.get(key).unwrap_or_else(|| item.clone());
+    if min_nm > max_nm {
+        place("min_nm")
+            .fail(format!("min_nm {min_nm} is above max_nm {max_nm}"), "exchange the two");
+        return None;
+    }
+    let range = max_nm - min_nm;
+    if range > 0.0 && step_nm > range {
+        let remedy = "for a single wavelength set max_nm to min_nm";
+        place("step_nm")
+            .fail(format!("a step of {step_nm} nm is wider than the range of {range} nm"), remedy);
+        return None;
+    }
+    if (range / step_nm).ceil() + 1.0 > MAX_SAMPLES {
+        let least = (range / (MAX_SAMPLES - 1.0) * 1000.0).ceil() / 1000.0;
+        let remedy = format!("use a step of at least {least} nm");
+        place("step_nm").fail(format!("gives more than {MAX_SAMPLES} samples"), remedy);
+        return None;
+    }
+    Some(Wavelengths { min_nm, max_nm, step_nm })
+}

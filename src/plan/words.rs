@@ -1,0 +1,105 @@
+//! The words of a plan: which exist, and which of them this version builds.
+
+use super::{
+    Basis, Coherence, CoherenceScaling, Colour, Level, Mode, Packing, TableFormat, Target,
+};
+
+/// Words with what they mean; `None`: planned, not available in this version.
+pub(super) type Words<T> = &'static [(&'static str, Option<T>)];
+
+pub(super) const MODES: Words<Mode> = &[
+    ("full", Some(Mode::Full)),
+    ("pq", None),
+    ("adaptive", None),
+    ("gems", None),
+    ("baked", None),
+];
+
+pub(super) const BASES: Words<Basis> = &[
+    ("taylor", Some(Basis::Taylor)),
+    ("taylor-zero", Some(Basis::TaylorZero)),
+    ("chebyshev", None),
+    ("optimal", None),
+];
+
+pub(super) const RECONSTRUCTIONS: Words<()> = &[("window", Some(())), ("prefiltered", None)];
+
+pub(super) const TABLE_FORMATS: Words<TableFormat> =
+    &[("f32", Some(TableFormat::F32)), ("f16", None)];
+
+pub(super) const CONTAINERS: Words<()> = &[("bin", Some(())), ("ktx2", None), ("exr", None)];
+
+pub(super) const TARGETS: Words<Target> = &[
+    ("wgsl", Some(Target::Wgsl)),
+    ("glsl450", Some(Target::Glsl450)),
+    ("glsl-es300", Some(Target::GlslEs300)),
+    ("spirv", Some(Target::Spirv)),
+    ("hlsl", None),
+    ("msl", None),
+];
+
+pub(super) const PACKINGS: &[(&str, Packing)] =
+    &[("paired", Packing::Paired), ("single", Packing::Single)];
+
+pub(super) const COHERENCES: &[(&str, Coherence)] =
+    &[("single", Coherence::Single), ("ensemble", Coherence::Ensemble)];
+
+pub(super) const SCALINGS: &[(&str, CoherenceScaling)] =
+    &[("fixed", CoherenceScaling::Fixed), ("wavelength", CoherenceScaling::Wavelength)];
+
+pub(super) const COLOURS: &[(&str, Colour)] = &[("srgb", Colour::Srgb), ("thesis", Colour::Thesis)];
+
+pub(super) const LEVELS: &[(&str, Level)] =
+    &[("none", Level::None), ("plane", Level::Plane), ("rows", Level::Rows)];
+
+/// Why a planned word is refused.
+pub(super) fn unavailable(key: &str, word: &str) -> String {
+    format!("{key} \"{word}\" is not available in this version")
+}
+
+impl Mode {
+    /// The word of the plan.
+    pub fn as_str(self) -> &'static str {
+        word_of(MODES, self)
+    }
+}
+
+impl Basis {
+    /// The word of the plan.
+    pub fn as_str(self) -> &'static str {
+        word_of(BASES, self)
+    }
+}
+
+impl TableFormat {
+    /// The word of the plan.
+    pub fn as_str(self) -> &'static str {
+        word_of(TABLE_FORMATS, self)
+    }
+}
+
+impl Packing {
+    /// The word of the plan.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Packing::Paired => "paired",
+            Packing::Single => "single",
+        }
+    }
+}
+
+impl Target {
+    /// Every language that this version emits, in the order of the manual.
+    pub fn all() -> Vec<Target> {
+        TARGETS.iter().filter_map(|(_, target)| *target).collect()
+    }
+
+    /// The word of the plan and of `--target`.
+    pub fn as_str(self) -> &'static str {
+        word_of(TARGETS, self)
+    }
+}
+
+fn word_of<T: Copy + PartialEq>(words: Words<T>, value: T) -> &'static str {
+    words.iter().find(|(_, v)| *v == Some(value)).map_or("?", |(word, _)| word)
+}

@@ -1,0 +1,49 @@
+//! Commands that need the feature `gpu` start themselves again with it, and Mesa with 32-bit float targets.
+
+use std::ffi::OsString;
+use std::process::Command;
+
+use anyhow::{Result, bail};
+
+const MESA_KEY: &str = "MESA_EXTENSION_OVERRIDE";
+const MESA_VALUE: &str = "+GL_ARB_color_buffer_float";
+const MARK: &str = "XTASK_STARTED_AGAIN";
+
+/// Returns when this process has the feature `gpu` and Mesa's extension is set; else replaces it by one that has.
+/// `args` are those of the command line after the name of the program.
+pub(crate) fn with_gpu(args: Vec<OsString>) -> Result<()> {
+    let lacks_feature = !cfg!(feature = "gpu");
+    if !lacks_feature && std::env::var_os(MESA_KEY).is_some() {
+        return Ok(());
+    }
+    if std::env::var_os(MARK).is_some() {
+        bail!("xtask started itself again and still lacks the feature gpu or {MESA_KEY}");
+    }
+    let mut command = if lacks_feature {
+        eprintln!("note: building the GPU runner: cargo run --release -p xtask --features gpu");
+        let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+        let run = ["run", "--release", "-p", "xtask", "--features", "gpu", "--target-dir", "target/gpu", "--"];
+        cargo.args(run);
+        cargo
+    } else {
+        Command::new(std::env::current_exe()?)
+    };
+    if std::env::var_os(MESA_KEY).is_none() {
+        command.env(MESA_KEY, MESA_VALUE);
+    }
+    command.env(MARK, "1").args(args);
+    replace(command)
+}
+
+#[cfg(unix)]
+fn replace(mut command: Command) -> Result<()> {
+    use std::os::unix::process::CommandExt;
+    let error = command.exec();
+    bail!("{} cannot be started: {error}", command.get_program().display())
+}
+
+#[cfg(not(unix))]
+fn replace(mut command: Command) -> Result<()> {
+    let status = command.status()?;
+    std::process::exit(status.code().unwrap_or(2))
+}
