@@ -18,7 +18,12 @@ pub const ROOT: &str = "shader";
 
 /// What the templates are told: configured numbers, counts and sizes; no number that a transform or a transcendental
 /// function computed, since those differ between processors and the text must not.
-pub fn defines(variant: &Variant, resolved: &Resolved, rotate_deg: f64, wavelengths: usize) -> Defines {
+pub fn defines(
+    variant: &Variant,
+    resolved: &Resolved,
+    rotate_deg: f64,
+    wavelengths: usize,
+) -> Defines {
     let optics = &variant.optics;
     let flags = [
         ("COHERENCE_SCALES", optics.coherence_scaling == CoherenceScaling::Wavelength),
@@ -44,7 +49,10 @@ pub fn defines(variant: &Variant, resolved: &Resolved, rotate_deg: f64, waveleng
     ];
     Defines {
         flags: flags.map(|(name, on)| (name.to_owned(), on)).into(),
-        constants: constants.map(|(name, value)| (name.to_owned(), value)).into_iter().collect::<BTreeMap<_, _>>(),
+        constants: constants
+            .map(|(name, value)| (name.to_owned(), value))
+            .into_iter()
+            .collect::<BTreeMap<_, _>>(),
     }
 }
 
@@ -61,12 +69,21 @@ pub fn shader(
 
 /// The term table, unrounded. Time: one two-dimensional transform per two terms.
 pub fn terms(variant: &Variant, resolved: &Resolved, height: &HeightField) -> Table {
-    terms_table(&Terms::new(height, &resolved.expansion, resolved.bins), variant.packing, variant.table)
+    terms_table(
+        &Terms::new(height, &resolved.expansion, resolved.bins),
+        variant.packing,
+        variant.table,
+    )
 }
 
 /// The term table without its texels.
 pub fn terms_shape(variant: &Variant, resolved: &Resolved) -> Table {
-    tables::terms_shape(resolved.bins, resolved.expansion.terms as usize, variant.packing, variant.table)
+    tables::terms_shape(
+        resolved.bins,
+        resolved.expansion.terms as usize,
+        variant.packing,
+        variant.table,
+    )
 }
 
 /// The spectrum table, unrounded.

@@ -52,7 +52,10 @@ pub struct Generated {
 }
 
 /// Generates everything, or returns every error. `done` is called with the label of each finished step.
-pub fn generate(request: &Request<'_>, done: &(dyn Fn(&str) + Sync)) -> Result<Generated, Vec<Diagnostic>> {
+pub fn generate(
+    request: &Request<'_>,
+    done: &(dyn Fn(&str) + Sync),
+) -> Result<Generated, Vec<Diagnostic>> {
     let surfaces = load(request)?;
     let pairs: Vec<(&Loaded, &Variant)> =
         surfaces.iter().flat_map(|s| request.variants.iter().map(move |v| (s, v))).collect();
@@ -70,7 +73,9 @@ pub fn generate(request: &Request<'_>, done: &(dyn Fn(&str) + Sync)) -> Result<G
     if !errors.is_empty() {
         return Err(errors);
     }
-    let notes = surfaces.iter().flat_map(|s| s.surface.notes.iter().map(|n| format!("{}: {n}", s.spec.name)));
+    let notes = surfaces
+        .iter()
+        .flat_map(|s| s.surface.notes.iter().map(|n| format!("{}: {n}", s.spec.name)));
     Ok(Generated { package, notes: notes.collect() })
 }
 
@@ -80,8 +85,11 @@ pub fn index(request: &Request<'_>) -> Result<BTreeMap<String, Value>, Error> {
     for spec in request.surfaces {
         surfaces.insert(spec.name.clone(), json!({ "input_hash": surface_hash(spec)? }));
     }
-    let variants: BTreeMap<&str, Value> =
-        request.variants.iter().map(|v| (v.name.as_str(), json!({ "configuration_hash": v.hash() }))).collect();
+    let variants: BTreeMap<&str, Value> = request
+        .variants
+        .iter()
+        .map(|v| (v.name.as_str(), json!({ "configuration_hash": v.hash() })))
+        .collect();
     Ok(BTreeMap::from([
         ("schema_version".to_owned(), json!(SCHEMA_VERSION)),
         ("tool_version".to_owned(), json!(TOOL_VERSION)),
@@ -137,7 +145,11 @@ fn all_or_errors<T>(results: Vec<Result<T, Vec<Diagnostic>>>) -> Result<Vec<T>, 
     if errors.is_empty() { Ok(values) } else { Err(errors) }
 }
 
-fn build<'a>(request: &Request<'_>, surface: &'a Loaded, variant: &'a Variant) -> Result<Built<'a>, Vec<Diagnostic>> {
+fn build<'a>(
+    request: &Request<'_>,
+    surface: &'a Loaded,
+    variant: &'a Variant,
+) -> Result<Built<'a>, Vec<Diagnostic>> {
     let label = format!("{} {}", surface.spec.name, variant.name);
     let one = |error: Error| vec![Diagnostic::from(&error).variant(&label)];
     let resolved = resolve(variant, &surface.surface.field);
@@ -177,7 +189,8 @@ impl Built<'_> {
                 _ => table.bytes(),
             };
             let layer = table.width * table.height * table.format.channels();
-            let compare = Compare::Table { format: variant.table, tolerance: TABLE_TOLERANCE, layer };
+            let compare =
+                Compare::Table { format: variant.table, tolerance: TABLE_TOLERANCE, layer };
             package.insert(&format!("{tables_folder}/{id}.bin"), bytes, compare)?;
             let description = describe(table, id, &resolved, variant);
             insert_json(package, &format!("{tables_folder}/{id}.json"), &description)?;
@@ -188,12 +201,21 @@ impl Built<'_> {
             description: format!("../../../{tables_folder}/{id}.json"),
             data: format!("../../../{tables_folder}/{id}.bin"),
         };
-        let tables = vec![(&terms, entry(&terms, &terms_id)), (&spectrum, entry(&spectrum, &spectrum_id))];
+        let tables =
+            vec![(&terms, entry(&terms, &terms_id)), (&spectrum, entry(&spectrum, &spectrum_id))];
         let input_hash = hash(&json!([surface.hash, variant.hash(), TOOL_VERSION]));
         let subject = Subject { surface: name, variant, resolved: &resolved, tables, input_hash };
-        insert_json(package, &format!("{shader_folder}/manifest.json"), &manifest(subject, &module, &files))?;
+        insert_json(
+            package,
+            &format!("{shader_folder}/manifest.json"),
+            &manifest(subject, &module, &files),
+        )?;
         for file in files {
-            package.insert(&format!("{shader_folder}/{}", file.name), file.bytes, Compare::Bytes)?;
+            package.insert(
+                &format!("{shader_folder}/{}", file.name),
+                file.bytes,
+                Compare::Bytes,
+            )?;
         }
         Ok(())
     }
@@ -205,7 +227,12 @@ const TABLE_TOLERANCE: f64 = 2.4e-7;
 
 /// Finished bytes from the cache, or made and put there. The cache is only a saving: what cannot be read or written is
 /// computed.
-fn cached(folder: Option<&Path>, id: &str, length: usize, make: impl FnOnce() -> Vec<u8>) -> Vec<u8> {
+fn cached(
+    folder: Option<&Path>,
+    id: &str,
+    length: usize,
+    make: impl FnOnce() -> Vec<u8>,
+) -> Vec<u8> {
     let Some(folder) = folder else { return make() };
     let file = folder.join(format!("{id}.bin"));
     if let Ok(bytes) = std::fs::read(&file)
@@ -238,7 +265,14 @@ fn terms_id(surface: &Loaded, variant: &Variant) -> String {
         }
     };
     let inputs = json!([
-        TOOL_VERSION, surface.hash, variant.basis, terms, radius, variant.wavelengths.min_nm, variant.packing, variant.table,
+        TOOL_VERSION,
+        surface.hash,
+        variant.basis,
+        terms,
+        radius,
+        variant.wavelengths.min_nm,
+        variant.packing,
+        variant.table,
     ]);
     format!("terms-{}", &hash(&inputs)[..12])
 }
@@ -246,7 +280,8 @@ fn terms_id(surface: &Loaded, variant: &Variant) -> String {
 fn spectrum_id(surface: &Loaded, variant: &Variant) -> String {
     let illuminant = &variant.optics.illuminant;
     // a file counts by what is in it
-    let illuminant = std::fs::read(illuminant).map_or_else(|_| illuminant.clone(), |bytes| hex(&Sha256::digest(bytes)));
+    let illuminant = std::fs::read(illuminant)
+        .map_or_else(|_| illuminant.clone(), |bytes| hex(&Sha256::digest(bytes)));
     let inputs = json!([TOOL_VERSION, illuminant, variant.wavelengths, surface.spec.rotate_deg]);
     format!("spectrum-{}", &hash(&inputs)[..12])
 }
@@ -257,9 +292,16 @@ fn surface_hash(spec: &SurfaceSpec) -> Result<String, Error> {
     let source = match &spec.source {
         SurfaceSource::Grating(grating) => json!(grating),
         SurfaceSource::File(file) => {
-            let bytes = std::fs::read(&file.path)
-                .map_err(|e| Error::new(Stage::Height, file.path.display(), "cannot be read").source(e))?;
-            json!([hex(&Sha256::digest(bytes)), file.size_um, file.pixel_um, file.height_um, file.z_unit_um])
+            let bytes = std::fs::read(&file.path).map_err(|e| {
+                Error::new(Stage::Height, file.path.display(), "cannot be read").source(e)
+            })?;
+            json!([
+                hex(&Sha256::digest(bytes)),
+                file.size_um,
+                file.pixel_um,
+                file.height_um,
+                file.z_unit_um
+            ])
         }
     };
     Ok(hash(&json!([source, spec.rotate_deg, spec.level, spec.clip_percent])))
@@ -273,7 +315,11 @@ fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-fn insert_json(package: &mut Package, path: &str, value: &impl serde::Serialize) -> Result<(), Error> {
+fn insert_json(
+    package: &mut Package,
+    path: &str,
+    value: &impl serde::Serialize,
+) -> Result<(), Error> {
     let text = serde_json::to_string_pretty(value)
         .map_err(|e| Error::new(Stage::Package, path, "cannot be written as JSON").source(e))?;
     package.insert(path, text + "\n", Compare::Json { tolerance: JSON_TOLERANCE })

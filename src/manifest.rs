@@ -12,7 +12,7 @@ use crate::optics;
 use crate::package::GENERATED_BY;
 use crate::plan::{Colour, Optics, Target, Variant};
 use crate::profile::{Extent, Limits, Profile, fits};
-use crate::resolve::{Resolved, window_tail};
+use crate::resolve::{Cost, Resolved, window_tail};
 use crate::tables::Table;
 
 /// Version of the manifests' layout.
@@ -48,7 +48,7 @@ pub struct VariantManifest {
     /// What it needs.
     pub requires: Requires,
     /// What a pixel costs.
-    pub cost: CostEntry,
+    pub cost: Cost,
     /// A-priori bounds of the model's approximations.
     pub error_bound: ErrorBound,
 }
@@ -197,19 +197,6 @@ pub struct Requires {
     pub features: Vec<String>,
 }
 
-/// Work per lit pixel.
-#[derive(Clone, Debug, Serialize)]
-pub struct CostEntry {
-    /// Evaluations of the amplitude.
-    pub evaluations: u64,
-    /// Texels read from the term table.
-    pub term_fetches: u64,
-    /// All texels read.
-    pub fetches: u64,
-    /// Bytes of all tables.
-    pub table_bytes: u64,
-}
-
 /// A-priori bounds, for every direction.
 #[derive(Clone, Debug, Serialize)]
 pub struct ErrorBound {
@@ -249,9 +236,7 @@ pub fn manifest(subject: Subject<'_>, module: &Module, files: &[EmittedFile]) ->
         };
         targets.entry(file.target).or_default().push(entry);
     }
-    let cost = variant.cost_of(resolved.expansion.terms, resolved.window_radius);
     let extents: Vec<Extent> = tables.iter().map(|(table, _)| extent(table)).collect();
-    let table_bytes = tables.iter().map(|(table, _)| table.byte_count() as u64).sum();
     VariantManifest {
         generated_by: GENERATED_BY,
         schema_version: SCHEMA_VERSION,
@@ -265,12 +250,7 @@ pub fn manifest(subject: Subject<'_>, module: &Module, files: &[EmittedFile]) ->
         bindings: bindings(module, &tables),
         uniforms: uniforms(module),
         requires: requires(&extents),
-        cost: CostEntry {
-            evaluations: cost.evaluations,
-            term_fetches: cost.term_fetches,
-            fetches: cost.fetches(),
-            table_bytes,
-        },
+        cost: resolved.cost,
         error_bound: ErrorBound {
             terms: resolved.expansion.terms,
             phase_function: resolved.expansion.bound(),
@@ -282,7 +262,12 @@ pub fn manifest(subject: Subject<'_>, module: &Module, files: &[EmittedFile]) ->
 }
 
 /// The description of a table.
-pub fn describe(table: &Table, id: &str, resolved: &Resolved, variant: &Variant) -> TableDescription {
+pub fn describe(
+    table: &Table,
+    id: &str,
+    resolved: &Resolved,
+    variant: &Variant,
+) -> TableDescription {
     let dimension = if table.layers == 0 { "2d" } else { "2d-array" };
     let (channels, axes) = match table.name {
         "terms" => terms_meaning(table, resolved),
@@ -308,17 +293,30 @@ pub fn describe(table: &Table, id: &str, resolved: &Resolved, variant: &Variant)
     }
 }
 
-fn terms_meaning(table: &Table, resolved: &Resolved) -> (Vec<String>, BTreeMap<&'static str, String>) {
+fn terms_meaning(
+    table: &Table,
+    resolved: &Resolved,
+) -> (Vec<String>, BTreeMap<&'static str, String>) {
     let paired = table.format.channels() == 4;
-    let names: &[&str] =
-        if paired { &["re, even term", "im, even term", "re, odd term", "im, odd term"] } else { &["re", "im"] };
+    let names: &[&str] = if paired {
+        &["re, even term", "im, even term", "re, odd term", "im, odd term"]
+    } else {
+        &["re", "im"]
+    };
     let layer = if paired { "layer p holds terms 2p and 2p+1" } else { "layer n holds term n" };
     let (x, y) = (resolved.bins.r_max, resolved.bins.s_max);
-    let bin = |axis: &str, centre: usize, l: f64| format!("bin {axis} = index - {centre}, frequency bin/{l} cycles per µm");
+    let bin = |axis: &str, centre: usize, l: f64| {
+        format!("bin {axis} = index - {centre}, frequency bin/{l} cycles per µm")
+    };
     let axes = BTreeMap::from([
         ("column", bin("r", x, resolved.patch_um[0])),
         ("row", bin("s", y, resolved.patch_um[1])),
-        ("layer", format!("{layer}; term n is ifft2((i z_max (h - origin))^n / n!), to be multiplied by (z/z_max)^n")),
+        (
+            "layer",
+            format!(
+                "{layer}; term n is ifft2((i z_max (h - origin))^n / n!), to be multiplied by (z/z_max)^n"
+            ),
+        ),
     ]);
     (names.iter().map(|s| (*s).to_owned()).collect(), axes)
 }
@@ -328,7 +326,10 @@ fn spectrum_meaning(variant: &Variant) -> (Vec<String>, BTreeMap<&'static str, S
     let w = &variant.wavelengths;
     let axes = BTreeMap::from([
         ("column", format!("wavelength node, {} to {} nm", w.min_nm, w.max_nm)),
-        ("row", "0: nodes; 1: first texel holds cosine and sine of the surface's rotation".to_owned()),
+        (
+            "row",
+            "0: nodes; 1: first texel holds cosine and sine of the surface's rotation".to_owned(),
+        ),
     ]);
     (channels.into(), axes)
 }
@@ -361,7 +362,10 @@ fn requires(extents: &[Extent]) -> Requires {
     let fitting = fits(extents);
     let reason = |limits: Limits| {
         let misfit = extents.iter().find(|extent| !limits.allow(**extent));
-        format!("a table of {misfit:?} exceeds {} texels or {} layers", limits.texture_2d, limits.array_layers)
+        format!(
+            "a table of {misfit:?} exceeds {} texels or {} layers",
+            limits.texture_2d, limits.array_layers
+        )
     };
     let missing = Profile::ALL.into_iter().filter(|p| !fitting.contains(p));
     Requires {

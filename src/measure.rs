@@ -1,6 +1,5 @@
 //! Comparing colours: exposure, which directions count, colour differences.
 
-
 use crate::error::{Error, Result, Stage};
 use crate::spectrum::{D65_WHITE, ciede2000};
 
@@ -40,7 +39,8 @@ pub const LIT: f64 = 1e-3;
 /// `0.5 / p95(Y)` over directions brighter than a millionth of the brightest; `None` if all are black.
 pub fn auto_exposure(reference: &[[f64; 3]]) -> Option<f64> {
     let brightest = reference.iter().map(|c| c[1]).fold(0.0, f64::max);
-    let mut bright: Vec<f64> = reference.iter().map(|c| c[1]).filter(|y| *y > 1e-6 * brightest).collect();
+    let mut bright: Vec<f64> =
+        reference.iter().map(|c| c[1]).filter(|y| *y > 1e-6 * brightest).collect();
     bright.sort_unstable_by(f64::total_cmp);
     (brightest > 0.0).then(|| 0.5 / percentile(&bright, 0.95))
 }
@@ -49,15 +49,26 @@ pub fn auto_exposure(reference: &[[f64; 3]]) -> Option<f64> {
 ///
 /// A direction is lit when the exposed luminance of either side reaches [`LIT`]; statistics of colour differences are
 /// over lit directions only, so that a black picture cannot hide in the dark. No lit direction is an error.
-pub fn compare(subject: &str, reference: &[[f64; 3]], other: &[[f64; 3]], exposure: Option<f64>) -> Result<Comparison> {
+pub fn compare(
+    subject: &str,
+    reference: &[[f64; 3]],
+    other: &[[f64; 3]],
+    exposure: Option<f64>,
+) -> Result<Comparison> {
     let fail = |cause: String| Error::new(Stage::Run, subject, cause);
     if reference.len() != other.len() {
-        return Err(fail(format!("{} colours against {} of the reference", other.len(), reference.len())));
+        return Err(fail(format!(
+            "{} colours against {} of the reference",
+            other.len(),
+            reference.len()
+        )));
     }
     if let Some(at) = other.iter().position(|c| c.iter().any(|v| !v.is_finite())) {
         return Err(fail(format!("colour {at} is not a number: {:?}", other[at])));
     }
-    let exposure = exposure.or_else(|| auto_exposure(reference)).ok_or_else(|| fail("the reference is black".into()))?;
+    let exposure = exposure
+        .or_else(|| auto_exposure(reference))
+        .ok_or_else(|| fail("the reference is black".into()))?;
     let greatest = reference.iter().flatten().copied().fold(0.0, f64::max);
     let (mut max_abs, mut squares) = (0.0_f64, 0.0);
     let mut differences = Vec::new();
@@ -79,7 +90,13 @@ pub fn compare(subject: &str, reference: &[[f64; 3]], other: &[[f64; 3]], exposu
     differences.sort_unstable_by(f64::total_cmp);
     let at = |p| percentile(&differences, p);
     let de2000 = Percentiles { mean, p50: at(0.5), p95: at(0.95), p99: at(0.99), max: at(1.0) };
-    Ok(Comparison { exposure, lit, max_abs, rms: (squares / (3 * reference.len()) as f64).sqrt(), de2000 })
+    Ok(Comparison {
+        exposure,
+        lit,
+        max_abs,
+        rms: (squares / (3 * reference.len()) as f64).sqrt(),
+        de2000,
+    })
 }
 
 fn expose(xyz: [f64; 3], exposure: f64) -> [f64; 3] {

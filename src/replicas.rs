@@ -34,14 +34,19 @@ mod tests {
     use super::*;
 
     fn surface() -> HeightField {
-        HeightField::new(4, 3, 0.3, 0.2, (0..12).map(|i| f64::from(i * i % 7) * 0.05).collect()).expect("valid")
+        HeightField::new(4, 3, 0.3, 0.2, (0..12).map(|i| f64::from(i * i % 7) * 0.05).collect())
+            .expect("valid")
     }
 
     /// The replicas laid side by side and summed without any factor.
     fn direct(height: &HeightField, f: DVec2, z: f64, [qx, qy]: [u32; 2]) -> Complex64 {
         let (columns, rows) = (height.columns() * qx as usize, height.rows() * qy as usize);
-        let at = |i: usize| height.heights_um()[(i / columns % height.rows()) * height.columns() + i % columns % height.columns()];
-        let many = HeightField::new(columns, rows, 0.3, 0.2, (0..columns * rows).map(at).collect()).expect("valid");
+        let at = |i: usize| {
+            height.heights_um()
+                [(i / columns % height.rows()) * height.columns() + i % columns % height.columns()]
+        };
+        let many = HeightField::new(columns, rows, 0.3, 0.2, (0..columns * rows).map(at).collect())
+            .expect("valid");
         phase_sum(&many, f, z)
     }
 
@@ -49,7 +54,12 @@ mod tests {
     fn factors_are_the_sum_over_replicas() {
         let height = surface();
         for q in [[1, 1], [2, 1], [3, 2], [4, 5]] {
-            for f in [DVec2::new(0.31, -0.77), DVec2::new(1.0 / 1.2, 0.4), DVec2::ZERO, DVec2::new(1.7, 1.0 / 0.6)] {
+            for f in [
+                DVec2::new(0.31, -0.77),
+                DVec2::new(1.0 / 1.2, 0.4),
+                DVec2::ZERO,
+                DVec2::new(1.7, 1.0 / 0.6),
+            ] {
                 let (fast, slow) = (amplitude(&height, f, -14.0, q), direct(&height, f, -14.0, q));
                 assert!((fast - slow).norm() < 1e-9, "{q:?} {f}: {fast} against {slow}");
             }
@@ -64,7 +74,10 @@ mod tests {
         assert!(misprinted.norm_sqr() > 1.7 * (a * b).norm_sqr());
         let height = surface();
         let (f, q) = (DVec2::new(1.0 / 1.2, 1.0 / 0.6), [2, 2]);
-        assert!(amplitude(&height, f, -14.0, q).norm_sqr() <= direct(&height, f, -14.0, q).norm_sqr() + 1e-9);
+        assert!(
+            amplitude(&height, f, -14.0, q).norm_sqr()
+                <= direct(&height, f, -14.0, q).norm_sqr() + 1e-9
+        );
     }
 
     #[test]

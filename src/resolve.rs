@@ -1,6 +1,8 @@
-//! What a variant becomes on a surface: counts that were left to the tool, sizes.
+//! What a variant becomes on a surface: counts that were left to the tool, sizes, static cost.
 
 use std::f64::consts::TAU;
+
+use serde::Serialize;
 
 use crate::basis::Expansion;
 use crate::height::HeightField;
@@ -21,8 +23,21 @@ pub struct Resolved {
     pub layers: u32,
     /// Patch size `(Lx, Ly)`, µm.
     pub patch_um: [f64; 2],
-    /// Bytes of the term table.
-    pub terms_bytes: u64,
+    /// Static cost.
+    pub cost: Cost,
+}
+
+/// What one lit pixel costs, whatever the driver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Cost {
+    /// Evaluations of the amplitude: wavelength nodes.
+    pub evaluations: u64,
+    /// Texels read from the term table.
+    pub term_fetches: u64,
+    /// All texels read.
+    pub fetches: u64,
+    /// Bytes of all tables.
+    pub table_bytes: u64,
 }
 
 /// Share of the window's energy that `window_radius = "auto"` may leave out.
@@ -56,8 +71,12 @@ pub fn resolve(variant: &Variant, height: &HeightField) -> Resolved {
         Packing::Single => (1, 2),
     };
     let layers = expansion.terms.div_ceil(per_texel);
-    let terms_bytes = 4 * bins.len() as u64 * u64::from(layers) * channels;
-    Resolved { expansion, window_radius, bins, layers, patch_um, terms_bytes }
+    let evaluations = variant.wavelengths.nodes_nm().len() as u64;
+    let taps = u64::from(2 * window_radius + 1).pow(2);
+    let term_fetches = evaluations * taps * u64::from(layers);
+    let table_bytes = 4 * (bins.len() as u64 * u64::from(layers) * channels + 2 * 4 * evaluations);
+    let cost = Cost { evaluations, term_fetches, fetches: term_fetches + evaluations, table_bytes };
+    Resolved { expansion, window_radius, bins, layers, patch_um, cost }
 }
 
 /// Greatest share of the window's energy beyond `radius` bins of the nearest one, over all places between bins and the

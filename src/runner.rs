@@ -39,7 +39,11 @@ pub trait Runner {
     fn route(&self) -> String;
 
     /// Relative tristimulus values, gain included.
-    fn tristimulus(&self, directions: &[Directions], progress: Progress<'_>) -> Result<Vec<[f64; 3]>>;
+    fn tristimulus(
+        &self,
+        directions: &[Directions],
+        progress: Progress<'_>,
+    ) -> Result<Vec<[f64; 3]>>;
 
     /// `|P|²` at one wavelength, nm, without the gain.
     fn response(&self, directions: &[Directions], lambda_nm: f64) -> Result<Vec<f64>>;

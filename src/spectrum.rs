@@ -94,7 +94,7 @@ impl Spectrum {
     /// Trapezoid nodes of a wavelength range: `min`, `min + step`, …, and `max`; the last interval is shorter where the
     /// step does not divide the range. A range of one wavelength is one node of 1 nm.
     pub fn samples(&self, range: &Wavelengths) -> Vec<Sample> {
-        let nodes_nm = nodes_nm(range);
+        let nodes_nm = range.nodes_nm();
         let last = nodes_nm.len() - 1;
         let width = |i: usize| match i {
             _ if last == 0 => 1.0,
@@ -116,22 +116,6 @@ impl Spectrum {
     }
 }
 
-/// The wavelengths, nm, of a uniform range; always both ends.
-pub fn nodes_nm(range: &Wavelengths) -> Vec<f64> {
-    let span = range.max_nm - range.min_nm;
-    let whole = (span / range.step_nm + 1e-9).floor().max(0.0) as usize;
-    let mut nodes: Vec<f64> =
-        (0..=whole).map(|i| range.min_nm + i as f64 * range.step_nm).collect();
-    match nodes.last_mut() {
-        Some(last) if span > 0.0 && (range.max_nm - *last).abs() < 1e-6 * range.step_nm => {
-            *last = range.max_nm
-        }
-        _ if span > 0.0 => nodes.push(range.max_nm),
-        _ => nodes.truncate(1),
-    }
-    nodes
-}
-
 /// Sum of the nodes' weights: what a response of 1 everywhere becomes on that grid.
 pub fn sum(samples: &[Sample]) -> [f64; 3] {
     samples.iter().fold([0.0; 3], |a, s| std::array::from_fn(|c| a[c] + s.xyz[c]))
@@ -145,7 +129,8 @@ pub fn to_rgb(xyz: [f64; 3], colour: Colour) -> [f64; 3] {
 /// Linear RGB back to tristimulus values.
 pub fn from_rgb(rgb: [f64; 3], colour: Colour) -> [f64; 3] {
     let rows = rgb_matrix(colour).map(DVec3::from);
-    (DMat3::from_cols(rows[0], rows[1], rows[2]).transpose().inverse() * DVec3::from(rgb)).to_array()
+    (DMat3::from_cols(rows[0], rows[1], rows[2]).transpose().inverse() * DVec3::from(rgb))
+        .to_array()
 }
 
 /// The sRGB transfer function (IEC 61966-2-1), on a linear component clamped to [0, 1].
@@ -292,18 +277,21 @@ mod tests {
 
     #[test]
     fn a_step_that_does_not_divide_the_range_keeps_both_ends() {
-        let nodes = nodes_nm(&Wavelengths { min_nm: 380.0, max_nm: 780.0, step_nm: 7.0 });
+        let nodes = Wavelengths { min_nm: 380.0, max_nm: 780.0, step_nm: 7.0 }.nodes_nm();
         assert_eq!((nodes[0], nodes[nodes.len() - 1]), (380.0, 780.0));
         let total: f64 = grid(7.0).iter().map(|s| s.xyz[1]).sum();
         assert!((total - 1.0).abs() < 1e-3, "{total}");
-        assert_eq!(nodes_nm(&Wavelengths { min_nm: 550.0, max_nm: 550.0, step_nm: 5.0 }), [550.0]);
+        assert_eq!(Wavelengths { min_nm: 550.0, max_nm: 550.0, step_nm: 5.0 }.nodes_nm(), [550.0]);
     }
 
     #[test]
     fn rgb_goes_back_to_where_it_came_from() {
         for colour in [Colour::Srgb, Colour::Thesis] {
             let back = from_rgb(to_rgb([0.3, 0.5, 0.1], colour), colour);
-            assert!(back.iter().zip([0.3, 0.5, 0.1]).all(|(a, b)| (a - b).abs() < 1e-14), "{back:?}");
+            assert!(
+                back.iter().zip([0.3, 0.5, 0.1]).all(|(a, b)| (a - b).abs() < 1e-14),
+                "{back:?}"
+            );
         }
     }
 

@@ -97,13 +97,24 @@ pub fn terms_table(terms: &Terms, packing: Packing, format: TableFormat) -> Tabl
             }
         }
     }
+    Table { texels, ..shape }
+}
+
+/// The term table without its texels.
+pub fn terms_shape(bins: Bins, terms: usize, packing: Packing, format: TableFormat) -> Table {
+    let TableFormat::F32 = format;
+    let (format, per_texel) = match packing {
+        Packing::Paired => (TexelFormat::Rgba32Float, 2),
+        Packing::Single => (TexelFormat::Rg32Float, 1),
+    };
+    let layers = terms.div_ceil(per_texel);
     Table {
         name: "terms",
         format,
-        width: terms.bins.width(),
-        height: terms.bins.height(),
+        width: bins.width(),
+        height: bins.height(),
         layers,
-        texels,
+        texels: Vec::new(),
     }
 }
 

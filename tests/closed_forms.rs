@@ -22,8 +22,12 @@ fn make(grating: Grating) -> HeightField {
 }
 
 fn field(height: &HeightField) -> Field {
-    let domain =
-        Domain { coherence: Coherence::Single, sigma_um: (SIGMA_UM, SIGMA_UM), z: (-33.1, -0.1), reach_cpum: 5.3 };
+    let domain = Domain {
+        coherence: Coherence::Single,
+        sigma_um: (SIGMA_UM, SIGMA_UM),
+        z: (-33.1, -0.1),
+        reach_cpum: 5.3,
+    };
     Field::new(height, &domain)
 }
 
@@ -52,7 +56,8 @@ fn flat_has_the_zero_order_only() {
 
 #[test]
 fn sinusoidal_is_a_bessel_function() {
-    let height = make(Grating::Sinusoidal { period_um: PERIOD_UM, height_um: HEIGHT_UM, pixels: 100 });
+    let height =
+        make(Grating::Sinusoidal { period_um: PERIOD_UM, height_um: HEIGHT_UM, pixels: 100 });
     let error = worst(&height, |m, z| libm::jn(m, z * HEIGHT_UM / 2.0).powi(2));
     assert!(error < 1e-9, "{error:e}");
     // negative control: one order off
@@ -89,14 +94,20 @@ fn triangle_converges_quadratically() {
         let phase = 0.5 * (rising - falling);
         a * a + b * b + 2.0 * a * b * phase.cos()
     };
-    let e = errors(|pixels| Grating::Triangle { period_um: PERIOD_UM, height_um: HEIGHT_UM, pixels, apex }, closed);
+    let e = errors(
+        |pixels| Grating::Triangle { period_um: PERIOD_UM, height_um: HEIGHT_UM, pixels, apex },
+        closed,
+    );
     assert!(e[0] < 1e-2 && e[1] < e[0] / 3.5 && e[2] < e[1] / 3.5, "{e:?}");
 }
 
 #[test]
 fn blazed_converges() {
     let closed = |m: i32, z: f64| sinc(z * HEIGHT_UM / TAU + f64::from(m)).powi(2);
-    let e = errors(|pixels| Grating::Blazed { period_um: PERIOD_UM, height_um: HEIGHT_UM, pixels }, closed);
+    let e = errors(
+        |pixels| Grating::Blazed { period_um: PERIOD_UM, height_um: HEIGHT_UM, pixels },
+        closed,
+    );
     assert!(e[0] < 1e-2 && e[1] < e[0] / 1.9 && e[2] < e[1] / 1.9, "{e:?}");
     // negative control: blazed the other way
     let mirrored = |m: i32, z: f64| sinc(z * HEIGHT_UM / TAU - f64::from(m)).powi(2);
@@ -111,10 +122,16 @@ fn lamellar_converges() {
         let psi = z * HEIGHT_UM;
         match m {
             0 => (1.0 - duty + duty * psi.cos()).powi(2) + (duty * psi.sin()).powi(2),
-            m => 4.0 * (psi / 2.0).sin().powi(2) * (PI * f64::from(m) * duty).sin().powi(2) / (PI * f64::from(m)).powi(2),
+            m => {
+                4.0 * (psi / 2.0).sin().powi(2) * (PI * f64::from(m) * duty).sin().powi(2)
+                    / (PI * f64::from(m)).powi(2)
+            }
         }
     };
-    let e = errors(|pixels| Grating::Lamellar { period_um: PERIOD_UM, height_um: HEIGHT_UM, pixels, duty }, closed);
+    let e = errors(
+        |pixels| Grating::Lamellar { period_um: PERIOD_UM, height_um: HEIGHT_UM, pixels, duty },
+        closed,
+    );
     assert!(e[0] < 1e-2 && e[1] < e[0] / 1.9 && e[2] < e[1] / 1.9, "{e:?}");
 }
 
@@ -133,8 +150,10 @@ fn energy_is_conserved() {
     let heights_um: Vec<f64> = (0..12 * 9).map(|i| f64::from((i * 7919) % 101) * 0.004).collect();
     let height = HeightField::new(12, 9, 0.06, 0.07, heights_um).expect("valid");
     for z in Z {
-        let sum: f64 =
-            (0..9).flat_map(|s| (0..12).map(move |r| (r, s))).map(|(r, s)| coefficient_brute(&height, r, s, z).norm_sqr()).sum();
+        let sum: f64 = (0..9)
+            .flat_map(|s| (0..12).map(move |r| (r, s)))
+            .map(|(r, s)| coefficient_brute(&height, r, s, z).norm_sqr())
+            .sum();
         assert!((sum - 1.0).abs() < 1e-12, "{sum}");
     }
 }
@@ -143,7 +162,8 @@ fn energy_is_conserved() {
 fn a_mirror_at_normal_incidence_is_white() {
     let height = make(Grating::Flat { period_um: PERIOD_UM, pixels: 100 });
     let up = Directions { wi: DVec3::Z, wr: DVec3::Z };
-    let reference = Reference::new(&height, 0.0, &Optics::standard(), Reference::VISIBLE_NM, [up]).expect("small");
+    let reference = Reference::new(&height, 0.0, &Optics::standard(), Reference::VISIBLE_NM, [up])
+        .expect("small");
     let got = reference.tristimulus(up, &mut Scratch::default());
     let white = Spectrum::new("D65").expect("D65").white();
     assert!(got.iter().zip(white).all(|(g, w)| (g - w).abs() < 1e-9), "{got:?} against {white:?}");
@@ -154,7 +174,8 @@ fn a_mirror_at_normal_incidence_is_white() {
 /// incidence across the grooves, and with light along them (the orders then lie on a cone).
 #[test]
 fn orders_lie_where_the_grating_equation_puts_them() {
-    let height = make(Grating::Sinusoidal { period_um: PERIOD_UM, height_um: HEIGHT_UM, pixels: 100 });
+    let height =
+        make(Grating::Sinusoidal { period_um: PERIOD_UM, height_um: HEIGHT_UM, pixels: 100 });
     let optics = Optics::standard();
     let mut seen = 0;
     for (theta_i, phi_i) in [(20.0, 0.0), (20.0, 180.0), (35.0, 90.0), (50.0, 37.0)] {
@@ -171,12 +192,16 @@ fn orders_lie_where_the_grating_equation_puts_them() {
             }
             seen += 1;
             let both = [peak, beside].map(|wr| Directions { wi, wr });
-            let reference = Reference::new(&height, 0.0, &optics, Reference::VISIBLE_NM, both).expect("small");
+            let reference =
+                Reference::new(&height, 0.0, &optics, Reference::VISIBLE_NM, both).expect("small");
             let mut scratch = Scratch::default();
             let [peak, beside] = both.map(|d| reference.response(d, lambda_um * 1e3, &mut scratch));
             let z = TAU / lambda_um * path_difference(wi, both[0].wr, 0.0).z;
             let closed = libm::jn(m, z * HEIGHT_UM / 2.0).powi(2);
-            assert!((peak - closed).abs() < 1e-9, "order {m} from {theta_i},{phi_i}: {peak} against {closed}");
+            assert!(
+                (peak - closed).abs() < 1e-9,
+                "order {m} from {theta_i},{phi_i}: {peak} against {closed}"
+            );
             assert!(beside < 1e-3 * closed, "order {m} is not narrow: {beside}");
         }
     }
@@ -193,19 +218,32 @@ fn a_blaze_throws_light_to_its_own_side() {
         let orders: Vec<(f64, Directions)> = (-8..=8)
             .filter_map(|m| {
                 let x = -wi.x - f64::from(m) * lambda_um / PERIOD_UM;
-                (x.abs() < 1.0).then(|| (x, Directions { wi, wr: DVec3::new(x, 0.0, (1.0 - x * x).sqrt()) }))
+                (x.abs() < 1.0)
+                    .then(|| (x, Directions { wi, wr: DVec3::new(x, 0.0, (1.0 - x * x).sqrt()) }))
             })
             .collect();
-        let reference =
-            Reference::new(&height, 0.0, &Optics::standard(), Reference::VISIBLE_NM, orders.iter().map(|o| o.1)).expect("small");
+        let reference = Reference::new(
+            &height,
+            0.0,
+            &Optics::standard(),
+            Reference::VISIBLE_NM,
+            orders.iter().map(|o| o.1),
+        )
+        .expect("small");
         let mut scratch = Scratch::default();
-        let weights: Vec<f64> = orders.iter().map(|o| reference.response(o.1, lambda_um * 1e3, &mut scratch)).collect();
-        let mean: f64 = orders.iter().zip(&weights).map(|(o, w)| o.0 * w).sum::<f64>() / weights.iter().sum::<f64>();
+        let weights: Vec<f64> =
+            orders.iter().map(|o| reference.response(o.1, lambda_um * 1e3, &mut scratch)).collect();
+        let mean: f64 = orders.iter().zip(&weights).map(|(o, w)| o.0 * w).sum::<f64>()
+            / weights.iter().sum::<f64>();
         // reflection at a facet: the path difference is along its normal (-H/d, 0, 1)
         let facet = DVec3::new(-HEIGHT_UM / PERIOD_UM, 0.0, 1.0).normalize();
         let reflected = 2.0 * wi.dot(facet) * facet - wi;
         assert!(reflected.x < -wi.x - 0.1, "geometry");
-        assert!((mean - reflected.x).abs() < 0.05, "light from {phi_i}: mean {mean}, facet {}", reflected.x);
+        assert!(
+            (mean - reflected.x).abs() < 0.05,
+            "light from {phi_i}: mean {mean}, facet {}",
+            reflected.x
+        );
     }
 }
 
@@ -218,7 +256,9 @@ fn the_lobe_is_the_coherence_windows() {
     let lambda_um = 0.55;
     let width = lambda_um * 2.0_f64.ln().sqrt() / (PI * SIGMA_UM);
     assert!((width - 0.00897).abs() < 1e-5);
-    let at = |u: f64| field.intensity(DVec2::new(u / lambda_um, 0.0), -20.0, SIGMA_UM, &mut Scratch::default());
+    let at = |u: f64| {
+        field.intensity(DVec2::new(u / lambda_um, 0.0), -20.0, SIGMA_UM, &mut Scratch::default())
+    };
     assert!((at(width / 2.0) - 0.5).abs() < 1e-12);
     assert!((at(width) - 0.0625).abs() < 1e-12, "a Gaussian falls to 1/16 at twice its half width");
 }

@@ -8,21 +8,27 @@ use glam::DVec2;
 fn rough(columns: usize, rows: usize) -> HeightField {
     let mut state = 7_u64;
     let mut next = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 40) as f64 / f64::from(1 << 24)
     };
-    HeightField::new(columns, rows, 0.07, 0.09, (0..columns * rows).map(|_| 0.4 * next()).collect()).expect("valid")
+    HeightField::new(columns, rows, 0.07, 0.09, (0..columns * rows).map(|_| 0.4 * next()).collect())
+        .expect("valid")
 }
 
 /// Columns and rows shifted round, to the right and down.
 fn rolled(height: &HeightField, right: usize, down: usize) -> HeightField {
     let (columns, rows) = (height.columns(), height.rows());
-    let from = |i: usize| ((i / columns + rows - down) % rows) * columns + (i % columns + columns - right) % columns;
+    let from = |i: usize| {
+        ((i / columns + rows - down) % rows) * columns + (i % columns + columns - right) % columns
+    };
     let heights_um = (0..columns * rows).map(|i| height.heights_um()[from(i)]).collect();
-    HeightField::new(columns, rows, height.pitch_x_um(), height.pitch_y_um(), heights_um).expect("valid")
+    HeightField::new(columns, rows, height.pitch_x_um(), height.pitch_y_um(), heights_um)
+        .expect("valid")
 }
 
-const F: [DVec2; 4] = [DVec2::ZERO, DVec2::new(0.83, 0.11), DVec2::new(-2.4, 3.9), DVec2::new(5.0, -0.01)];
+const F: [DVec2; 4] =
+    [DVec2::ZERO, DVec2::new(0.83, 0.11), DVec2::new(-2.4, 3.9), DVec2::new(5.0, -0.01)];
 
 /// From windows far wider than the patch to windows so narrow that the Gaussian is split; odd and even sizes.
 #[test]
@@ -31,7 +37,12 @@ fn fast_field_is_the_definition_to_a_billionth() {
         let height = rough(columns, rows);
         for sigma_um in [16.25, 0.9, 0.07] {
             for coherence in [Coherence::Single, Coherence::Ensemble] {
-                let domain = Domain { coherence, sigma_um: (sigma_um, sigma_um * 1.3), z: (-33.0, -2.0), reach_cpum: 5.0 };
+                let domain = Domain {
+                    coherence,
+                    sigma_um: (sigma_um, sigma_um * 1.3),
+                    z: (-33.0, -2.0),
+                    reach_cpum: 5.0,
+                };
                 let field = Field::new(&height, &domain);
                 let mut scratch = Scratch::default();
                 for sigma_um in [sigma_um, sigma_um * 1.3] {
@@ -57,7 +68,8 @@ fn ensemble_is_the_mean_over_window_positions() {
     // a window of 0.3 µm on a patch of 0.7 × 0.72 µm: lobes overlap, positions matter
     let (sigma_um, z) = (0.3, -15.0);
     for f in [DVec2::new(0.4, 0.2), DVec2::new(1.1, -1.9)] {
-        let at = |i: usize| amplitude_brute(&rolled(&height, i % 10, i / 10), f, z, sigma_um).norm_sqr();
+        let at =
+            |i: usize| amplitude_brute(&rolled(&height, i % 10, i / 10), f, z, sigma_um).norm_sqr();
         let single: Vec<f64> = (0..80).map(at).collect();
         let mean = single.iter().sum::<f64>() / 80.0;
         let ensemble = ensemble_brute(&height, f, z, sigma_um);
@@ -73,13 +85,19 @@ fn rolling_matters_to_a_scan_and_not_to_a_grating() {
     let differs = |height: &HeightField, sigma_um: f64| {
         let other = rolled(height, height.columns() / 2, height.rows() / 2);
         let relative = |f: DVec2| {
-            let (a, b) = (amplitude_brute(height, f, -15.0, sigma_um), amplitude_brute(&other, f, -15.0, sigma_um));
+            let (a, b) = (
+                amplitude_brute(height, f, -15.0, sigma_um),
+                amplitude_brute(&other, f, -15.0, sigma_um),
+            );
             (a.norm_sqr() - b.norm_sqr()).abs() / a.norm_sqr().max(b.norm_sqr())
         };
         [DVec2::new(0.4, 0.0), DVec2::new(0.8, 0.0)].map(relative).into_iter().fold(0.0, f64::max)
     };
     assert!(differs(&rough(24, 20), 0.35) > 0.05);
-    let grating = synthesise(&Grating::Blazed { period_um: 2.5, height_um: 0.3, pixels: 30 }, "blazed").expect("valid").field;
+    let grating =
+        synthesise(&Grating::Blazed { period_um: 2.5, height_um: 0.3, pixels: 30 }, "blazed")
+            .expect("valid")
+            .field;
     assert!(differs(&grating, 16.25) < 1e-9);
 }
 

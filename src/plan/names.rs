@@ -57,7 +57,7 @@ impl Variant {
         if self.terms == Auto::Auto {
             map.insert("term_error", json!(self.term_error));
         }
-        if waves.count() > 1 {
+        if waves.max_nm > waves.min_nm {
             map.insert("step_nm", json!(waves.step_nm));
         }
         let pairs: Vec<String> =
@@ -72,15 +72,21 @@ impl Variant {
 }
 
 impl Wavelengths {
-    /// Number of samples: both ends, and every `step_nm` from the first; a range of no width has one.
-    pub fn count(&self) -> usize {
-        let range = self.max_nm - self.min_nm;
-        if range <= 0.0 {
-            return 1;
+    /// The nodes of the integral, nm: `min`, `min + step`, …, and always `max`, so that the last interval is shorter
+    /// where the step does not divide the range. A range of no width is one node.
+    pub fn nodes_nm(&self) -> Vec<f64> {
+        let span = self.max_nm - self.min_nm;
+        let whole = (span / self.step_nm + 1e-9).floor().max(0.0) as usize;
+        let mut nodes: Vec<f64> =
+            (0..=whole).map(|i| self.min_nm + i as f64 * self.step_nm).collect();
+        match nodes.last_mut() {
+            Some(last) if span > 0.0 && (self.max_nm - *last).abs() < 1e-6 * self.step_nm => {
+                *last = self.max_nm
+            }
+            _ if span > 0.0 => nodes.push(self.max_nm),
+            _ => nodes.truncate(1),
         }
-        let steps = (range / self.step_nm + 1e-9).floor();
-        let ends_on_a_step = range - steps * self.step_nm < 1e-6 * self.step_nm;
-        steps as usize + if ends_on_a_step { 1 } else { 2 }
+        nodes
     }
 }
 
@@ -149,7 +155,7 @@ fn wavelengths(draft: &Draft) -> String {
     let (min, max) = (number(waves.min_nm), number(waves.max_nm));
     match draft.mode.0 {
         "adaptive" => format!("{min}to{max}"),
-        _ if waves.count() == 1 => format!("{min}nm"),
+        _ if waves.max_nm <= waves.min_nm => format!("{min}nm"),
         _ => format!("{min}to{max}by{}", number(waves.step_nm)),
     }
 }

@@ -25,7 +25,11 @@ impl Runner for Exact<'_> {
         "exact".to_owned()
     }
 
-    fn tristimulus(&self, directions: &[Directions], progress: Progress<'_>) -> Result<Vec<[f64; 3]>> {
+    fn tristimulus(
+        &self,
+        directions: &[Directions],
+        progress: Progress<'_>,
+    ) -> Result<Vec<[f64; 3]>> {
         Ok(self.reference(Reference::VISIBLE_NM, directions)?.tristimulus_all(directions, progress))
     }
 
@@ -71,7 +75,11 @@ impl Runner for TwinRunner<'_> {
         "twin".to_owned()
     }
 
-    fn tristimulus(&self, directions: &[Directions], progress: Progress<'_>) -> Result<Vec<[f64; 3]>> {
+    fn tristimulus(
+        &self,
+        directions: &[Directions],
+        progress: Progress<'_>,
+    ) -> Result<Vec<[f64; 3]>> {
         let twin = self.twin();
         Ok(evaluate_all(directions, progress, |d, (): &mut ()| twin.tristimulus(d)))
     }
@@ -88,5 +96,9 @@ impl Runner for TwinRunner<'_> {
 
 /// `ρ = C·|P|²` of responses.
 pub fn rho(subject: &Subject<'_>, directions: &[Directions], responses: &[f64]) -> Vec<f64> {
-    directions.iter().zip(responses).map(|(d, p2)| gain(d.wi, d.wr, &subject.variant.optics) * p2).collect()
+    directions
+        .iter()
+        .zip(responses)
+        .map(|(d, p2)| gain(d.wi, d.wr, &subject.variant.optics) * p2)
+        .collect()
 }

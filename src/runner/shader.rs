@@ -48,10 +48,16 @@ impl<'a> ShaderRunner<'a> {
     }
 
     /// Compiles an entry point with its tables; `directions` only for `probe`.
-    fn pipeline(&self, entry: &str, spectrum: &Table, directions: Option<Texture<'_>>) -> Result<Pipeline> {
+    fn pipeline(
+        &self,
+        entry: &str,
+        spectrum: &Table,
+        directions: Option<Texture<'_>>,
+    ) -> Result<Pipeline> {
         let Subject { rotate_deg, variant, .. } = self.subject;
         let defines = assemble::defines(variant, &self.resolved, rotate_deg, spectrum.width);
-        let module = assemble::shader(&Sources::builtin(), &variant.name, &defines).map_err(first)?;
+        let module =
+            assemble::shader(&Sources::builtin(), &variant.name, &defines).map_err(first)?;
         let mut textures = vec![texture(&self.terms, 1), texture(spectrum, 2)];
         textures.extend(directions);
         self.gpu.program(&Program {
@@ -65,7 +71,12 @@ impl<'a> ShaderRunner<'a> {
     }
 
     /// Evaluates `probe` with any spectrum table; directions in pictures of at most a megapixel.
-    fn probe(&self, spectrum: &Table, directions: &[Directions], progress: Progress<'_>) -> Result<Vec<[f64; 3]>> {
+    fn probe(
+        &self,
+        spectrum: &Table,
+        directions: &[Directions],
+        progress: Progress<'_>,
+    ) -> Result<Vec<[f64; 3]>> {
         let mut out = Vec::with_capacity(directions.len());
         for block in directions.chunks(PROBE_WIDTH * 1024) {
             let rows = block.len().div_ceil(PROBE_WIDTH);
@@ -88,7 +99,8 @@ impl<'a> ShaderRunner<'a> {
             };
             let pipeline = self.pipeline("probe", spectrum, Some(directions))?;
             let (width, height) = (PROBE_WIDTH as u32, rows as u32);
-            let picture = bands(&pipeline, width, height, &uniform(DVec3::Z, width, height), progress)?;
+            let picture =
+                bands(&pipeline, width, height, &uniform(DVec3::Z, width, height), progress)?;
             out.extend(picture.iter().take(block.len()).map(|c| [c[0], c[1], c[2]].map(f64::from)));
         }
         Ok(out)
@@ -101,7 +113,11 @@ impl Runner for ShaderRunner<'_> {
         format!("{}:{}", info.backend, info.name)
     }
 
-    fn tristimulus(&self, directions: &[Directions], progress: Progress<'_>) -> Result<Vec<[f64; 3]>> {
+    fn tristimulus(
+        &self,
+        directions: &[Directions],
+        progress: Progress<'_>,
+    ) -> Result<Vec<[f64; 3]>> {
         self.probe(&self.spectrum, directions, progress)
     }
 
@@ -111,7 +127,11 @@ impl Runner for ShaderRunner<'_> {
         let spectrum = assemble::single_wavelength(lambda_nm, rotate_deg);
         let rho = self.probe(&spectrum, directions, &|_| ())?;
         let gains = directions.iter().map(|d| gain(d.wi, d.wr, &variant.optics));
-        Ok(rho.iter().zip(gains).map(|(rho, gain)| if gain > 0.0 { rho[0] / gain } else { 0.0 }).collect())
+        Ok(rho
+            .iter()
+            .zip(gains)
+            .map(|(rho, gain)| if gain > 0.0 { rho[0] / gain } else { 0.0 })
+            .collect())
     }
 
     /// The `map` entry point; its linear RGB is taken back to tristimulus values.
@@ -126,13 +146,20 @@ impl Runner for ShaderRunner<'_> {
         *cached = Some(pipeline);
         let colour = self.subject.variant.optics.colour;
         let xyz = |(i, c): (usize, &[f32; 4])| {
-            view_direction(i % size, i / size, size).map(|_| from_rgb([c[0], c[1], c[2]].map(f64::from), colour))
+            view_direction(i % size, i / size, size)
+                .map(|_| from_rgb([c[0], c[1], c[2]].map(f64::from), colour))
         };
         Ok(Frame { size, xyz: picture?.iter().enumerate().map(xyz).collect() })
     }
 }
 
-fn bands(pipeline: &Pipeline, width: u32, height: u32, uniform: &[u8], progress: Progress<'_>) -> Result<Vec<[f32; 4]>> {
+fn bands(
+    pipeline: &Pipeline,
+    width: u32,
+    height: u32,
+    uniform: &[u8],
+    progress: Progress<'_>,
+) -> Result<Vec<[f32; 4]>> {
     let mut before = 0;
     pipeline.render_bands(width, height, uniform, BAND_ROWS, |done, _| {
         progress((done - before) as usize * width as usize);
@@ -165,5 +192,6 @@ fn texture(table: &Table, binding: u32) -> Texture<'static> {
 /// The first diagnostic of a shader that does not compile; `generate` shows all of them in their places.
 fn first(diagnostics: Vec<Diagnostic>) -> Error {
     let message = diagnostics.first().map_or("does not compile", |d| d.message.as_str());
-    Error::new(Stage::Shader, "shader", message).remedy("cargo xtask generate shows every error with its place")
+    Error::new(Stage::Shader, "shader", message)
+        .remedy("cargo xtask generate shows every error with its place")
 }

@@ -99,7 +99,7 @@ fn variant_object(variant: &Variant, plan: &Plan, costs: &Costs) -> Value {
         "terms": auto(variant.terms),
         "window_radius": auto(variant.window_radius),
         "wavelengths": variant.wavelengths,
-        "samples": variant.wavelengths.count(),
+        "samples": variant.wavelengths.nodes_nm().len(),
         "table": variant.table,
         "packing": variant.packing,
         "hoist": variant.hoist,
