@@ -101,7 +101,8 @@ pub fn write_unless(package: &Package, out: &Path, cancel: &Cancel) -> Result<Wr
         }
         sync_folder(root.parent().unwrap_or(&root));
     }
-    if fs::remove_dir_all(&temporary.path).is_err_and(|e| e.kind() != io::ErrorKind::NotFound) {
+    // An interrupt may be removing it at the same time, so what counts is whether it is gone.
+    if fs::remove_dir_all(&temporary.path).is_err() && temporary.path.exists() {
         report.left_behind = Some(temporary.path.clone());
     }
     Ok(report)

@@ -66,7 +66,10 @@ pub(crate) fn run(
     let plan = args.plan.read(console)?;
     let selection = select(args, &plan)?;
     let threads = args.jobs.map_or(0, NonZeroUsize::get);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().context("threads cannot be started")?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .context("threads cannot be started")?;
     let package = pool.install(|| build(&plan, &selection, &args.out))?;
     if args.check {
         let report = package::check(&package, &args.out)?;
@@ -78,7 +81,10 @@ pub(crate) fn run(
         other => other?,
     };
     if let Some(folder) = &written.left_behind {
-        console.note(&format!("{} could not be removed entirely; the next run tries again", folder.display()));
+        console.note(&format!(
+            "{} could not be removed entirely; the next run tries again",
+            folder.display()
+        ));
     }
     let mib = written.bytes as f64 / f64::from(1 << 20);
     console.note(&format!("{}: {} files, {mib:.1} MiB", args.out.display(), written.files));
@@ -86,7 +92,8 @@ pub(crate) fn run(
 }
 
 fn select(args: &Args, plan: &Plan) -> Result<Selection> {
-    let targets: Vec<Target> = args.target.iter().map(|word| Target::parse(word)).collect::<Result<_, _>>()?;
+    let targets: Vec<Target> =
+        args.target.iter().map(|word| Target::parse(word)).collect::<Result<_, _>>()?;
     Ok(Selection {
         variants: plan.select(&args.variant)?,
         is_whole: args.variant.is_empty() && targets.is_empty(),
@@ -102,7 +109,9 @@ fn told(report: &Report, args: &Args) -> String {
         ("orphan", &report.orphan),
         ("foreign", &report.foreign),
     ];
-    let lines = groups.iter().flat_map(|(what, paths)| paths.iter().map(move |path| format!("{what} {path}\n")));
+    let lines = groups
+        .iter()
+        .flat_map(|(what, paths)| paths.iter().map(move |path| format!("{what} {path}\n")));
     let mut text: String = lines.collect();
     if report.is_stale() {
         let (plan, out) = (args.plan.plan.display(), args.out.display());
@@ -133,7 +142,11 @@ mod tests {
     fn names(_: &Plan, selection: &Selection, _: &Path) -> Result<Package> {
         let mut package = Package::new();
         for variant in &selection.variants {
-            package.insert(&format!("{}.txt", variant.name), variant.canonical(), Compare::Bytes)?;
+            package.insert(
+                &format!("{}.txt", variant.name),
+                variant.canonical(),
+                Compare::Bytes,
+            )?;
         }
         package.seal(BTreeMap::new())?;
         Ok(package)
@@ -146,7 +159,8 @@ mod tests {
         fs::write(&plan, PLAN).unwrap();
         let console = Console::new(MessageFormat::Human);
         let line = |more: &[&str]| {
-            let plain = ["generate", "--plan", plan.to_str().unwrap(), "--out", out.to_str().unwrap()];
+            let plain =
+                ["generate", "--plan", plan.to_str().unwrap(), "--out", out.to_str().unwrap()];
             run(&Line::parse_from(plain.iter().chain(more)).args, &console, names)
         };
         assert_eq!(line(&["--check"]).unwrap(), Outcome::Findings);
@@ -159,5 +173,89 @@ mod tests {
         assert!(out.join("mine").exists());
         assert!(line(&["--target", "hlsl"]).is_err());
         assert!(line(&["--variant", "none"]).is_err());
+    }
+
+    /// Run by the tests below in a process of its own: writes a package of many files, without end if asked to.
+    #[test]
+    fn child() {
+        let Ok(base) = std::env::var("GENERATE_TEST_BASE") else { return };
+        let forever = std::env::var_os("GENERATE_TEST_FOREVER").is_some();
+        let (plan, out) = (format!("{base}/plan.toml"), format!("{base}/out"));
+        let args = Line::parse_from(["generate", "--plan", &plan, "--out", &out]).args;
+        loop {
+            let done = run(&args, &Console::new(MessageFormat::Human), |_, _, _| {
+                let mut package = Package::new();
+                for i in 0..200 {
+                    package.insert(&format!("part/{i}"), vec![b'b'; 20_000], Compare::Bytes)?;
+                }
+                package.seal(BTreeMap::new())?;
+                Ok(package)
+            });
+            let told = done.map_err(|error| format!("told: {error:#}"));
+            assert_eq!(told, Ok(Outcome::Done));
+            if !forever {
+                return;
+            }
+        }
+    }
+
+    #[cfg(unix)]
+    fn child_in(base: &Path, shell: &str) -> std::process::Command {
+        let mut command = std::process::Command::new("sh");
+        command.args([
+            "-c",
+            &format!("{shell} exec \"$0\" --exact generate::tests::child --nocapture"),
+        ]);
+        command.arg(std::env::current_exe().unwrap()).env("GENERATE_TEST_BASE", base);
+        command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped());
+        command
+    }
+
+    #[cfg(unix)]
+    fn begun(base: &Path) -> PathBuf {
+        fs::write(base.join("plan.toml"), PLAN).unwrap();
+        let (plan, out) = (base.join("plan.toml"), base.join("out"));
+        let line = ["generate", "--plan", plan.to_str().unwrap(), "--out", out.to_str().unwrap()];
+        let console = Console::new(MessageFormat::Human);
+        run(&Line::parse_from(line).args, &console, names).unwrap();
+        out
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_full_disk_is_an_error_and_the_previous_output_stays() {
+        let base = tempfile::tempdir().unwrap();
+        let out = begun(base.path());
+        let before = fs::read(out.join("manifest.json")).unwrap();
+        let done = child_in(base.path(), "ulimit -f 8;").output().unwrap();
+        let told = String::from_utf8_lossy(&done.stderr);
+        assert!(done.status.code().is_some(), "killed by a signal: {:?}", done.status);
+        assert!(told.contains("cannot be written: File too large"), "{told}");
+        assert_eq!(fs::read(out.join("manifest.json")).unwrap(), before);
+        assert_eq!(fs::read_dir(base.path()).unwrap().count(), 2, "the plan and the output");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn an_interrupt_leaves_a_whole_output_and_nothing_else() {
+        for (round, signal) in ["INT", "TERM", "INT", "TERM"].into_iter().enumerate() {
+            let base = tempfile::tempdir().unwrap();
+            let out = begun(base.path());
+            let child =
+                child_in(base.path(), "").env("GENERATE_TEST_FOREVER", "1").spawn().unwrap();
+            while !out.join("part/0").exists() {
+                std::thread::sleep(std::time::Duration::from_millis(2));
+            }
+            std::thread::sleep(std::time::Duration::from_millis(7 * round as u64));
+            let kill = format!("kill -{signal} {}", child.id());
+            assert!(
+                std::process::Command::new("sh").args(["-c", &kill]).status().unwrap().success()
+            );
+            let done = child.wait_with_output().unwrap();
+            assert_eq!(done.status.code(), Some(130), "{}", String::from_utf8_lossy(&done.stderr));
+            assert_eq!(fs::read_dir(out.join("part")).unwrap().count(), 200);
+            assert!(out.join("manifest.json").exists());
+            assert_eq!(fs::read_dir(base.path()).unwrap().count(), 2, "the plan and the output");
+        }
     }
 }
