@@ -2,7 +2,7 @@
 
 use crate::assemble;
 use crate::error::Result;
-use crate::optics::{gain, path_difference};
+use crate::optics::path_difference;
 use crate::reference::{Directions, Reference, evaluate_all};
 use crate::resolve::{Resolved, resolve};
 use crate::tables::Table;
@@ -94,11 +94,3 @@ impl Runner for TwinRunner<'_> {
     }
 }
 
-/// `ρ = C·|P|²` of responses.
-pub fn rho(subject: &Subject<'_>, directions: &[Directions], responses: &[f64]) -> Vec<f64> {
-    directions
-        .iter()
-        .zip(responses)
-        .map(|(d, p2)| gain(d.wi, d.wr, &subject.variant.optics) * p2)
-        .collect()
-}

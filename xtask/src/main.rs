@@ -17,7 +17,7 @@ macro_rules! unregistered {
         )*
     };
 }
-unregistered!(eval, explain, generate, inspect, interrupt, reexec, render, testbench, validate);
+unregistered!(eval, explain, generate, inspect, interrupt, reexec, render, validate);
 
 use std::process::ExitCode;
 
