@@ -297,6 +297,12 @@ pub enum Target {
     /// SPIR-V 1.0.
     #[serde(rename = "spirv")]
     Spirv,
+    /// HLSL, shader model 5.1.
+    #[serde(rename = "hlsl")]
+    Hlsl,
+    /// Metal Shading Language 2.0.
+    #[serde(rename = "msl")]
+    Msl,
 }
 
 /// One configuration of the shader, before it meets a surface.

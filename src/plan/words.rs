@@ -34,8 +34,8 @@ pub(super) const TARGETS: Words<Target> = &[
     ("glsl450", Some(Target::Glsl450)),
     ("glsl-es300", Some(Target::GlslEs300)),
     ("spirv", Some(Target::Spirv)),
-    ("hlsl", None),
-    ("msl", None),
+    ("hlsl", Some(Target::Hlsl)),
+    ("msl", Some(Target::Msl)),
 ];
 
 pub(super) const PACKINGS: &[(&str, Packing)] =

@@ -1,6 +1,7 @@
 //! What several tests need.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
+use std::collections::BTreeSet;
 use std::fs;
 
 use diffraction_shaders::{
@@ -13,7 +14,14 @@ use diffraction_shaders::{
 };
 
 /// Every target.
-pub const TARGETS: [Target; 4] = [Target::Wgsl, Target::Glsl450, Target::GlslEs300, Target::Spirv];
+pub const TARGETS: [Target; 6] = [
+    Target::Wgsl,
+    Target::Glsl450,
+    Target::GlslEs300,
+    Target::Spirv,
+    Target::Hlsl,
+    Target::Msl,
+];
 
 /// The root of the small test shader, with resources like those of the shipped ones.
 pub const ROOT: &str = "\
@@ -23,6 +31,7 @@ struct Params {
     gain: vec4f,
 }
 @group(0) @binding(0) var<uniform> params: Params;
+// Transforms, one layer each.
 @group(0) @binding(1) var terms: texture_2d_array<f32>;
 @group(0) @binding(2) var spectrum: texture_2d<f32>;
 
@@ -46,7 +55,7 @@ fn vert(@builtin(vertex_index) index: u32) -> VertexOutput {
 @fragment
 fn map(@location(0) place: vec2f) -> @location(0) vec4f {
     let wr = vec3f(place, sqrt(max(0.0, 1.0 - dot(place, place))));
-    return vec4f(diffraction(vec3f(0.0, 0.0, 1.0), wr), 1.0);
+    return vec4f(diffraction(vec3f(0.0, 0.0, 1.0), wr) * params.gain.xyz, 1.0);
 }
 
 #import probe
@@ -54,11 +63,15 @@ fn map(@location(0) place: vec2f) -> @location(0) vec4f {
 
 /// The core function of the test shader.
 pub const CORE: &str = "\
-// Sums all terms over all wavelengths.
 fn diffraction(wi: vec3f, wr: vec3f) -> vec3f {
+    return tristimulus(wi, wr) * SCALE;
+}
+
+// Sums all terms over all wavelengths.
+fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
     let size = vec2i(textureDimensions(terms));
     let h = wi + wr;
-    let texel = (vec2i(floor(h.xy * params.scale.xy)) % size + size) % size;
+    let texel = (vec2i(floor(h.xy * 3.0)) % size + size) % size;
     var sum = vec3f(0.0);
     for (var w = 0; w < WAVELENGTHS; w += 1) {
         let weight = textureLoad(spectrum, vec2i(w, 0), 0);
@@ -75,7 +88,7 @@ fn diffraction(wi: vec3f, wr: vec3f) -> vec3f {
         }
         sum += weight.xyz * dot(amplitude, amplitude);
     }
-    return sum * params.gain.xyz * SCALE;
+    return sum;
 }
 ";
 
@@ -88,7 +101,7 @@ fn probe(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let row = i32(position.y);
     let wi = textureLoad(directions, vec2i(0, row), 0).xyz;
     let wr = textureLoad(directions, vec2i(1, row), 0).xyz;
-    return vec4f(diffraction(wi, wr), 1.0);
+    return vec4f(diffraction(wi, wr) * params.gain.xyz, 1.0);
 }
 ";
 
@@ -120,10 +133,12 @@ pub fn module() -> Module {
     compile(&specialised(), &sources(), "test").unwrap_or_else(|errors| panic!("{errors:#?}"))
 }
 
-/// All files of all targets of the test shader.
+/// All files of all targets of the test shader; the function form of GLSL once, as of its first target.
 pub fn files() -> Vec<EmittedFile> {
     let module = module();
-    TARGETS.into_iter().flat_map(|target| emit(&module, target).unwrap()).collect()
+    let mut names = BTreeSet::new();
+    let files = TARGETS.into_iter().flat_map(|target| emit(&module, target).unwrap());
+    files.filter(|file| names.insert(file.name.clone())).collect()
 }
 
 /// `file:line:column: message` of every diagnostic.
