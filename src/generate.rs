@@ -210,12 +210,11 @@ impl Built<'_> {
             &format!("{shader_folder}/manifest.json"),
             &manifest(subject, &module, &files),
         )?;
-        for file in files {
-            package.insert(
-                &format!("{shader_folder}/{}", file.name),
-                file.bytes,
-                Compare::Bytes,
-            )?;
+        // two targets may share a file, as those of GLSL share the function form
+        let files: BTreeMap<String, Vec<u8>> =
+            files.into_iter().map(|file| (file.name, file.bytes)).collect();
+        for (file, bytes) in files {
+            package.insert(&format!("{shader_folder}/{file}"), bytes, Compare::Bytes)?;
         }
         Ok(())
     }

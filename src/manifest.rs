@@ -6,7 +6,7 @@ use naga::{AddressSpace, ImageClass, ImageDimension, TypeInner};
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::emit::{BindingName, EmittedFile, EntryPoint};
+use crate::emit::{BindingName, EmittedFile, EntryPoint, Function};
 use crate::module::Module;
 use crate::optics;
 use crate::package::GENERATED_BY;
@@ -81,6 +81,8 @@ pub struct FileEntry {
     pub file: String,
     /// Entry points in it.
     pub entry_points: Vec<EntryPoint>,
+    /// Functions that a function form offers; empty for whole shaders.
+    pub functions: Vec<Function>,
     /// Names it gives to the resources that it reads.
     pub bindings: Vec<BindingName>,
 }
@@ -232,6 +234,7 @@ pub fn manifest(subject: Subject<'_>, module: &Module, files: &[EmittedFile]) ->
         let entry = FileEntry {
             file: file.name.clone(),
             entry_points: file.entry_points.clone(),
+            functions: file.functions.clone(),
             bindings: file.bindings.clone(),
         };
         targets.entry(file.target).or_default().push(entry);

@@ -171,7 +171,7 @@ mod tests {
         fs::write(out.join("mine"), "mine").unwrap();
         assert_eq!(line(&["--variant", "*", "--target", "wgsl,spirv"]).unwrap(), Outcome::Done);
         assert!(out.join("mine").exists());
-        assert!(line(&["--target", "hlsl"]).is_err());
+        assert!(line(&["--target", "dxil"]).is_err());
         assert!(line(&["--variant", "none"]).is_err());
     }
 
