@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 use crate::assemble;
+use crate::bindings;
 use crate::diagnostic::Diagnostic;
 use crate::emit::{EmittedFile, emit};
 use crate::error::{Error, Stage};
@@ -209,16 +210,17 @@ impl Built<'_> {
             vec![(&terms, entry(&terms, &terms_id)), (&spectrum, entry(&spectrum, &spectrum_id))];
         let input_hash = hash(&json!([surface.hash, variant.hash(), TOOL_VERSION]));
         let subject = Subject { surface: name, variant, resolved: &resolved, tables, input_hash };
-        insert_json(
-            package,
-            &format!("{shader_folder}/manifest.json"),
-            &manifest(subject, &module, &files),
-        )?;
+        let manifest = manifest(subject, &module, &files);
+        insert_json(package, &format!("{shader_folder}/manifest.json"), &manifest)?;
+        let rust = bindings::rust(&manifest, &[&terms, &spectrum])?;
+        package.insert(&format!("{shader_folder}/{}", bindings::FILE), rust, Compare::Bytes)?;
         // two targets may share a file, as those of GLSL share the function form
-        let files: BTreeMap<String, Vec<u8>> =
-            files.into_iter().map(|file| (file.name, file.bytes)).collect();
-        for (file, bytes) in files {
-            package.insert(&format!("{shader_folder}/{file}"), bytes, Compare::Bytes)?;
+        let pathed = files.into_iter().map(|file| (format!("{shader_folder}/{}", file.name), file));
+        let fresh = pathed.filter(|(path, file)| !(request.keep)(path, file.target));
+        let fresh: BTreeMap<String, Vec<u8>> =
+            fresh.map(|(path, file)| (path, file.bytes)).collect();
+        for (path, bytes) in fresh {
+            package.insert(&path, bytes, Compare::Bytes)?;
         }
         Ok(())
     }

@@ -25,6 +25,7 @@ pub mod module;
 pub mod emit;
 pub mod assemble;
 pub mod manifest;
+pub mod bindings;
 pub mod package;
 pub mod generate;
 pub mod runner;

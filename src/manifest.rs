@@ -45,6 +45,8 @@ pub struct VariantManifest {
     pub uniforms: Vec<UniformBlock>,
     /// The tables, by binding.
     pub tables: Vec<TableEntry>,
+    /// The same for Rust: a file beside the manifest.
+    pub rust_bindings: &'static str,
     /// What it needs.
     pub requires: Requires,
     /// What a pixel costs.
@@ -252,6 +254,7 @@ pub fn manifest(subject: Subject<'_>, module: &Module, files: &[EmittedFile]) ->
         targets,
         bindings: bindings(module, &tables),
         uniforms: uniforms(module),
+        rust_bindings: "bindings.rs",
         requires: requires(&extents),
         cost: resolved.cost,
         error_bound: ErrorBound {

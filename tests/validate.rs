@@ -7,7 +7,7 @@ use std::{path::Path, time::Duration};
 
 use diffraction_shaders::validate::{External, Naga, Reads, Report, Tool, tools, validate};
 
-use common::{files, installed_tools, validate_files};
+use common::{files, validate_files};
 
 fn corrupt(name: &str, bytes: &[u8]) -> Vec<u8> {
     if name.ends_with(".spv") {

@@ -165,6 +165,7 @@ hoist = false
         variants: &plan.variants,
         targets: &TARGETS,
         sources: &Sources::builtin(),
+        keep: &|_, _| false,
         cache: None,
     };
     let generated = generate(&request, &|_| ()).unwrap_or_else(|errors| panic!("{errors:#?}"));

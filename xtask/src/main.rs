@@ -6,6 +6,7 @@
 mod args;
 mod console;
 mod eval;
+mod explain;
 mod files;
 mod generate;
 mod interrupt;
@@ -42,6 +43,8 @@ enum Command {
     List(list::Args),
     /// Run external validators over every emitted file.
     Validate(validate::Args),
+    /// Show generated text beside the template lines that it came from.
+    Explain(explain::Args),
     /// Print colours for given directions.
     Eval(eval::Args),
     /// Draw a BRDF map: all viewing directions under one light.
@@ -74,6 +77,7 @@ fn main() -> ExitCode {
         Command::Generate(args) => generate::run(&args, &console).map(ExitCode::from),
         Command::List(args) => list::run(&args, &console).map(ExitCode::from),
         Command::Validate(args) => validate::run(&args, &console).map(ExitCode::from),
+        Command::Explain(args) => explain::run(&args, &console).map(ExitCode::from),
         Command::Eval(args) => eval::run(&args, &console).map(ExitCode::from),
         Command::Render(args) => render::run(&args, &console).map(ExitCode::from),
         Command::Test(args) => test::run(&args),
