@@ -18,15 +18,27 @@ use self::core::Core;
 
 /// The function form that belongs to a target; `None` for targets whose engines take whole shaders only.
 pub fn emit(module: &Module, target: Target) -> Result<Option<EmittedFile>> {
-    let (language, form): (_, fn(&Module, &Core) -> Result<String, String>) = match target {
-        Target::Wgsl => ("wgsl", |module, core| wgsl::write(module, core)),
-        Target::Glsl450 | Target::GlslEs300 => ("glsl", |_, core| glsl_text(core)),
-        Target::Hlsl => ("hlsl", |_, core| hlsl_text(core)),
+    let fail = |cause: String| failure(module, target, format!("function form: {cause}"));
+    let core = || core::extract(module, &FUNCTIONS).map_err(fail);
+    let (language, core, text) = match target {
+        Target::Wgsl => {
+            let core = core()?;
+            let text = wgsl::write(module, &core);
+            ("wgsl", core, text)
+        }
+        Target::Glsl450 | Target::GlslEs300 => {
+            let core = core()?;
+            let text = glsl_text(&core);
+            ("glsl", core, text)
+        }
+        Target::Hlsl => {
+            let core = core()?;
+            let text = hlsl_text(&core);
+            ("hlsl", core, text)
+        }
         Target::Spirv | Target::Msl => return Ok(None),
     };
-    let fail = |cause: String| failure(module, target, format!("function form: {cause}"));
-    let core = core::extract(module, &FUNCTIONS).map_err(fail)?;
-    let text = form(module, &core).map_err(fail)?;
+    let text = text.map_err(fail)?;
     let functions = core.names.iter().map(|name| {
         let signature = signature(&text, name).ok_or(format!("`{name}` got lost"))?;
         Ok(Function { name: name.clone(), signature })

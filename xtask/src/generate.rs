@@ -34,7 +34,7 @@ pub(crate) struct Args {
     /// Rebuild only the variants that match (`*`, `?`), keep the rest; may be repeated.
     #[arg(long, value_name = "GLOB")]
     variant: Vec<String>,
-    /// Rebuild only these targets, keep the rest.
+    /// Rebuild only these targets, keep the rest; the function form of a language comes with its targets.
     #[arg(long, value_name = "T,…", value_delimiter = ',')]
     target: Vec<String>,
     /// Threads to use; all cores by default.
