@@ -4,6 +4,7 @@
 //! extrude a profile. Everything it did that a user should know of comes back as a note.
 
 pub mod gsf;
+pub mod inspect;
 pub mod level;
 pub mod read;
 pub mod synthetic;

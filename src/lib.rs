@@ -18,6 +18,7 @@ pub mod reference;
 pub mod twin;
 pub mod tables;
 pub mod resolve;
+pub mod inspect;
 pub mod profile;
 pub mod template;
 pub mod module;

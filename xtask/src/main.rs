@@ -5,6 +5,7 @@
 
 mod args;
 mod console;
+mod inspect;
 mod list;
 mod test;
 
@@ -17,7 +18,7 @@ macro_rules! unregistered {
         )*
     };
 }
-unregistered!(eval, explain, generate, inspect, interrupt, reexec, render, validate);
+unregistered!(eval, explain, generate, interrupt, reexec, render, validate);
 
 use std::process::ExitCode;
 
@@ -40,6 +41,8 @@ struct Cli {
 enum Command {
     /// Show surfaces, variants, targets, static cost, and what was rejected and why.
     List(list::Args),
+    /// Show what a user asks first about a surface, and draw it.
+    Inspect(inspect::Args),
     Test(test::Args),
 }
 
@@ -67,6 +70,7 @@ fn main() -> ExitCode {
     let console = Console::new(cli.message_format);
     let outcome = match cli.command {
         Command::List(args) => list::run(&args, &console).map(ExitCode::from),
+        Command::Inspect(args) => inspect::run(&args, &console).map(ExitCode::from),
         Command::Test(args) => test::run(&args),
     };
     match outcome {
