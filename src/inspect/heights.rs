@@ -78,7 +78,7 @@ fn profile(heights: &[f64], along: Scale, name: &str) -> Result<Vec<u8>> {
     let (floor, roof) = (low - 0.1 * extent, high + 0.1 * extent);
     let y = Scale { low: floor * 1e3, high: roof * 1e3, name: "height, nm".to_owned() };
     let (width, height) = (SIDE as i64, (SIDE / 3.0) as i64);
-    let title = format!("profile of {name}, one period");
+    let title = format!("profile of {name}");
     let mut plot = Plot::new(&title, [width, height], &along, &y, None);
     for column in 0..width {
         let h = heights[column as usize * heights.len() / width as usize];

@@ -26,7 +26,7 @@ impl Scale {
         if extent <= 0.0 || !extent.is_finite() {
             return vec![(0.5, format!("{:.0}", self.low))];
         }
-        let rough = extent / 6.0;
+        let rough = extent / 8.0;
         let power = 10f64.powf(rough.log10().floor());
         let step = [1.0, 2.0, 5.0, 10.0].map(|n| n * power).into_iter().find(|s| *s >= rough);
         let step = step.unwrap_or(10.0 * power);
@@ -104,7 +104,6 @@ impl Plot {
             self.canvas.fill(at + BAR, y, TICK, 1, INK);
             self.canvas.label(&text, at + BAR + TICK + 4, y - LINE / 2, Align::Left);
         }
-        let end = at + BAR + 7 * ADVANCE - ADVANCE / 2;
-        self.canvas.label(&scale.name, end, top - LINE - 8, Align::Right);
+        self.canvas.label(&scale.name, at, top - LINE - 8, Align::Left);
     }
 }

@@ -28,6 +28,9 @@ const DOT: f64 = 5.0;
 const LEAST_DB: f64 = 30.0;
 const MOST_DB: f64 = 80.0;
 
+/// Powers below this are rounding.
+const ROUNDING_DB: f64 = -140.0;
+
 /// `|c_rs(z)|²` of `exp(i z h)` as PNG, zero frequency in the middle, in decibels of a mirror's, at 550 nm and `w = -2`.
 ///
 /// The circle `|f| = 2/λ` holds all that any pair of directions can reach. Orders that stand apart are dots; where a
@@ -84,12 +87,14 @@ fn decibels(power: f64) -> f64 {
     10.0 * power.max(1e-300).log10()
 }
 
-/// From the bulk of the orders to the strongest.
+/// From the bulk of the orders to the strongest; what rounding leaves of orders that are not there does not count.
 fn decibel_range(power: &[f64]) -> (f64, f64) {
-    let mut sorted: Vec<f64> = power.iter().map(|p| decibels(*p)).collect();
+    let lit = power.iter().map(|p| decibels(*p)).filter(|db| *db > ROUNDING_DB);
+    let mut sorted: Vec<f64> = lit.collect();
     sorted.sort_unstable_by(f64::total_cmp);
-    let top = sorted[sorted.len() - 1].ceil();
-    let bulk = sorted[sorted.len() / 100].floor();
+    // by Parseval some order has power, though perhaps beyond what is shown
+    let top = sorted.last().copied().unwrap_or(0.0).ceil();
+    let bulk = sorted.get(sorted.len() / 100).copied().unwrap_or(0.0).floor();
     (bulk.clamp(top - MOST_DB, top - LEAST_DB), top)
 }
 

@@ -41,7 +41,7 @@ fn size(found: &Inspection) -> Lines {
     };
     let is_enough = found.wanted_pitch_um * (1.0 + 1e-9) >= pitch_um[0].max(pitch_um[1]);
     let verdict = format!(
-        "{} for wavelengths from {} nm; {} nm needs {} nm or less{}",
+        "{}, which serves wavelengths from {} nm up; {} nm needs {} nm or less{}",
         pitch,
         short(*shortest_nm),
         short(found.wanted_nm),
