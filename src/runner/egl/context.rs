@@ -103,7 +103,11 @@ impl Context {
         let made =
             egl.bind_api(api).and_then(|()| egl.create_context(display, config, None, &attributes));
         let context = made.map_err(|e| {
-            Error::new(Stage::Run, dialect, format!("no context of version {major}.{minor}: {e}"))
+            Error::new(
+                Stage::Run,
+                dialect,
+                format!("no context of version {major}.{minor}: EGL says {e:?}"),
+            )
         })?;
         Ok(Context { egl, display, api, context, gl: OnceLock::new() })
     }
@@ -115,7 +119,11 @@ impl Context {
             .bind_api(*api)
             .and_then(|()| egl.make_current(*display, None, None, Some(*context)));
         made.map_err(|e| {
-            Error::new(Stage::Run, subject, format!("the context cannot be made current: {e}"))
+            Error::new(
+                Stage::Run,
+                subject,
+                format!("the context cannot be made current: EGL says {e:?}"),
+            )
         })?;
         let gl = self.gl.get_or_init(|| {
             let load = |name: &str| match egl.get_proc_address(name) {

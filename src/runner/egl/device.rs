@@ -52,7 +52,7 @@ impl Device {
 
     /// Opens a display; else says why not.
     fn on(egl: &Instance, display: egl::Display, dialect: Dialect) -> Result<Device, String> {
-        egl.initialize(display).map_err(|e| format!("a display does not open: {e}"))?;
+        egl.initialize(display).map_err(|e| format!("a display does not open: EGL says {e:?}"))?;
         let renderable = match dialect {
             Dialect::Glsl450 => egl::OPENGL_BIT,
             Dialect::GlslEs300 => egl::OPENGL_ES3_BIT,
