@@ -35,6 +35,8 @@ pub(super) fn instance() -> Result<&'static Instance> {
 }
 
 /// The displays that need no window: one for each device, then Mesa's surfaceless one, then the default.
+///
+/// Devices come first because wgpu opens the surfaceless display, and closes it under all its other users.
 pub(super) fn displays(egl: &Instance) -> Vec<egl::Display> {
     let extensions = egl.query_string(None, egl::EXTENSIONS).map(CStr::to_string_lossy);
     let extensions = extensions.unwrap_or_default();
