@@ -29,7 +29,7 @@ pub const TOOL_VERSION: &str = env!("CARGO_PKG_VERSION");
 pub const NAGA_VERSION: &str = "30.0.1";
 
 /// What to generate.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Request<'a> {
     /// The surfaces.
     pub surfaces: &'a [SurfaceSpec],
@@ -41,6 +41,8 @@ pub struct Request<'a> {
     pub sources: &'a Sources,
     /// Folder for finished tables, content-addressed; `None`: compute all.
     pub cache: Option<&'a Path>,
+    /// Which files are left as they are in the output folder: by path and target.
+    pub keep: &'a (dyn Fn(&str, Target) -> bool + Sync),
 }
 
 /// The files of a request, not sealed yet, and notes about the surfaces for the user.
@@ -120,7 +122,9 @@ fn load(request: &Request<'_>) -> Result<Vec<Loaded>, Vec<Diagnostic>> {
         let surface = height::load(spec).map_err(|e| vec![Diagnostic::from(&e)])?;
         let mut errors = BTreeMap::new();
         for variant in request.variants {
-            if let Err(error) = surface.field.check_pitch(&spec.name, variant.wavelengths.min_nm) {
+            if let Err(error) =
+                surface.field.check_pitch(&height::subject(spec), variant.wavelengths.min_nm)
+            {
                 errors.insert(error.to_string(), Diagnostic::from(&error).variant(&variant.name));
             }
         }

@@ -65,10 +65,7 @@ pub fn load(spec: &SurfaceSpec) -> Result<Surface> {
 /// Like [`load`], with what the file held.
 pub fn load_with_origin(spec: &SurfaceSpec) -> Result<(Surface, Origin)> {
     let mut origin = Origin::default();
-    let subject = match &spec.source {
-        SurfaceSource::Grating(_) => format!("surface {}", spec.name),
-        SurfaceSource::File(file) => read::subject(&spec.name, &file.path),
-    };
+    let subject = subject(spec);
     level::check_clip(&subject, spec.clip_percent)?;
     let (field, mut notes) = match &spec.source {
         SurfaceSource::Grating(grating) => {
@@ -101,6 +98,14 @@ pub fn load_with_origin(spec: &SurfaceSpec) -> Result<(Surface, Origin)> {
         extruded.rows
     ));
     Ok((Surface { field: extruded, notes }, origin))
+}
+
+/// What errors about a surface begin with: its name, and its file where it has one.
+pub fn subject(spec: &SurfaceSpec) -> String {
+    match &spec.source {
+        SurfaceSource::Grating(_) => format!("surface {}", spec.name),
+        SurfaceSource::File(file) => read::subject(&spec.name, &file.path),
+    }
 }
 
 /// Heights of one patch, which tiles the plane periodically.
@@ -234,7 +239,7 @@ impl HeightField {
                     pitch_um * 1000.0
                 );
                 let remedy = format!(
-                    "a pitch of {:.4} nm or less would do: {} pixels over {size_um:.4} µm, or a wavelength from {:.0} nm up",
+                    "a pitch of {:.4} nm or less would do: {} pixels over {size_um:.4} µm (check `size_um` or `pixel_um` of a file, `pixels` of a grating), or a wavelength from {:.0} nm up",
                     limit_um * 1000.0,
                     (size_um / limit_um * (1.0 - 1e-12)).ceil(),
                     (pitch_um * 4000.0).ceil()

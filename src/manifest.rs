@@ -9,11 +9,11 @@ use serde_json::Value;
 use crate::emit::{BindingName, EmittedFile, EntryPoint};
 use crate::module::Module;
 use crate::optics;
-use crate::package::GENERATED_BY;
 use crate::plan::{Colour, Optics, Target, Variant};
 use crate::profile::{Extent, Limits, Profile, fits};
 use crate::resolve::{Cost, Resolved, window_tail};
 use crate::tables::Table;
+use crate::template::GENERATED;
 
 /// Version of the manifests' layout.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -238,7 +238,7 @@ pub fn manifest(subject: Subject<'_>, module: &Module, files: &[EmittedFile]) ->
     }
     let extents: Vec<Extent> = tables.iter().map(|(table, _)| extent(table)).collect();
     VariantManifest {
-        generated_by: GENERATED_BY,
+        generated_by: GENERATED,
         schema_version: SCHEMA_VERSION,
         surface: surface.to_owned(),
         variant: variant.name.clone(),
@@ -274,7 +274,7 @@ pub fn describe(
         _ => spectrum_meaning(variant),
     };
     TableDescription {
-        generated_by: GENERATED_BY,
+        generated_by: GENERATED,
         schema_version: SCHEMA_VERSION,
         id: id.to_owned(),
         data: format!("{id}.bin"),

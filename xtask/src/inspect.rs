@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use diffraction_shaders::inspect::{Inspection, height_picture, inspect, spectrum_picture};
 use diffraction_shaders::package::{self, Compare, JSON_TOLERANCE, MANIFEST, Package};
-use diffraction_shaders::plan::{Plan, SurfaceSpec};
+use diffraction_shaders::plan::SurfaceSpec;
 use serde_json::{Value, json};
 
 use crate::Outcome;
@@ -42,7 +42,7 @@ const FILES: [&str; 3] = ["heights.png", "spectrum.png", "inspect.json"];
 
 pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let plan = args.surface.plan.read(console)?;
-    let spec = find(&plan, &args.surface.surface)?;
+    let spec = plan.surface(&args.surface.surface)?;
     let out = args.out.clone().unwrap_or_else(|| Path::new("inspect").join(&spec.name));
     check_ours(&out)?;
     let (found, field) = inspect(&plan, spec)?;
@@ -69,15 +69,6 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     };
     console.data(&text)?;
     Ok(Outcome::Done)
-}
-
-/// The surface of that name, or an error that lists those there are.
-fn find<'p>(plan: &'p Plan, name: &str) -> Result<&'p SurfaceSpec> {
-    let found = plan.surfaces.iter().find(|spec| spec.name == name);
-    found.with_context(|| {
-        let names: Vec<&str> = plan.surfaces.iter().map(|spec| spec.name.as_str()).collect();
-        format!("the plan has no surface \"{name}\" (it has {})", names.join(", "))
-    })
 }
 
 /// Refuses a folder that another command wrote; what is no command's the writer refuses.
