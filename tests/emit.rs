@@ -225,6 +225,23 @@ fn names_are_those_of_the_templates() {
     }
 }
 
+#[test]
+fn targets_that_are_kept_write_nothing_but_what_another_shares() {
+    let names = |wanted: &[Target]| {
+        let package = common::package_without(&|_, target| !wanted.contains(&target));
+        let below = format!("{}/diffraction.", common::VARIANT_FOLDER);
+        let files = package.files().keys().filter_map(|path| path.strip_prefix(&below));
+        files.map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(names(&[]), Vec::<String>::new());
+    assert_eq!(names(&[Target::Hlsl]), ["fn.hlsl", "hlsl"]);
+    let desktop = ["fn.glsl", "frag.glsl", "probe.frag.glsl", "vert.glsl"];
+    assert_eq!(names(&[Target::Glsl450]), desktop);
+    let embedded = ["es300.frag", "es300.vert", "fn.glsl", "probe.es300.frag"];
+    assert_eq!(names(&[Target::GlslEs300]), embedded);
+    assert_eq!(names(&[Target::Msl, Target::Wgsl]), ["fn.wgsl", "metal", "wgsl"]);
+}
+
 /// The function form of a language, and the signatures that it states.
 fn function_form(target: Target) -> (String, Vec<String>) {
     let module = common::module();

@@ -142,6 +142,11 @@ pub const VARIANT_FOLDER: &str = "shaders/tiny/full-taylor-t3";
 
 /// A generated package of one small surface and two variants.
 pub fn package() -> Package {
+    package_without(&|_, _| false)
+}
+
+/// The same without the files that are kept as they are.
+pub fn package_without(keep: &(dyn Fn(&str, Target) -> bool + Sync)) -> Package {
     let folder = tempfile::tempdir().unwrap();
     let plan = folder.path().join("plan.toml");
     let text = "schema = 1
@@ -165,7 +170,7 @@ hoist = false
         variants: &plan.variants,
         targets: &TARGETS,
         sources: &Sources::builtin(),
-        keep: &|_, _| false,
+        keep,
         cache: None,
     };
     let generated = generate(&request, &|_| ()).unwrap_or_else(|errors| panic!("{errors:#?}"));

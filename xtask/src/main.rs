@@ -9,6 +9,7 @@ mod eval;
 mod explain;
 mod files;
 mod generate;
+mod inspect;
 mod interrupt;
 mod list;
 mod progress;
@@ -41,6 +42,8 @@ enum Command {
     Generate(generate::Args),
     /// Show surfaces, variants, targets, static cost, and what was rejected and why.
     List(list::Args),
+    /// Show what a user asks first about a surface, and draw it.
+    Inspect(inspect::Args),
     /// Run external validators over every emitted file.
     Validate(validate::Args),
     /// Show generated text beside the template lines that it came from.
@@ -76,6 +79,7 @@ fn main() -> ExitCode {
     let outcome = match cli.command {
         Command::Generate(args) => generate::run(&args, &console).map(ExitCode::from),
         Command::List(args) => list::run(&args, &console).map(ExitCode::from),
+        Command::Inspect(args) => inspect::run(&args, &console).map(ExitCode::from),
         Command::Validate(args) => validate::run(&args, &console).map(ExitCode::from),
         Command::Explain(args) => explain::run(&args, &console).map(ExitCode::from),
         Command::Eval(args) => eval::run(&args, &console).map(ExitCode::from),
