@@ -70,7 +70,7 @@ fn meaning(optics: &Optics, facts: &Facts, overlap: bool, is_whole: bool) -> Vec
                 "the patch does not join itself, and the window spans {:.0} of its repetitions: sharp orders {:.3} cycles per µm apart are those of the tiling, not of the surface; a larger scan, or `coherence_um` up to {:.1}, avoids them",
                 optics.coherence_um / size_um,
                 1.0 / size_um,
-                // half of the patch on either side within two standard deviations
+                // the window of four standard deviations then spans the patch once
                 size_um
             ));
         }

@@ -93,7 +93,7 @@ fn a_wrong_name_or_folder_is_exit_code_two() {
         assert_eq!((done.status.code(), done.stdout.len()), (Some(2), 0), "{told}");
         assert!(told.starts_with("error: ") && told.contains(part), "{told}");
     };
-    fails(&["inspect", "--surface", "b"], "profile");
+    fails(&["inspect", "--surface", "b"], "surface \"b\": is not in the plan");
     fails(&["inspect", "--surface", "a", "--plan", "absent.toml"], "absent.toml");
     assert_eq!(xtask(folder.path(), &["inspect"]).status.code(), Some(2));
     fs::create_dir(folder.path().join("mine")).unwrap();

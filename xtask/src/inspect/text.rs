@@ -2,7 +2,7 @@
 
 use diffraction_shaders::height::inspect::{Axis, Facts, TRIM_PERCENT};
 use diffraction_shaders::inspect::{Inspection, TERM_ERRORS};
-use diffraction_shaders::plan::{Basis, SurfaceSource, SurfaceSpec};
+use diffraction_shaders::plan::{SurfaceSource, SurfaceSpec};
 
 use crate::list::{source, table};
 
@@ -186,16 +186,12 @@ fn periods(found: &Inspection) -> String {
 }
 
 fn terms(found: &Inspection, is_file: bool) -> String {
-    let basis = |basis: Basis| match basis {
-        Basis::Taylor => "taylor",
-        Basis::TaylorZero => "taylor-zero",
-    };
     let numbers = |name: String, terms: &[u32; 3]| -> Vec<String> {
         std::iter::once(name).chain(terms.iter().map(ToString::to_string)).collect()
     };
     let mut rows = Vec::new();
     for counts in &found.terms {
-        let name = basis(counts.basis);
+        let name = counts.basis.as_str();
         rows.push(numbers(name.to_owned(), &counts.terms));
         if is_file && counts.levelled != counts.terms {
             rows.push(numbers(format!("{name}, levelled"), &counts.levelled));
