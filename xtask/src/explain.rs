@@ -6,7 +6,6 @@ use anyhow::{Context, Result, bail};
 use diffraction_shaders::assemble;
 use diffraction_shaders::diagnostic::Diagnostic;
 use diffraction_shaders::height;
-use diffraction_shaders::plan::{Plan, SurfaceSpec};
 use diffraction_shaders::resolve::resolve;
 use diffraction_shaders::template::{Origin, Sources, Specialised, specialise};
 
@@ -37,7 +36,10 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let plan = args.plan.read(console)?;
     let variant = plan.variant(Some(&args.variant))?;
-    let spec = surface(&plan, args.surface.as_deref())?;
+    let spec = match &args.surface {
+        Some(name) => plan.surface(name)?,
+        None => plan.surfaces.first().context("the plan has no surface")?,
+    };
     let loaded = height::load(spec)?;
     let resolved = resolve(&variant, &loaded.field);
     let spectrum = assemble::spectrum(&variant, spec.rotate_deg)?;
@@ -54,16 +56,6 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     };
     console.data(&text)?;
     Ok(Outcome::Done)
-}
-
-fn surface<'a>(plan: &'a Plan, name: Option<&str>) -> Result<&'a SurfaceSpec> {
-    let Some(name) = name else {
-        return plan.surfaces.first().context("the plan has no surface");
-    };
-    plan.surfaces.iter().find(|surface| surface.name == name).with_context(|| {
-        let names: Vec<&str> = plan.surfaces.iter().map(|surface| surface.name.as_str()).collect();
-        format!("surface \"{name}\": is not in the plan, which has {}", names.join(", "))
-    })
 }
 
 /// `line  template:line  text` of every line. The text stands last, so that a narrow terminal wraps or cuts nothing

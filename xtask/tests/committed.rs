@@ -28,7 +28,11 @@ fn the_package_is_what_the_plan_gives() {
 #[test]
 fn validators_accept_all_of_it() {
     let required = std::env::var_os("DIFFRACTION_REQUIRE_TOOLS").is_some();
-    let tools = if required { "naga,spirv-val,glslangValidator,spirv-cross" } else { "naga" };
+    let tools = if required {
+        "naga,spirv-val,glslangValidator,hlsl-spirv-val,spirv-cross,reflection"
+    } else {
+        "naga"
+    };
     let done = xtask(&["validate", "generated", "--require", tools]);
     assert_eq!(done.status.code(), Some(0), "{}", said(&done));
 }

@@ -40,7 +40,10 @@ fn json_has_everything_in_the_order_of_the_plan() {
     assert_eq!(list["variants"][1]["name"], "as-printed");
     assert_eq!(list["variants"][1]["cost"][0]["term_fetches"], 22_599);
     assert_eq!(list["variants"][1]["cost"][0]["fetches"], 22_599 + 81);
-    assert_eq!(list["targets"], serde_json::json!(["wgsl", "glsl450", "glsl-es300", "spirv"]));
+    assert_eq!(
+        list["targets"],
+        serde_json::json!(["wgsl", "glsl450", "glsl-es300", "spirv", "hlsl", "msl"])
+    );
     assert_eq!(list["rejected"][0]["name"], "pq-taylor-t31");
     assert_eq!(list["rejected"][0]["reason"], "mode \"pq\" is not available in this version");
 }
