@@ -29,7 +29,7 @@ pub const TOOL_VERSION: &str = env!("CARGO_PKG_VERSION");
 pub const NAGA_VERSION: &str = "30.0.1";
 
 /// What to generate.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Request<'a> {
     /// The surfaces.
     pub surfaces: &'a [SurfaceSpec],
@@ -41,6 +41,8 @@ pub struct Request<'a> {
     pub sources: &'a Sources,
     /// Folder for finished tables, content-addressed; `None`: compute all.
     pub cache: Option<&'a Path>,
+    /// Which files are left as they are in the output folder: by path and target.
+    pub keep: &'a (dyn Fn(&str, Target) -> bool + Sync),
 }
 
 /// The files of a request, not sealed yet, and notes about the surfaces for the user.

@@ -9,6 +9,7 @@ pub mod height;
 pub mod spectrum;
 pub mod optics;
 pub mod frame;
+pub mod picture;
 pub mod transform;
 pub mod basis;
 pub mod field;

@@ -93,4 +93,3 @@ impl Runner for TwinRunner<'_> {
         Ok(evaluate_all(directions, &|_| (), response).into_iter().map(|r| r[0]).collect())
     }
 }
-

@@ -1,6 +1,6 @@
 //! Data to stdout, diagnostics to stderr.
 
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 
 use anyhow::Result;
 use diffraction_shaders::diagnostic::{self, Diagnostic};
@@ -33,6 +33,19 @@ impl std::fmt::Display for Errors {
 
 impl std::error::Error for Errors {}
 
+/// Errors with places in templates, or several of one command.
+#[derive(Debug)]
+pub(crate) struct Diagnostics(pub(crate) Vec<Diagnostic>);
+
+impl std::fmt::Display for Diagnostics {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let lines: Vec<&str> = self.0.iter().map(|d| d.message.as_str()).collect();
+        f.write_str(&lines.join("\n"))
+    }
+}
+
+impl std::error::Error for Diagnostics {}
+
 impl Console {
     pub(crate) fn new(format: MessageFormat) -> Console {
         Console { format }
@@ -52,8 +65,23 @@ impl Console {
         self.tell("note", text, Diagnostic { severity, ..Diagnostic::error(text) });
     }
 
+    /// Tells diagnostics with their places, one for what several variants share.
+    pub(crate) fn diagnostics(&self, diagnostics: &[Diagnostic]) {
+        let format = match self.format {
+            MessageFormat::Human => diagnostic::MessageFormat::Human,
+            MessageFormat::Json => diagnostic::MessageFormat::Json,
+        };
+        let grouped = diagnostic::group(diagnostics.to_vec());
+        let colour = io::stderr().is_terminal();
+        // Nobody is left to tell when stderr is closed.
+        let _ = diagnostic::write(&grouped, format, colour, &mut io::stderr().lock());
+    }
+
     /// Tells why a command failed, with its causes.
     pub(crate) fn error(&self, error: &anyhow::Error) {
+        if let Some(Diagnostics(diagnostics)) = error.downcast_ref::<Diagnostics>() {
+            return self.diagnostics(diagnostics);
+        }
         match error.downcast_ref::<Errors>() {
             Some(Errors(errors)) => errors.iter().for_each(|error| self.library_error(error)),
             None => match error.downcast_ref::<Error>() {

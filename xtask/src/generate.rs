@@ -1,16 +1,19 @@
 //! `cargo xtask generate`: from a plan to a folder, or the comparison of the two.
 
+use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
+use diffraction_shaders::generate::{self, Generated, Request};
 use diffraction_shaders::package::{self, Package, Report};
 use diffraction_shaders::plan::{Plan, Target, Variant};
+use diffraction_shaders::template::Sources;
 
 use crate::Outcome;
 use crate::args::PlanArgs;
-use crate::console::Console;
-use crate::interrupt;
+use crate::console::{Console, Diagnostics};
+use crate::{interrupt, progress};
 
 const EXAMPLE: &str = "Examples:
   cargo xtask generate
@@ -55,8 +58,52 @@ pub(crate) struct Selection {
     pub(crate) cache: bool,
 }
 
-/// `build` makes the sealed package of a selection; of a partial one, laid over the folder (`Package::overlay`).
-pub(crate) fn run(
+pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    run_with(args, console, |plan, selection, out| build(plan, selection, out, console))
+}
+
+/// The sealed package of a selection; a partial one is laid over what the folder holds.
+fn build(plan: &Plan, selection: &Selection, out: &Path, console: &Console) -> Result<Package> {
+    let cache = selection.cache.then_some(Path::new(CACHE));
+    // a manifest tells all targets of the plan, whichever of them are written anew
+    let targets: BTreeSet<Target> =
+        plan.targets.iter().chain(&selection.targets).copied().collect();
+    let targets: Vec<Target> = targets.into_iter().collect();
+    let keep = |path: &str, target: Target| {
+        !selection.targets.contains(&target) && out.join(path).is_file()
+    };
+    let request = Request {
+        surfaces: &plan.surfaces,
+        variants: &selection.variants,
+        targets: &targets,
+        sources: &Sources::builtin(),
+        cache,
+        keep: &keep,
+    };
+    let bar = progress::bar(plan.surfaces.len() * selection.variants.len(), "generating");
+    let generated = generate::generate(&request, &|_| bar.inc(1));
+    bar.finish_and_clear();
+    let Generated { mut package, notes } = generated.map_err(Diagnostics)?;
+    notes.iter().for_each(|note| console.note(note));
+    let mut variants = selection.variants.clone();
+    if !selection.is_whole {
+        package.overlay(out, |_| true)?;
+        variants = plan
+            .variants
+            .iter()
+            .chain(selection.variants.iter().filter(|v| !plan.variants.contains(v)))
+            .cloned()
+            .collect();
+    }
+    package.seal(generate::index(&Request { variants: &variants, ..request })?)?;
+    Ok(package)
+}
+
+/// Finished tables, shared by all runs; safe to delete.
+const CACHE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../target/tables");
+
+/// `build` makes the sealed package of a selection.
+fn run_with(
     args: &Args,
     console: &Console,
     build: impl FnOnce(&Plan, &Selection, &Path) -> Result<Package> + Send,
@@ -87,7 +134,11 @@ pub(crate) fn run(
         ));
     }
     let mib = written.bytes as f64 / f64::from(1 << 20);
-    console.note(&format!("{}: {} files, {mib:.1} MiB", args.out.display(), written.files));
+    let (out, files) = (args.out.display(), written.files);
+    console.note(&format!("{out}: {files} files, {mib:.1} MiB"));
+    console.note(&format!(
+        "next: cargo xtask validate {out}; cargo xtask list tells what each variant costs"
+    ));
     Ok(Outcome::Done)
 }
 
@@ -161,7 +212,7 @@ mod tests {
         let line = |more: &[&str]| {
             let plain =
                 ["generate", "--plan", plan.to_str().unwrap(), "--out", out.to_str().unwrap()];
-            run(&Line::parse_from(plain.iter().chain(more)).args, &console, names)
+            run_with(&Line::parse_from(plain.iter().chain(more)).args, &console, names)
         };
         assert_eq!(line(&["--check"]).unwrap(), Outcome::Findings);
         assert_eq!(line(&["--jobs", "1"]).unwrap(), Outcome::Done);

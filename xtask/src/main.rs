@@ -5,19 +5,17 @@
 
 mod args;
 mod console;
+mod eval;
+mod files;
+mod generate;
+mod interrupt;
 mod list;
+mod progress;
+mod reexec;
+mod render;
+mod runners;
 mod test;
-
-// Flags without a command line entry yet: a command is registered below when it works.
-macro_rules! unregistered {
-    ($($name:ident),*) => {
-        $(
-            #[allow(dead_code, reason = "not registered as a command yet")]
-            mod $name;
-        )*
-    };
-}
-unregistered!(eval, explain, generate, inspect, interrupt, reexec, render, validate);
+mod validate;
 
 use std::process::ExitCode;
 
@@ -38,8 +36,16 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Turn a plan into a package of shaders, tables and manifests.
+    Generate(generate::Args),
     /// Show surfaces, variants, targets, static cost, and what was rejected and why.
     List(list::Args),
+    /// Run external validators over every emitted file.
+    Validate(validate::Args),
+    /// Print colours for given directions.
+    Eval(eval::Args),
+    /// Draw a BRDF map: all viewing directions under one light.
+    Render(render::Args),
     Test(test::Args),
 }
 
@@ -49,7 +55,6 @@ pub(crate) enum Outcome {
     /// Exit code 0.
     Done,
     /// Exit code 1: stale output, over tolerance, failed validation.
-    #[allow(dead_code, reason = "no registered command finds anything yet")]
     Findings,
 }
 
@@ -66,7 +71,11 @@ fn main() -> ExitCode {
     let cli = Cli::parse();
     let console = Console::new(cli.message_format);
     let outcome = match cli.command {
+        Command::Generate(args) => generate::run(&args, &console).map(ExitCode::from),
         Command::List(args) => list::run(&args, &console).map(ExitCode::from),
+        Command::Validate(args) => validate::run(&args, &console).map(ExitCode::from),
+        Command::Eval(args) => eval::run(&args, &console).map(ExitCode::from),
+        Command::Render(args) => render::run(&args, &console).map(ExitCode::from),
         Command::Test(args) => test::run(&args),
     };
     match outcome {

@@ -22,8 +22,16 @@ pub(crate) fn with_gpu(args: Vec<OsString>) -> Result<()> {
     let mut command = if lacks_feature {
         eprintln!("note: building the GPU runner: cargo run --release -p xtask --features gpu");
         let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-        let run = ["run", "--release", "-p", "xtask", "--features", "gpu", "--target-dir", "target/gpu", "--"];
-        cargo.args(run);
+        // from any folder: the paths of the command line stay relative to the present one
+        let root = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+        cargo.args(["run", "--release", "-p", "xtask", "--features", "gpu"]);
+        cargo.args([
+            "--manifest-path",
+            &format!("{root}/Cargo.toml"),
+            "--target-dir",
+            &format!("{root}/target/gpu"),
+            "--",
+        ]);
         cargo
     } else {
         Command::new(std::env::current_exe()?)

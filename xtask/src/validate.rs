@@ -1,8 +1,16 @@
 //! `cargo xtask validate`: external validators over every emitted file.
 
+use std::fmt::Write;
 use std::path::PathBuf;
 
-const EXAMPLE: &str = "Example:
+use anyhow::{Result, bail};
+use diffraction_shaders::validate::{Report, tools, validate};
+
+use crate::Outcome;
+use crate::console::Console;
+
+const EXAMPLE: &str = "Examples:
+  cargo xtask validate
   cargo xtask validate generated --require naga,spirv-val";
 
 #[derive(Clone, Debug, clap::Args)]
@@ -10,8 +18,31 @@ const EXAMPLE: &str = "Example:
 pub(crate) struct Args {
     /// The package to validate.
     #[arg(value_name = "DIR", default_value = "generated")]
-    pub(crate) folder: PathBuf,
+    folder: PathBuf,
     /// Tools that must be installed: naga, spirv-val, glslangValidator, spirv-cross, tint.
     #[arg(long, value_name = "TOOL,…", value_delimiter = ',')]
-    pub(crate) require: Vec<String>,
+    require: Vec<String>,
+}
+
+pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    let report = validate(&args.folder, &tools(), &args.require)?;
+    console.data(&table(&report))?;
+    if report.tools.iter().all(|tool| tool.files == 0) {
+        bail!("{}: holds no shader; cargo xtask generate makes them", args.folder.display());
+    }
+    console.diagnostics(&report.diagnostics());
+    Ok(if report.accepted() { Outcome::Done } else { Outcome::Findings })
+}
+
+fn table(report: &Report) -> String {
+    let mut text = format!("{:<18} {:>6} {:>9}  version\n", "tool", "files", "rejected");
+    for tool in &report.tools {
+        let version = tool.version.as_deref().unwrap_or("not installed");
+        let _ =
+            writeln!(text, "{:<18} {:>6} {:>9}  {version}", tool.name, tool.files, tool.rejected);
+    }
+    for file in &report.unread {
+        let _ = writeln!(text, "not read by any tool: {}", file.display());
+    }
+    text
 }

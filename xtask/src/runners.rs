@@ -1,0 +1,88 @@
+//! From flags to something that evaluates a variant on a surface.
+
+use anyhow::{Result, bail};
+use diffraction_shaders::height::{self, Surface};
+use diffraction_shaders::plan::{Plan, SurfaceSpec, Variant};
+use diffraction_shaders::runner::{Exact, Runner, Subject, TwinRunner};
+
+use crate::args::{Runner as Kind, RunnerArgs, SurfaceArgs};
+use crate::console::Console;
+use crate::reexec;
+
+/// Everything that an evaluation needs to know.
+pub(crate) struct Job {
+    /// The surface as planned.
+    pub(crate) spec: SurfaceSpec,
+    /// Its heights.
+    pub(crate) surface: Surface,
+    /// The variant; for `exact` one that only carries the plan's optics.
+    pub(crate) variant: Variant,
+}
+
+impl Job {
+    /// Reads plan and surface; checks that the pitch resolves the shortest wavelength that will be asked for.
+    pub(crate) fn new(
+        surface: &SurfaceArgs,
+        runner: &RunnerArgs,
+        console: &Console,
+    ) -> Result<Job> {
+        if matches!(runner.runner, Kind::Vulkan | Kind::Gl) {
+            reexec::with_gpu(std::env::args_os().skip(1).collect())?;
+        }
+        let plan: Plan = surface.plan.read(console)?;
+        let spec = plan.surface(&surface.surface)?.clone();
+        let (variant, min_nm) = match runner.runner {
+            // the reference integrates the whole visible range, whatever the variants do
+            Kind::Exact => (Variant::texts(&plan.optics), 380.0),
+            _ => {
+                let variant = plan.variant(runner.variant.as_deref())?;
+                let min_nm = variant.wavelengths.min_nm;
+                (variant, min_nm)
+            }
+        };
+        let surface = height::load(&spec)?;
+        surface.notes.iter().for_each(|note| console.note(note));
+        surface.field.check_pitch(&spec.name, min_nm)?;
+        Ok(Job { spec, surface, variant })
+    }
+
+    /// The subject that runners evaluate.
+    pub(crate) fn subject(&self) -> Subject<'_> {
+        Subject {
+            height: &self.surface.field,
+            rotate_deg: self.spec.rotate_deg,
+            variant: &self.variant,
+        }
+    }
+
+    /// The runner that the flags name.
+    pub(crate) fn runner(&self, args: &RunnerArgs) -> Result<Box<dyn Runner + '_>> {
+        let subject = self.subject();
+        if args.unpacked && args.runner != Kind::Twin {
+            bail!(
+                "--unpacked: only the twin can read tables before they are rounded; use --runner twin"
+            );
+        }
+        Ok(match args.runner {
+            Kind::Exact => Box::new(Exact(subject)),
+            Kind::Twin => Box::new(TwinRunner::new(subject, !args.unpacked)?),
+            Kind::Vulkan | Kind::Gl => shader(subject, args)?,
+        })
+    }
+}
+
+#[cfg(feature = "gpu")]
+fn shader<'a>(subject: Subject<'a>, args: &RunnerArgs) -> Result<Box<dyn Runner + 'a>> {
+    use diffraction_shaders::runner::ShaderRunner;
+    use diffraction_shaders::runner::gpu::{Backend, Gpu};
+    let backend = if args.runner == Kind::Gl { Backend::Gl } else { Backend::Vulkan };
+    let gpu = Gpu::open(backend, args.adapter.as_deref())?;
+    Ok(Box::new(ShaderRunner::new(subject, gpu)?))
+}
+
+#[cfg(not(feature = "gpu"))]
+fn shader<'a>(_: Subject<'a>, _: &RunnerArgs) -> Result<Box<dyn Runner + 'a>> {
+    bail!(
+        "this xtask was built without the feature gpu; run cargo build --release -p xtask --features gpu"
+    )
+}
