@@ -10,10 +10,10 @@ use crate::emit::{BindingName, EmittedFile, EntryPoint};
 use crate::module::Module;
 use crate::optics;
 use crate::package::GENERATED_BY;
-use crate::plan::{Colour, Optics, Target, Variant};
+use crate::plan::{Colour, Mode, Target, Variant};
 use crate::profile::{Extent, Limits, Profile, fits};
-use crate::resolve::{Cost, Resolved, window_tail};
-use crate::tables::Table;
+use crate::resolve::{Cost, REACH_SIGMAS, Resolved, replica_tail, window_tail};
+use crate::tables::{Scale, TERMS, Table};
 
 /// Version of the manifests' layout.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -49,8 +49,8 @@ pub struct VariantManifest {
     pub requires: Requires,
     /// What a pixel costs.
     pub cost: Cost,
-    /// A-priori bounds of the model's approximations.
-    pub error_bound: ErrorBound,
+    /// A-priori bounds of the model's approximations; none where no error is claimed.
+    pub error_bound: Option<ErrorBound>,
 }
 
 /// The contract of `diffraction(wi, wr)`.
@@ -68,8 +68,8 @@ pub struct Core {
     pub unit: &'static str,
     /// Whether the result is clamped; it never is.
     pub clamped: bool,
-    /// Radiance relative to a white diffuser per unit of the result.
-    pub diffuser_scale: f64,
+    /// Radiance relative to a white diffuser per unit of the result; none where the unit is arbitrary.
+    pub diffuser_scale: Option<f64>,
     /// Function that returns tristimulus values instead.
     pub tristimulus_function: &'static str,
 }
@@ -182,6 +182,9 @@ pub struct TableDescription {
     pub axes: BTreeMap<&'static str, String>,
     /// Factor from stored to meant numbers.
     pub scale: f64,
+    /// Factors of the terms, one by one, of tables whose terms have scales of their own; the shader applies them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub term_scales: Vec<f64>,
     /// What lies outside the texture; nothing is ever read there.
     pub wrap: &'static str,
 }
@@ -204,9 +207,10 @@ pub struct ErrorBound {
     pub terms: u32,
     /// Greatest error of the phase function after the series is cut.
     pub phase_function: f64,
-    /// Bins to each side of the nearest one.
-    pub window_radius: u32,
-    /// Share of the coherence window's energy beyond them.
+    /// Bins to each side of the nearest one; none where a corridor of four standard deviations takes their place.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub window_radius: Option<u32>,
+    /// Share of the coherence window's energy, or of the light that the replicas send between their bins, beyond them.
     pub window_tail: f64,
 }
 
@@ -245,18 +249,13 @@ pub fn manifest(subject: Subject<'_>, module: &Module, files: &[EmittedFile]) ->
         configuration: serde_json::from_str(&variant.canonical()).unwrap_or(Value::Null),
         configuration_hash: variant.hash(),
         input_hash,
-        core: core(&variant.optics),
+        core: core(variant, resolved),
         targets,
         bindings: bindings(module, &tables),
         uniforms: uniforms(module),
         requires: requires(&extents),
         cost: resolved.cost,
-        error_bound: ErrorBound {
-            terms: resolved.expansion.terms,
-            phase_function: resolved.expansion.bound(),
-            window_radius: resolved.window_radius,
-            window_tail: window_tail(variant, resolved.patch_um, resolved.window_radius),
-        },
+        error_bound: error_bound(variant, resolved),
         tables: tables.into_iter().map(|(_, entry)| entry).collect(),
     }
 }
@@ -271,7 +270,14 @@ pub fn describe(
     let dimension = if table.layers == 0 { "2d" } else { "2d-array" };
     let (channels, axes) = match table.name {
         "terms" => terms_meaning(table, resolved),
+        _ if variant.mode == Mode::Gems => grating_meaning(),
         _ => spectrum_meaning(variant),
+    };
+    let has_scales = table.binding == TERMS && resolved.scale != Scale::NONE;
+    let term_scales = if has_scales {
+        (0..resolved.expansion.terms as usize).map(|n| resolved.scale.of(n)).collect()
+    } else {
+        Vec::new()
     };
     TableDescription {
         generated_by: GENERATED_BY,
@@ -289,6 +295,7 @@ pub fn describe(
         channels,
         axes,
         scale: 1.0,
+        term_scales,
         wrap: "none: no texel outside is read",
     }
 }
@@ -322,30 +329,93 @@ fn terms_meaning(
 }
 
 fn spectrum_meaning(variant: &Variant) -> (Vec<String>, BTreeMap<&'static str, String>) {
-    let channels = ["X weight", "Y weight", "Z weight", "wavelength in µm"].map(str::to_owned);
     let w = &variant.wavelengths;
-    let axes = BTreeMap::from([
-        ("column", format!("wavelength node, {} to {} nm", w.min_nm, w.max_nm)),
+    let adaptive = variant.mode == Mode::Adaptive && w.max_nm > w.min_nm;
+    let (weights, column) = if adaptive {
         (
-            "row",
-            "0: nodes; 1: first texel holds cosine and sine of the surface's rotation".to_owned(),
-        ),
-    ]);
-    (channels.into(), axes)
+            ["X per 1/µm", "Y per 1/µm", "Z per 1/µm"],
+            format!("equal steps of 1/wavelength, {} to {} nm, linear between", w.max_nm, w.min_nm),
+        )
+    } else {
+        (
+            ["X weight", "Y weight", "Z weight"],
+            format!("wavelength node, {} to {} nm", w.min_nm, w.max_nm),
+        )
+    };
+    let mut channels = weights.map(str::to_owned).to_vec();
+    channels.push("wavelength in µm".to_owned());
+    (channels, BTreeMap::from([("column", column), ("row", row_meaning("nodes"))]))
 }
 
-fn core(optics: &Optics) -> Core {
+fn grating_meaning() -> (Vec<String>, BTreeMap<&'static str, String>) {
+    let channels = ["period along x in µm", "period along y in µm", "unused", "unused"];
+    let axes = BTreeMap::from([
+        ("column", "one".to_owned()),
+        (
+            "row",
+            row_meaning("the surface's strongest period as a vector, from one groove to the next"),
+        ),
+    ]);
+    (channels.map(str::to_owned).into(), axes)
+}
+
+fn row_meaning(first: &str) -> String {
+    format!(
+        "0: {first}; 1: first texel holds cosine and sine of the surface's rotation, scale of the first term, ratio of the scales of successive terms"
+    )
+}
+
+fn error_bound(variant: &Variant, resolved: &Resolved) -> Option<ErrorBound> {
+    let (window_radius, window_tail) = match variant.mode {
+        Mode::Full => (
+            Some(resolved.window_radius),
+            window_tail(variant, resolved.patch_um, resolved.window_radius),
+        ),
+        Mode::Pq => (
+            Some(resolved.window_radius),
+            replica_tail(resolved.periods, resolved.taps, resolved.pixels),
+        ),
+        // a Gaussian beyond four standard deviations of its square root
+        Mode::Adaptive => (None, libm::erfc(REACH_SIGMAS)),
+        Mode::Gems => return None,
+    };
+    Some(ErrorBound {
+        terms: resolved.expansion.terms,
+        phase_function: resolved.expansion.bound(),
+        window_radius,
+        window_tail,
+    })
+}
+
+fn core(variant: &Variant, resolved: &Resolved) -> Core {
+    let optics = &variant.optics;
+    let colour_space = match (variant.mode, optics.colour) {
+        (Mode::Gems, _) => "the chapter's display colours, taken as scene-linear sRGB",
+        (_, Colour::Srgb) => "scene-linear, sRGB primaries (IEC 61966-2-1), D65",
+        (_, Colour::Thesis) => "CIE RGB with D65 applied twice; for comparison with the texts only",
+    };
+    let unit = match variant.mode {
+        Mode::Gems => "arbitrary: a rainbow for every order, no radiance and no error claimed",
+        _ => {
+            "radiance of a unit directional source, relative to the peak of a mirror at normal incidence"
+        }
+    };
+    let diffuser_scale = match variant.mode {
+        Mode::Gems => None,
+        Mode::Pq => {
+            let sides = [0, 1].map(|i| f64::from(resolved.periods[i]) * resolved.patch_um[i]);
+            Some(optics::replica_diffuser_scale(optics, sides))
+        }
+        Mode::Full | Mode::Adaptive => Some(optics::diffuser_scale(optics)),
+    };
     Core {
         function: "fn diffraction(wi: vec3f, wr: vec3f) -> vec3f",
         frame: "tangent frame: x along the tangent, y along the bitangent, z along the normal; right-handed",
         directions: "unit vectors pointing away from the surface; wi to the light, wr to the viewer",
-        colour_space: match optics.colour {
-            Colour::Srgb => "scene-linear, sRGB primaries (IEC 61966-2-1), D65",
-            Colour::Thesis => "CIE RGB with D65 applied twice; for comparison with the texts only",
-        },
-        unit: "radiance of a unit directional source, relative to the peak of a mirror at normal incidence",
+        colour_space,
+        unit,
         clamped: false,
-        diffuser_scale: optics::diffuser_scale(optics),
+        diffuser_scale,
         tristimulus_function: "fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f",
     }
 }

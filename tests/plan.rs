@@ -446,7 +446,11 @@ fn the_built_in_preset_is_found_by_its_exact_name_only() {
         (texts.basis, texts.terms, texts.packing),
         (Basis::TaylorZero, Auto::Value(31), Packing::Single)
     );
-    assert!(!texts.hoist && texts.optics.coherence_um == 30.0 && texts.wavelengths.nodes_nm().len() == 81);
+    assert!(
+        !texts.hoist
+            && texts.optics.coherence_um == 30.0
+            && texts.wavelengths.nodes_nm().len() == 81
+    );
     let select = |patterns: &[&str]| {
         let patterns: Vec<String> = patterns.iter().map(ToString::to_string).collect();
         plan.select(&patterns).map(|found| found.into_iter().map(|v| v.name).collect::<Vec<_>>())

@@ -18,7 +18,7 @@ use crate::tables::{Table, TexelFormat};
 use crate::template::Sources;
 
 use super::gpu::{Gpu, Pipeline, Program, Texture, TextureFormat, TextureLayout, Uniform};
-use super::{Progress, Runner, Subject};
+use super::{Progress, Runner, Subject, has_wavelengths};
 
 /// Bytes of the uniform block `Params`: light and size.
 const UNIFORM_BYTES: u32 = 32;
@@ -32,8 +32,7 @@ pub struct ShaderRunner<'a> {
     subject: Subject<'a>,
     gpu: Gpu,
     resolved: Resolved,
-    terms: Table,
-    spectrum: Table,
+    tables: Vec<Table>,
     map: RefCell<Option<Pipeline>>,
 }
 
@@ -41,24 +40,24 @@ impl<'a> ShaderRunner<'a> {
     /// Computes the tables and compiles nothing yet.
     pub fn new(subject: Subject<'a>, gpu: Gpu) -> Result<ShaderRunner<'a>> {
         let Subject { height, rotate_deg, variant } = subject;
-        let resolved = resolve(variant, height);
-        let terms = assemble::terms(variant, &resolved, height);
-        let spectrum = assemble::spectrum(variant, rotate_deg)?;
-        Ok(ShaderRunner { subject, gpu, resolved, terms, spectrum, map: RefCell::new(None) })
+        let resolved = resolve(variant, height)?;
+        let tables = assemble::tables(variant, &resolved, height, rotate_deg)?;
+        Ok(ShaderRunner { subject, gpu, resolved, tables, map: RefCell::new(None) })
     }
 
     /// Compiles an entry point with its tables; `directions` only for `probe`.
     fn pipeline(
         &self,
         entry: &str,
-        spectrum: &Table,
+        tables: &[Table],
         directions: Option<Texture<'_>>,
     ) -> Result<Pipeline> {
         let Subject { rotate_deg, variant, .. } = self.subject;
-        let defines = assemble::defines(variant, &self.resolved, rotate_deg, spectrum.width);
+        let nodes = assemble::node_count(tables);
+        let defines = assemble::defines(variant, &self.resolved, rotate_deg, nodes);
         let module =
             assemble::shader(&Sources::builtin(), &variant.name, &defines).map_err(first)?;
-        let mut textures = vec![texture(&self.terms, 1), texture(spectrum, 2)];
+        let mut textures: Vec<Texture<'_>> = tables.iter().map(texture).collect();
         textures.extend(directions);
         self.gpu.program(&Program {
             name: &variant.name,
@@ -70,10 +69,10 @@ impl<'a> ShaderRunner<'a> {
         })
     }
 
-    /// Evaluates `probe` with any spectrum table; directions in pictures of at most a megapixel.
+    /// Evaluates `probe` with any tables; directions in pictures of at most a megapixel.
     fn probe(
         &self,
-        spectrum: &Table,
+        tables: &[Table],
         directions: &[Directions],
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>> {
@@ -97,7 +96,7 @@ impl<'a> ShaderRunner<'a> {
                 layers: 1,
                 bytes: Cow::Owned(texels.iter().flat_map(|v| v.to_le_bytes()).collect()),
             };
-            let pipeline = self.pipeline("probe", spectrum, Some(directions))?;
+            let pipeline = self.pipeline("probe", tables, Some(directions))?;
             let (width, height) = (PROBE_WIDTH as u32, rows as u32);
             let picture =
                 bands(&pipeline, width, height, &uniform(DVec3::Z, width, height), progress)?;
@@ -118,14 +117,16 @@ impl Runner for ShaderRunner<'_> {
         directions: &[Directions],
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>> {
-        self.probe(&self.spectrum, directions, progress)
+        self.probe(&self.tables, directions, progress)
     }
 
     /// The shader with a single wavelength of weight 1 returns `C·|P|²`; the gain is taken off again in f64.
     fn response(&self, directions: &[Directions], lambda_nm: f64) -> Result<Vec<f64>> {
         let Subject { rotate_deg, variant, .. } = self.subject;
-        let spectrum = assemble::single_wavelength(lambda_nm, rotate_deg);
-        let rho = self.probe(&spectrum, directions, &|_| ())?;
+        has_wavelengths(variant)?;
+        let tables =
+            assemble::single_wavelength(&self.tables, &self.resolved, lambda_nm, rotate_deg);
+        let rho = self.probe(&tables, directions, &|_| ())?;
         let gains = directions.iter().map(|d| gain(d.wi, d.wr, &variant.optics));
         Ok(rho
             .iter()
@@ -139,7 +140,7 @@ impl Runner for ShaderRunner<'_> {
         let mut cached = self.map.borrow_mut();
         let pipeline = match cached.take() {
             Some(pipeline) => pipeline,
-            None => self.pipeline("map", &self.spectrum, None)?,
+            None => self.pipeline("map", &self.tables, None)?,
         };
         let pixels = size as u32;
         let picture = bands(&pipeline, pixels, pixels, &uniform(light, pixels, pixels), progress);
@@ -174,11 +175,13 @@ fn uniform(light: DVec3, width: u32, height: u32) -> Vec<u8> {
     values.iter().flat_map(|v| v.to_le_bytes()).collect()
 }
 
-fn texture(table: &Table, binding: u32) -> Texture<'static> {
+fn texture(table: &Table) -> Texture<'static> {
     Texture {
-        binding,
+        binding: table.binding,
         layout: if table.layers == 0 { TextureLayout::D2 } else { TextureLayout::D2Array },
         format: match table.format {
+            TexelFormat::Rg16Float => TextureFormat::Rg16Float,
+            TexelFormat::Rgba16Float => TextureFormat::Rgba16Float,
             TexelFormat::Rg32Float => TextureFormat::Rg32Float,
             TexelFormat::Rgba32Float => TextureFormat::Rgba32Float,
         },
