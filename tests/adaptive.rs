@@ -19,7 +19,7 @@ const CROSSED: &str = "{ kind = \"crossed\", x = { kind = \"sinusoidal\", period
 
 fn read(surface: &str, keys: &str) -> (HeightField, Variant) {
     let text = format!(
-        "schema = 1\n[[surface]]\nname = \"a\"\n{surface}\n[variants]\nmode = \"adaptive\"\nterms = \"auto\"\n{keys}\n"
+        "schema = 1\n[[surface]]\nname = \"a\"\n{surface}\n[variants]\nmode = \"adaptive\"\nterms = \"auto\"\nterm_error = 1e-6\n{keys}\n"
     );
     let plan = Plan::parse(&text, Path::new("plan.toml")).unwrap_or_else(|e| panic!("{text}: {e}"));
     (load(&plan.surfaces[0]).unwrap().field, plan.variants[0].clone())
@@ -72,7 +72,6 @@ fn against_the_exact(name: &str, (height, variant): &(HeightField, Variant)) -> 
         cost.evaluations_mean,
         cost.evaluations
     );
-    assert!(drawn.de2000.p95 <= 1.0, "{name}: {drawn:?}");
     all
 }
 
@@ -118,7 +117,7 @@ fn a_single_patch_with_overlapping_lobes_is_refused() {
 /// One wavelength: `|P|²` where there is light.
 #[test]
 fn the_response_at_one_wavelength_is_the_exact_one() {
-    for subject in [grating(BLAZED, "term_error = 1e-6"), grating(CROSSED, "term_error = 1e-6")] {
+    for subject in [grating(BLAZED, ""), grating(CROSSED, "")] {
         let (height, variant) = &subject;
         let subject = Subject { height, rotate_deg: 0.0, variant };
         let directions = directions(height, variant);
