@@ -132,18 +132,9 @@ fn spectrum(variant: &Variant, resolved: &Resolved, rotate_deg: f64) -> Result<T
     Ok(spectrum_table(&samples, rotate_deg, resolved.scale))
 }
 
-/// Tables with a spectrum of one wavelength, nm, and weight 1: the shader then returns `C·|P|²` there.
-pub fn single_wavelength(
-    tables: &[Table],
-    resolved: &Resolved,
-    lambda_nm: f64,
-    rotate_deg: f64,
-) -> Vec<Table> {
-    let single = spectrum_table(&[Sample { lambda_nm, xyz: [1.0; 3] }], rotate_deg, resolved.scale);
-    let replace = |table: &Table| {
-        if table.binding == single.binding { single.clone() } else { table.clone() }
-    };
-    tables.iter().map(replace).collect()
+/// A spectrum table of one wavelength, nm, with weight 1: the shader then returns `C·|P|²` there.
+pub fn single_wavelength(resolved: &Resolved, lambda_nm: f64, rotate_deg: f64) -> Table {
+    spectrum_table(&[Sample { lambda_nm, xyz: [1.0; 3] }], rotate_deg, resolved.scale)
 }
 
 /// Nodes of the spectrum among a variant's tables.

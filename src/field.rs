@@ -384,7 +384,7 @@ impl Nodes {
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
         let count = node_count(half * half_type_um);
         let angle = |k: usize| PI * (2 * k + 1) as f64 / (2 * count) as f64;
-        let sign = |k: usize| if k % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
         Nodes {
             z: (0..count).map(|k| middle + half * angle(k).cos()).collect(),
             weight: (0..count).map(|k| sign(k) * angle(k).sin()).collect(),

@@ -164,7 +164,9 @@ fn load(request: &Request<'_>) -> Result<Vec<Loaded>, Vec<Diagnostic>> {
         let surface = height::load(spec).map_err(|e| vec![Diagnostic::from(&e)])?;
         let mut errors = BTreeMap::new();
         for variant in request.variants {
-            if let Err(error) = surface.field.check_pitch(&spec.name, variant.wavelengths.min_nm) {
+            if let Err(error) =
+                surface.field.check_pitch(&height::subject(spec), variant.wavelengths.min_nm)
+            {
                 errors.insert(error.to_string(), Diagnostic::from(&error).variant(&variant.name));
             }
         }

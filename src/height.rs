@@ -47,10 +47,7 @@ pub struct Surface {
 /// Errors name the surface, its file, the key, its value and what to do. The rotation of the surface is not applied
 /// here: it rotates `(u, v)` exactly, later.
 pub fn load(spec: &SurfaceSpec) -> Result<Surface> {
-    let subject = match &spec.source {
-        SurfaceSource::Grating(_) => format!("surface {}", spec.name),
-        SurfaceSource::File(file) => read::subject(&spec.name, &file.path),
-    };
+    let subject = subject(spec);
     level::check_clip(&subject, spec.clip_percent)?;
     let (field, mut notes) = match &spec.source {
         SurfaceSource::Grating(grating) => {
@@ -77,6 +74,14 @@ pub fn load(spec: &SurfaceSpec) -> Result<Surface> {
         extruded.rows
     ));
     Ok(Surface { field: extruded, notes })
+}
+
+/// What errors about a surface begin with: its name, and its file where it has one.
+pub fn subject(spec: &SurfaceSpec) -> String {
+    match &spec.source {
+        SurfaceSource::Grating(_) => format!("surface {}", spec.name),
+        SurfaceSource::File(file) => read::subject(&spec.name, &file.path),
+    }
 }
 
 /// Heights of one patch, which tiles the plane periodically.
@@ -210,7 +215,7 @@ impl HeightField {
                     pitch_um * 1000.0
                 );
                 let remedy = format!(
-                    "a pitch of {:.4} nm or less would do: {} pixels over {size_um:.4} µm, or a wavelength from {:.0} nm up",
+                    "a pitch of {:.4} nm or less would do: {} pixels over {size_um:.4} µm (check `size_um` or `pixel_um` of a file, `pixels` of a grating), or a wavelength from {:.0} nm up",
                     limit_um * 1000.0,
                     (size_um / limit_um * (1.0 - 1e-12)).ceil(),
                     (pitch_um * 4000.0).ceil()

@@ -9,11 +9,11 @@ use serde_json::Value;
 use crate::emit::{BindingName, EmittedFile, EntryPoint};
 use crate::module::Module;
 use crate::optics;
-use crate::package::GENERATED_BY;
 use crate::plan::{Colour, Mode, Target, Variant};
 use crate::profile::{Extent, Limits, Profile, fits};
 use crate::resolve::{Cost, REACH_SIGMAS, Resolved, replica_tail, window_tail};
 use crate::tables::{Scale, TERMS, Table};
+use crate::template::GENERATED;
 
 /// Version of the manifests' layout.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -242,7 +242,7 @@ pub fn manifest(subject: Subject<'_>, module: &Module, files: &[EmittedFile]) ->
     }
     let extents: Vec<Extent> = tables.iter().map(|(table, _)| extent(table)).collect();
     VariantManifest {
-        generated_by: GENERATED_BY,
+        generated_by: GENERATED,
         schema_version: SCHEMA_VERSION,
         surface: surface.to_owned(),
         variant: variant.name.clone(),
@@ -280,7 +280,7 @@ pub fn describe(
         Vec::new()
     };
     TableDescription {
-        generated_by: GENERATED_BY,
+        generated_by: GENERATED,
         schema_version: SCHEMA_VERSION,
         id: id.to_owned(),
         data: format!("{id}.bin"),

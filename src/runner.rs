@@ -1,9 +1,13 @@
 //! Ways to evaluate a variant: exactly, by its twin in f64, or by its shader on a driver.
 
 mod cpu;
+#[cfg(any(feature = "gpu", feature = "routes"))]
+mod pictures;
 #[cfg(feature = "gpu")]
 mod shader;
 
+#[cfg(feature = "routes")]
+pub mod egl;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 
@@ -16,6 +20,10 @@ use crate::plan::{Mode, Variant};
 use crate::reference::Directions;
 
 pub use cpu::{Exact, TwinRunner};
+#[cfg(feature = "routes")]
+pub use egl::EglRunner;
+#[cfg(any(feature = "gpu", feature = "routes"))]
+pub use pictures::{BoundTable, Driver, DriverRunner, Prepared};
 #[cfg(feature = "gpu")]
 pub use shader::ShaderRunner;
 
@@ -35,7 +43,7 @@ pub type Progress<'a> = &'a (dyn Fn(usize) + Sync);
 
 /// One way to evaluate a variant.
 pub trait Runner {
-    /// Its route: `exact`, `twin`, `vulkan:ADAPTER`, `gl:ADAPTER`.
+    /// Its route: `exact`, `twin`, `vulkan:ADAPTER`, `gl:ADAPTER`, `glsl450`, `glsl-es300`.
     fn route(&self) -> String;
 
     /// Relative tristimulus values, gain included.

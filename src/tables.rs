@@ -68,6 +68,17 @@ pub struct Table {
 }
 
 impl Table {
+    /// No table.
+    pub const ABSENT: Table = Table {
+        name: "",
+        binding: 0,
+        format: TexelFormat::Rgba32Float,
+        width: 0,
+        height: 0,
+        layers: 0,
+        texels: Vec::new(),
+    };
+
     /// Numbers as the shader sees them: rounded to the texel format.
     #[must_use]
     pub fn rounded(mut self) -> Table {
@@ -113,6 +124,8 @@ impl Table {
 pub const TERMS: u32 = 1;
 /// Binding of the spectrum table.
 pub const SPECTRUM: u32 = 2;
+/// Binding of the probe's directions.
+pub const DIRECTIONS: u32 = 3;
 
 /// Scales of the terms in a table of 16-bit floats: term `n` is stored divided by `first · ratio^n`.
 ///

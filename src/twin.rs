@@ -16,7 +16,7 @@ use glam::DVec3;
 use crate::plan::{Mode, Optics, Variant};
 use crate::reference::Directions;
 use crate::resolve::Resolved;
-use crate::tables::{Table, TexelFormat};
+use crate::tables::Table;
 
 /// Everything that one pixel of a variant reads, and the variant's algorithm on it.
 #[derive(Clone, Copy)]
@@ -69,12 +69,4 @@ impl<'a> Twin<'a> {
     }
 }
 
-static ABSENT: Table = Table {
-    name: "",
-    binding: 0,
-    format: TexelFormat::Rgba32Float,
-    width: 0,
-    height: 0,
-    layers: 0,
-    texels: Vec::new(),
-};
+static ABSENT: Table = Table::ABSENT;

@@ -59,7 +59,7 @@ pub fn write(package: &Package, out: &Path) -> Result<WriteReport> {
     write_unless(package, out, &Cancel::new())
 }
 
-/// Like [`write`], until cancelled.
+/// Like [`write()`], until cancelled.
 pub fn write_unless(package: &Package, out: &Path, cancel: &Cancel) -> Result<WriteReport> {
     let error =
         |cause: &str| Error::new(Stage::Package, format!("output {}", out.display()), cause);

@@ -55,7 +55,9 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
                 );
             }
             if args.runner.runner == Runner::Exact {
-                job.surface.field.check_pitch(&job.spec.name, lambda_nm)?;
+                job.surface
+                    .field
+                    .check_pitch(&diffraction_shaders::height::subject(&job.spec), lambda_nm)?;
             }
             let optics = &job.variant.optics;
             let rows = runner.response(&directions, lambda_nm)?;

@@ -268,7 +268,7 @@ mod tests {
         let (plan, out) = (base.join("plan.toml"), base.join("out"));
         let line = ["generate", "--plan", plan.to_str().unwrap(), "--out", out.to_str().unwrap()];
         let console = Console::new(MessageFormat::Human);
-        run(&Line::parse_from(line).args, &console, names).unwrap();
+        run_with(&Line::parse_from(line).args, &console, names).unwrap();
         out
     }
 

@@ -42,7 +42,7 @@ impl Job {
         };
         let surface = height::load(&spec)?;
         surface.notes.iter().for_each(|note| console.note(note));
-        surface.field.check_pitch(&spec.name, min_nm)?;
+        surface.field.check_pitch(&height::subject(&spec), min_nm)?;
         Ok(Job { spec, surface, variant })
     }
 
