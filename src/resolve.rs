@@ -15,7 +15,7 @@ use crate::plan::{Auto, Coherence, Mode, Packing, TableFormat, Variant};
 use crate::tables::Scale;
 use crate::transform::Bins;
 
-pub use corridor::{Corridor, LEAST_SQUARED, Lobes, REACH_SIGMAS};
+pub use corridor::{Corridor, LEAST_SQUARED, Lobes, REACH_SIGMAS, WHOLE_PANELS};
 pub use cost::{Cost, LOBE_NODES};
 
 /// A variant with every number known. What a mode does not read has a neutral value.
@@ -88,7 +88,10 @@ pub fn resolve(variant: &Variant, height: &HeightField) -> Result<Resolved> {
     };
     let window_radius = match variant.window_radius {
         Auto::Value(radius) => radius,
-        Auto::Auto => (0..=64).find(|&radius| tail(radius) <= 1.0).unwrap_or(64),
+        // the kernel of `pq` is no kernel without a neighbour
+        Auto::Auto => (u32::from(variant.mode == Mode::Pq)..=64)
+            .find(|&radius| tail(radius) <= 1.0)
+            .unwrap_or(64),
     };
     let (low_um, high_um) = height.range_um();
     let corridor = lobes.corridor(high_um - low_um);

@@ -7,6 +7,8 @@
 
 // Lobes end at this many standard deviations of the window's spectrum.
 const REACH_SIGMAS: f32 = 4.0;
+// Whole lobes this many panels wide are not cut.
+const WHOLE_PANELS: f32 = 2.5;
 // Nodes of a panel.
 const NODE_COUNT: i32 = 8;
 
@@ -69,8 +71,8 @@ fn lobe(bin: vec2f, path: vec3f, range: vec2f) -> vec3f {
         return vec3f(0.0);
     }
     // a broad lobe is cut into panels: the bin's intensity is taken once in each, where its light is
-    let share = (span.y - span.x) / (range.y - range.x);
-    let panels = clamp(ceil(share * f32(PANEL_COUNT)), 1.0, f32(PANEL_COUNT));
+    let share = (span.y - span.x) / (range.y - range.x) * f32(PANEL_COUNT);
+    let panels = select(min(ceil(share), f32(PANEL_COUNT)), 1.0, share < WHOLE_PANELS);
     let pace = (span.y - span.x) / (panels * f32(NODE_COUNT));
     var xyz = vec3f(0.0);
     for (var panel = 0; panel < PANEL_COUNT; panel++) {

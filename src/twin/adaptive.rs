@@ -12,7 +12,7 @@ use glam::{DVec2, DVec3};
 use crate::optics::{gain, path_difference};
 use crate::plan::CoherenceScaling;
 use crate::reference::Directions;
-use crate::resolve::{LEAST_SQUARED, LOBE_NODES, Lobes, REACH_SIGMAS};
+use crate::resolve::{LEAST_SQUARED, LOBE_NODES, Lobes, REACH_SIGMAS, WHOLE_PANELS};
 
 use super::Twin;
 use super::series::{bin_amplitude, series_argument, series_scale};
@@ -94,8 +94,8 @@ fn lobe(twin: &Twin<'_>, bin: DVec2, path: DVec3, range: DVec2) -> [f64; 3] {
         return [0.0; 3];
     }
     let most = f64::from(twin.resolved.corridor.panels);
-    let share = (span.y - span.x) / (range.y - range.x);
-    let panels = (share * most).ceil().clamp(1.0, most);
+    let share = (span.y - span.x) / (range.y - range.x) * most;
+    let panels = if share < WHOLE_PANELS { 1.0 } else { share.ceil().min(most) };
     let pace = (span.y - span.x) / (panels * f64::from(LOBE_NODES));
     let mut xyz = DVec3::ZERO;
     for panel in 0..panels as u32 {
