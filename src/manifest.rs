@@ -1,19 +1,24 @@
 //! What a package says about itself, as data.
 
+mod describe;
+
 use std::collections::BTreeMap;
 
 use naga::{AddressSpace, ImageClass, ImageDimension, TypeInner};
 use serde::Serialize;
 use serde_json::Value;
 
+use crate::basis::remainder;
 use crate::emit::{BindingName, EmittedFile, EntryPoint};
 use crate::module::Module;
 use crate::optics;
-use crate::plan::{Colour, Mode, Target, Variant};
+use crate::plan::{Colour, Mode, TableFormat, Target, Variant};
 use crate::profile::{Extent, Limits, Profile, fits};
 use crate::resolve::{Cost, REACH_SIGMAS, Resolved, replica_tail, window_tail};
-use crate::tables::{Scale, TERMS, Table};
+use crate::tables::Table;
 use crate::template::GENERATED;
+
+pub use describe::describe;
 
 /// Version of the manifests' layout.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -207,6 +212,8 @@ pub struct ErrorBound {
     pub terms: u32,
     /// Greatest error of the phase function after the series is cut.
     pub phase_function: f64,
+    /// Greatest error of a bin's amplitude by the rounding of its terms to the table's format.
+    pub packing: f64,
     /// Bins to each side of the nearest one; none where a corridor of four standard deviations takes their place.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub window_radius: Option<u32>,
@@ -260,111 +267,6 @@ pub fn manifest(subject: Subject<'_>, module: &Module, files: &[EmittedFile]) ->
     }
 }
 
-/// The description of a table.
-pub fn describe(
-    table: &Table,
-    id: &str,
-    resolved: &Resolved,
-    variant: &Variant,
-) -> TableDescription {
-    let dimension = if table.layers == 0 { "2d" } else { "2d-array" };
-    let (channels, axes) = match table.name {
-        "terms" => terms_meaning(table, resolved),
-        _ if variant.mode == Mode::Gems => grating_meaning(),
-        _ => spectrum_meaning(variant),
-    };
-    let has_scales = table.binding == TERMS && resolved.scale != Scale::NONE;
-    let term_scales = if has_scales {
-        (0..resolved.expansion.terms as usize).map(|n| resolved.scale.of(n)).collect()
-    } else {
-        Vec::new()
-    };
-    TableDescription {
-        generated_by: GENERATED,
-        schema_version: SCHEMA_VERSION,
-        id: id.to_owned(),
-        data: format!("{id}.bin"),
-        bytes: table.byte_count(),
-        format: table.format.name(),
-        endianness: "little",
-        dimension,
-        width: table.width,
-        height: table.height,
-        layers: table.layers.max(1),
-        order: "[layer][row][column][channel]",
-        channels,
-        axes,
-        scale: 1.0,
-        term_scales,
-        wrap: "none: no texel outside is read",
-    }
-}
-
-fn terms_meaning(
-    table: &Table,
-    resolved: &Resolved,
-) -> (Vec<String>, BTreeMap<&'static str, String>) {
-    let paired = table.format.channels() == 4;
-    let names: &[&str] = if paired {
-        &["re, even term", "im, even term", "re, odd term", "im, odd term"]
-    } else {
-        &["re", "im"]
-    };
-    let layer = if paired { "layer p holds terms 2p and 2p+1" } else { "layer n holds term n" };
-    let (x, y) = (resolved.bins.r_max, resolved.bins.s_max);
-    let bin = |axis: &str, centre: usize, l: f64| {
-        format!("bin {axis} = index - {centre}, frequency bin/{l} cycles per µm")
-    };
-    let axes = BTreeMap::from([
-        ("column", bin("r", x, resolved.patch_um[0])),
-        ("row", bin("s", y, resolved.patch_um[1])),
-        (
-            "layer",
-            format!(
-                "{layer}; term n is ifft2((i z_max (h - origin))^n / n!), to be multiplied by (z/z_max)^n"
-            ),
-        ),
-    ]);
-    (names.iter().map(|s| (*s).to_owned()).collect(), axes)
-}
-
-fn spectrum_meaning(variant: &Variant) -> (Vec<String>, BTreeMap<&'static str, String>) {
-    let w = &variant.wavelengths;
-    let adaptive = variant.mode == Mode::Adaptive && w.max_nm > w.min_nm;
-    let (weights, column) = if adaptive {
-        (
-            ["X per 1/µm", "Y per 1/µm", "Z per 1/µm"],
-            format!("equal steps of 1/wavelength, {} to {} nm, linear between", w.max_nm, w.min_nm),
-        )
-    } else {
-        (
-            ["X weight", "Y weight", "Z weight"],
-            format!("wavelength node, {} to {} nm", w.min_nm, w.max_nm),
-        )
-    };
-    let mut channels = weights.map(str::to_owned).to_vec();
-    channels.push("wavelength in µm".to_owned());
-    (channels, BTreeMap::from([("column", column), ("row", row_meaning("nodes"))]))
-}
-
-fn grating_meaning() -> (Vec<String>, BTreeMap<&'static str, String>) {
-    let channels = ["period along x in µm", "period along y in µm", "unused", "unused"];
-    let axes = BTreeMap::from([
-        ("column", "one".to_owned()),
-        (
-            "row",
-            row_meaning("the surface's strongest period as a vector, from one groove to the next"),
-        ),
-    ]);
-    (channels.map(str::to_owned).into(), axes)
-}
-
-fn row_meaning(first: &str) -> String {
-    format!(
-        "0: {first}; 1: first texel holds cosine and sine of the surface's rotation, scale of the first term, ratio of the scales of successive terms"
-    )
-}
-
 fn error_bound(variant: &Variant, resolved: &Resolved) -> Option<ErrorBound> {
     let (window_radius, window_tail) = match variant.mode {
         Mode::Full => (
@@ -382,9 +284,20 @@ fn error_bound(variant: &Variant, resolved: &Resolved) -> Option<ErrorBound> {
     Some(ErrorBound {
         terms: resolved.expansion.terms,
         phase_function: resolved.expansion.bound(),
+        packing: packing_bound(variant, resolved),
         window_radius,
         window_tail,
     })
+}
+
+/// Half a unit in the last place of every term at its largest, `x^n/n!` with `x = z_max·reach`.
+fn packing_bound(variant: &Variant, resolved: &Resolved) -> f64 {
+    let x = resolved.expansion.z_max * resolved.expansion.reach_um;
+    let sum: f64 = (0..resolved.expansion.terms).map(|n| remainder(x, n)).sum();
+    sum * match variant.table {
+        TableFormat::F32 => 2.0_f64.powi(-24),
+        TableFormat::F16 => 2.0_f64.powi(-11),
+    }
 }
 
 fn core(variant: &Variant, resolved: &Resolved) -> Core {

@@ -13,7 +13,9 @@ use diffraction_shaders::plan::{Plan, TableFormat};
 use diffraction_shaders::reference::Directions;
 use diffraction_shaders::resolve::resolve;
 use diffraction_shaders::runner::{Runner, Subject, TwinRunner};
+use diffraction_shaders::tables::{Scale, terms_table};
 use diffraction_shaders::template::Sources;
+use diffraction_shaders::terms::Terms;
 use serde_json::Value;
 
 fn plan(surfaces: &str, keys: &str) -> Plan {
@@ -57,6 +59,21 @@ fn sixteen_bits_with_scales_keep_the_colours() {
             assert!(found.de2000.p95 < limit, "{} {}: {found:?}", spec.name, variant.name);
         }
     }
+}
+
+/// Without scales the terms of a tall surface leave the range of 16 bits; with them none does.
+#[test]
+fn terms_of_a_tall_surface_overflow_without_scales() {
+    let tall = BLAZED.replace("0.3", "0.9");
+    let plan = plan(&tall, "mode = \"adaptive\"\nterms = \"auto\"\ntable = \"f16\"");
+    let (height, variant) = (&load(&plan.surfaces[0]).unwrap().field, &plan.variants[0]);
+    let resolved = resolve(variant, height).unwrap();
+    let finite = |scale: Scale| {
+        let terms = Terms::new(height, &resolved.expansion, resolved.bins);
+        let table = terms_table(&terms, variant.packing, variant.table, scale).rounded();
+        table.texels.iter().all(|v| v.is_finite())
+    };
+    assert!(finite(resolved.scale) && !finite(Scale::NONE));
 }
 
 #[test]
@@ -136,5 +153,7 @@ fn packages_hold_every_mode_and_list_the_gaps() {
     let bytes = description["bytes"].as_u64().unwrap();
     let (width, height) = (&description["width"], &description["height"]);
     assert_eq!(bytes, 8 * 5 * width.as_u64().unwrap() * height.as_u64().unwrap());
+    let bound = |m: &Value| m["error_bound"]["packing"].as_f64().unwrap();
+    assert!((bound(&half) / bound(&full) - 8192.0).abs() < 1e-6);
     assert!(half["cost"]["fetches_mean"].as_f64() < full["cost"]["fetches_mean"].as_f64());
 }
