@@ -46,6 +46,7 @@ pub mod terms;
 pub mod reference;
 pub mod tables;
 pub mod resolve;
+pub mod inspect;
 pub mod twin;
 pub mod profile;
 pub mod template;

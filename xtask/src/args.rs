@@ -63,6 +63,19 @@ pub(crate) enum Runner {
     Vulkan,
     /// The shader on OpenGL.
     Gl,
+    /// The emitted GLSL 4.50 text on a desktop GL context.
+    #[value(name = "glsl450")]
+    Glsl450,
+    /// The emitted GLSL ES 3.00 text on a GL ES context.
+    #[value(name = "glsl-es300")]
+    GlslEs300,
+}
+
+impl Runner {
+    /// Whether it needs a driver, and so the features `gpu` and `routes`.
+    pub(crate) fn is_driver(self) -> bool {
+        !matches!(self, Runner::Exact | Runner::Twin)
+    }
 }
 
 /// Direction of the light, degrees.

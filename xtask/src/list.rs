@@ -1,6 +1,6 @@
 //! `cargo xtask list`: what a plan means, and what it costs.
 
-mod table;
+pub(crate) mod table;
 
 use std::collections::BTreeMap;
 
@@ -71,7 +71,8 @@ fn object(plan: &Plan, costs: &Costs) -> Value {
     })
 }
 
-fn surface_object(surface: &SurfaceSpec) -> Value {
+/// Name and origin of a surface.
+pub(crate) fn surface_object(surface: &SurfaceSpec) -> Value {
     match &surface.source {
         SurfaceSource::Grating(grating) => json!({ "name": surface.name, "grating": grating }),
         SurfaceSource::File(file) => {
@@ -201,7 +202,8 @@ fn cost_table(plan: &Plan, costs: &Costs) -> String {
         + "evaluations and fetches per pixel; uniform wavelengths cost every lit pixel the same\n\n"
 }
 
-fn source(surface: &SurfaceSpec) -> String {
+/// A surface in a few words.
+pub(crate) fn source(surface: &SurfaceSpec) -> String {
     match &surface.source {
         SurfaceSource::File(file) => file.path.display().to_string(),
         SurfaceSource::Grating(grating) => match grating {

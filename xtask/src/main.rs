@@ -8,6 +8,7 @@ mod console;
 mod eval;
 mod files;
 mod generate;
+mod inspect;
 mod interrupt;
 mod list;
 mod progress;
@@ -40,6 +41,8 @@ enum Command {
     Generate(generate::Args),
     /// Show surfaces, variants, targets, static cost, and what was rejected and why.
     List(list::Args),
+    /// Show what a user asks first about a surface, and draw it.
+    Inspect(inspect::Args),
     /// Run external validators over every emitted file.
     Validate(validate::Args),
     /// Print colours for given directions.
@@ -73,6 +76,7 @@ fn main() -> ExitCode {
     let outcome = match cli.command {
         Command::Generate(args) => generate::run(&args, &console).map(ExitCode::from),
         Command::List(args) => list::run(&args, &console).map(ExitCode::from),
+        Command::Inspect(args) => inspect::run(&args, &console).map(ExitCode::from),
         Command::Validate(args) => validate::run(&args, &console).map(ExitCode::from),
         Command::Eval(args) => eval::run(&args, &console).map(ExitCode::from),
         Command::Render(args) => render::run(&args, &console).map(ExitCode::from),

@@ -39,7 +39,8 @@ pub(crate) fn with_gpu(args: Vec<OsString>) -> Result<()> {
     if std::env::var_os(MESA_KEY).is_none() {
         command.env(MESA_KEY, MESA_VALUE);
     }
-    command.env(MARK, "1").args(args);
+    // else Mesa's Vulkan looks for a Wayland display and complains
+    command.env(MARK, "1").env("NODEVICE_SELECT", "1").args(args);
     replace(command)
 }
 

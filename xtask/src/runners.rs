@@ -26,7 +26,7 @@ impl Job {
         runner: &RunnerArgs,
         console: &Console,
     ) -> Result<Job> {
-        if matches!(runner.runner, Kind::Vulkan | Kind::Gl) {
+        if runner.runner.is_driver() {
             reexec::with_gpu(std::env::args_os().skip(1).collect())?;
         }
         let plan: Plan = surface.plan.read(console)?;
@@ -66,23 +66,34 @@ impl Job {
         Ok(match args.runner {
             Kind::Exact => Box::new(Exact(subject)),
             Kind::Twin => Box::new(TwinRunner::new(subject, !args.unpacked)?),
-            Kind::Vulkan | Kind::Gl => shader(subject, args)?,
+            _ => shader(subject, args)?,
         })
     }
 }
 
 #[cfg(feature = "gpu")]
 fn shader<'a>(subject: Subject<'a>, args: &RunnerArgs) -> Result<Box<dyn Runner + 'a>> {
-    use diffraction_shaders::runner::ShaderRunner;
+    use diffraction_shaders::runner::egl::{Dialect, Egl};
     use diffraction_shaders::runner::gpu::{Backend, Gpu};
-    let backend = if args.runner == Kind::Gl { Backend::Gl } else { Backend::Vulkan };
-    let gpu = Gpu::open(backend, args.adapter.as_deref())?;
-    Ok(Box::new(ShaderRunner::new(subject, gpu)?))
+    use diffraction_shaders::runner::{DriverRunner, Prepared, ShaderRunner};
+    let adapter = args.adapter.as_deref();
+    let egl = |dialect| -> Result<Box<dyn Runner + 'a>> {
+        let driver = Egl::open(dialect, adapter)?;
+        Ok(Box::new(DriverRunner::with(Prepared::new(subject)?, driver)))
+    };
+    match args.runner {
+        Kind::Glsl450 => egl(Dialect::Glsl450),
+        Kind::GlslEs300 => egl(Dialect::GlslEs300),
+        kind => {
+            let backend = if kind == Kind::Gl { Backend::Gl } else { Backend::Vulkan };
+            Ok(Box::new(ShaderRunner::new(subject, Gpu::open(backend, adapter)?)?))
+        }
+    }
 }
 
 #[cfg(not(feature = "gpu"))]
 fn shader<'a>(_: Subject<'a>, _: &RunnerArgs) -> Result<Box<dyn Runner + 'a>> {
     bail!(
-        "this xtask was built without the feature gpu; run cargo build --release -p xtask --features gpu"
+        "this xtask was built without its drivers; run cargo build --release -p xtask --features gpu"
     )
 }

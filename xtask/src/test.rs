@@ -86,7 +86,7 @@ fn steps(cargo_test: &[OsString]) -> Vec<Step> {
         arguments: format!("{command} {rest}").split_whitespace().map(OsString::from).collect(),
         environment: &[],
     };
-    let mut test = step("tests", "test", &format!("{shared} --features gpu --no-fail-fast"));
+    let mut test = step("tests", "test", &format!("{shared} --features gpu,routes --no-fail-fast"));
     test.arguments.extend_from_slice(cargo_test);
     test.environment = &[
         // Mesa's GL renders to 32-bit float targets only when asked to
@@ -94,11 +94,16 @@ fn steps(cargo_test: &[OsString]) -> Vec<Step> {
         // else Mesa's Vulkan looks for a Wayland display and complains
         ("NODEVICE_SELECT", "1"),
     ];
-    let mut doc = step("documentation", "doc", &format!("{shared} --features gpu --no-deps"));
+    let mut doc =
+        step("documentation", "doc", &format!("{shared} --features gpu,routes --no-deps"));
     doc.environment = &[("RUSTDOCFLAGS", "-D warnings")];
     vec![
         step("formatting", "fmt", "--all -- --check"),
-        step("lints", "clippy", &format!("{shared} --all-targets --features gpu -- -D warnings")),
+        step(
+            "lints",
+            "clippy",
+            &format!("{shared} --all-targets --features gpu,routes -- -D warnings"),
+        ),
         step("lints without gpu", "clippy", &format!("{shared} -- -D warnings")),
         doc,
         test,
@@ -173,7 +178,7 @@ mod tests {
     fn further_arguments_go_to_cargo_test() {
         let steps = steps(&["--test".into(), "gpu".into()]);
         let with: Vec<_> =
-            steps.iter().filter(|s| s.arguments.contains(&"gpu".into())).map(|s| s.name).collect();
+            steps.iter().filter(|s| s.arguments.contains(&"gpu,routes".into())).map(|s| s.name).collect();
         assert_eq!(with, ["lints", "documentation", "tests"]);
         assert!(steps[4].arguments.ends_with(&["--test".into(), "gpu".into()]));
     }
