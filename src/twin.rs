@@ -11,7 +11,7 @@ mod pq;
 mod series;
 mod window;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use crate::plan::{Mode, Optics, Variant};
 use crate::reference::Directions;
@@ -59,7 +59,12 @@ impl<'a> Twin<'a> {
         match self.variant.mode {
             Mode::Full => Some(full::response(self, path, lambda_um)),
             Mode::Pq => Some(pq::response(self, path, lambda_um)),
-            Mode::Adaptive => Some(adaptive::response(self, path, lambda_um)),
+            // the segment shrinks to a point
+            Mode::Adaptive => {
+                let point = DVec2::splat(1.0 / lambda_um);
+                let add = |bin, _| [adaptive::intensity(self, bin, path, lambda_um), 0.0, 0.0];
+                Some(adaptive::corridor(self, path, point, add)[0])
+            }
             Mode::Gems => None,
         }
     }

@@ -21,6 +21,14 @@ fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
     return factor * corridor(path_difference(wi, wr));
 }
 
+#ifdef MONOCHROMATIC
+// A bin's intensity under the window at one wavelength.
+fn intensity(bin: vec2f, path: vec3f, lambda_um: f32) -> f32 {
+    let amplitude = bin_amplitude(vec2i(bin), series_argument(path.z, lambda_um));
+    return dot(amplitude, amplitude) * window_share(bin, path.xy, 1.0 / lambda_um);
+}
+#endif
+
 // The sum over the bins of a strip along the segment: columns one by one and the few rows across, or the other way where
 // the segment is steep.
 fn corridor(path: vec3f) -> vec3f {
@@ -63,8 +71,7 @@ fn corridor(path: vec3f) -> vec3f {
 fn lobe(bin: vec2f, path: vec3f, range: vec2f) -> vec3f {
 #ifdef MONOCHROMATIC
     let texel = textureLoad(spectrum, vec2i(0, 0), 0);
-    let amplitude = bin_amplitude(vec2i(bin), series_argument(path.z, texel.w));
-    return dot(amplitude, amplitude) * window_share(bin, path.xy, range.x) * texel.xyz;
+    return intensity(bin, path, texel.w) * texel.xyz;
 #else
     let span = lobe_span(bin / vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM), path.xy, range);
     if (span.x >= span.y) {

@@ -102,24 +102,3 @@ fn names_and_hashes_hold_what_the_mode_reads() {
     assert!(!same("mode = \"adaptive\"", "mode = \"full\""));
     assert_eq!(variant("mode = \"gems\"").canonical(), "{\"mode\":\"gems\"}");
 }
-
-/// `templates/x.wgsl` and `twin/x.rs` have the same functions, in the same order.
-#[test]
-fn templates_and_twins_have_the_same_functions() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let functions = |path: &str| -> Vec<String> {
-        let text = std::fs::read_to_string(root.join(path)).unwrap();
-        let name = |line: &str| {
-            let line = line.trim_start_matches("pub(super) ");
-            let rest = line.strip_prefix("fn ")?;
-            Some(rest.split(['(', '<']).next()?.to_owned())
-        };
-        text.lines().filter_map(name).collect()
-    };
-    for name in ["nodes", "series", "window", "full", "pq", "adaptive", "gems"] {
-        let mut twin = functions(&format!("src/twin/{name}.rs"));
-        // the adaptive template is specialised anew for a single wavelength, its twin is asked
-        twin.retain(|f| name != "adaptive" || !["response", "intensity"].contains(&f.as_str()));
-        assert_eq!(functions(&format!("templates/{name}.wgsl")), twin, "{name}");
-    }
-}

@@ -64,7 +64,7 @@ fn sixteen_bits_with_scales_keep_the_colours() {
 /// Without scales the terms of a tall surface leave the range of 16 bits; with them none does.
 #[test]
 fn terms_of_a_tall_surface_overflow_without_scales() {
-    let tall = BLAZED.replace("0.3", "0.9");
+    let tall = BLAZED.replace("0.3", "1.5");
     let plan = plan(&tall, "mode = \"adaptive\"\nterms = \"auto\"\ntable = \"f16\"");
     let (height, variant) = (&load(&plan.surfaces[0]).unwrap().field, &plan.variants[0]);
     let resolved = resolve(variant, height).unwrap();

@@ -19,7 +19,7 @@ use super::series::{bin_amplitude, series_argument, series_scale};
 use super::window::{window, window_sharpness};
 
 /// Relative tristimulus values for one pair of directions.
-pub(super) fn tristimulus(twin: &Twin<'_>, Directions { wi, wr }: Directions) -> [f64; 3] {
+pub fn tristimulus(twin: &Twin<'_>, Directions { wi, wr }: Directions) -> [f64; 3] {
     let factor = gain(wi, wr, twin.optics());
     if factor == 0.0 {
         return [0.0; 3];
@@ -37,20 +37,14 @@ pub(super) fn tristimulus(twin: &Twin<'_>, Directions { wi, wr }: Directions) ->
     .map(|c| c * factor)
 }
 
-/// `|P|²` at one wavelength, µm, along `path = (u, v, w)`: the bins around one point of the segment.
-pub(super) fn response(twin: &Twin<'_>, path: DVec3, lambda_um: f64) -> f64 {
-    let range = DVec2::splat(1.0 / lambda_um);
-    corridor(twin, path, range, |bin, _| [intensity(twin, bin, path, lambda_um), 0.0, 0.0])[0]
-}
-
 /// A bin's intensity under the window at one wavelength.
-fn intensity(twin: &Twin<'_>, bin: DVec2, path: DVec3, lambda_um: f64) -> f64 {
+pub fn intensity(twin: &Twin<'_>, bin: DVec2, path: DVec3, lambda_um: f64) -> f64 {
     let amplitude = bin_amplitude(twin, bin, series_argument(twin, path.z, lambda_um));
     amplitude.norm_sqr() * window_share(twin, bin, path.truncate(), 1.0 / lambda_um)
 }
 
 /// The sum over the bins of a strip along the segment, whichever axis it is steeper to inside.
-fn corridor(
+pub fn corridor(
     twin: &Twin<'_>,
     path: DVec3,
     range: DVec2,

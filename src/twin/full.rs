@@ -11,7 +11,7 @@ use super::window::{window, window_sharpness};
 pub use super::Twin;
 
 /// `|P|²` at one wavelength, µm, along `path = (u, v, w)`.
-pub(super) fn response(twin: &Twin<'_>, path: DVec3, lambda_um: f64) -> f64 {
+pub fn response(twin: &Twin<'_>, path: DVec3, lambda_um: f64) -> f64 {
     let place = path.truncate() / lambda_um * DVec2::from(twin.resolved.patch_um);
     let nearest = (place + 0.5).floor();
     let tau = series_argument(twin, path.z, lambda_um);

@@ -13,7 +13,7 @@ const ORDER_COUNT: u32 = 8;
 const ROUGHNESS: f64 = 10.0;
 
 /// Tristimulus values of the chapter's colour, taken as linear sRGB.
-pub(super) fn tristimulus(twin: &Twin<'_>, Directions { wi, wr }: Directions) -> [f64; 3] {
+pub fn tristimulus(twin: &Twin<'_>, Directions { wi, wr }: Directions) -> [f64; 3] {
     if !(wi.z > 0.0 && wr.z > 0.0) {
         return [0.0; 3];
     }

@@ -6,7 +6,7 @@ use crate::reference::Directions;
 use super::Twin;
 
 /// Relative tristimulus values for one pair of directions.
-pub(super) fn tristimulus(twin: &Twin<'_>, Directions { wi, wr }: Directions) -> [f64; 3] {
+pub fn tristimulus(twin: &Twin<'_>, Directions { wi, wr }: Directions) -> [f64; 3] {
     let factor = gain(wi, wr, twin.optics());
     if factor == 0.0 {
         return [0.0; 3];

@@ -13,7 +13,7 @@ use super::Twin;
 use super::series::{bin_amplitude, series_argument, series_scale};
 
 /// `|P|²` at one wavelength, µm, along `path = (u, v, w)`.
-pub(super) fn response(twin: &Twin<'_>, path: DVec3, lambda_um: f64) -> f64 {
+pub fn response(twin: &Twin<'_>, path: DVec3, lambda_um: f64) -> f64 {
     let resolved = twin.resolved;
     let place = path.truncate() / lambda_um * DVec2::from(resolved.patch_um);
     let [columns, rows] = resolved.taps.map(f64::from);
