@@ -94,15 +94,20 @@ pub fn inspect(plan: &Plan, spec: &SurfaceSpec) -> Result<(Inspection, HeightFie
     let tiled = facts.joins.map(|joins| joins || is_synthetic);
     let shortest = plan.variants.iter().map(|v| v.wavelengths.min_nm).reduce(f64::min);
     let wanted_nm = shortest.unwrap_or(SHORTEST_NM);
-    let variants = plan.variants.iter().map(|variant| {
-        let on = resolve(variant, &field);
-        VariantCost {
-            name: variant.name.clone(),
-            terms: on.expansion.terms,
-            window_radius: on.window_radius,
-            cost: on.cost,
+    let mut notes = notes;
+    let mut variants = Vec::new();
+    for variant in &plan.variants {
+        match resolve(variant, &field) {
+            Ok(on) => variants.push(VariantCost {
+                name: variant.name.clone(),
+                terms: on.expansion.terms,
+                window_radius: on.window_radius,
+                cost: on.cost,
+            }),
+            // a variant that this surface rules out is worth knowing, and no reason to tell nothing
+            Err(error) => notes.push(error.to_string()),
         }
-    });
+    }
     let inspection = Inspection {
         rotate_deg: spec.rotate_deg,
         step_um,
@@ -115,7 +120,7 @@ pub fn inspect(plan: &Plan, spec: &SurfaceSpec) -> Result<(Inspection, HeightFie
             .map(|basis| term_counts(basis, &facts, &field, wanted_nm))
             .to_vec(),
         window: Window::new(&plan.optics, &facts, is_synthetic),
-        variants: variants.collect(),
+        variants,
         notes,
         facts,
     };

@@ -41,9 +41,10 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         None => plan.surfaces.first().context("the plan has no surface")?,
     };
     let loaded = height::load(spec)?;
-    let resolved = resolve(&variant, &loaded.field);
-    let spectrum = assemble::spectrum(&variant, spec.rotate_deg)?;
-    let defines = assemble::defines(&variant, &resolved, spec.rotate_deg, spectrum.width);
+    let resolved = resolve(&variant, &loaded.field)?;
+    let tables = assemble::shapes(&variant, &resolved, spec.rotate_deg)?;
+    let nodes = assemble::node_count(&tables);
+    let defines = assemble::defines(&variant, &resolved, spec.rotate_deg, nodes);
     let sources = Sources::builtin();
     let label = format!("{} {}", spec.name, variant.name);
     let named = |all: Vec<Diagnostic>| all.into_iter().map(|d| d.variant(&label)).collect();

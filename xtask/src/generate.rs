@@ -83,7 +83,7 @@ fn build(plan: &Plan, selection: &Selection, out: &Path, console: &Console) -> R
     let bar = progress::bar(plan.surfaces.len() * selection.variants.len(), "generating");
     let generated = generate::generate(&request, &|_| bar.inc(1));
     bar.finish_and_clear();
-    let Generated { mut package, notes } = generated.map_err(Diagnostics)?;
+    let Generated { mut package, notes, .. } = generated.map_err(Diagnostics)?;
     notes.iter().for_each(|note| console.note(note));
     let mut variants = selection.variants.clone();
     if !selection.is_whole {

@@ -20,8 +20,8 @@ static const int WAVELENGTH_COUNT = int(81);
 static const float WAVELENGTH_MIN_UM = 0.38;
 static const int WINDOW_RADIUS = int(1);
 
-Texture2DArray<float4> terms : register(t1);
 Texture2D<float4> spectrum : register(t2);
+Texture2DArray<float4> terms : register(t1);
 cbuffer params : register(b0) { Params params; }
 Texture2D<float4> directions : register(t3);
 
@@ -66,10 +66,10 @@ float gain(float3 wi_1, float3 wr_1)
         return 0.0;
     }
     float3 half_vector_1 = normalize((wi_1 + wr_1));
-    float w = (wi_1.z + wr_1.z);
+    float w_1 = (wi_1.z + wr_1.z);
     float aligned = (1.0 + dot(wi_1, wr_1));
     const float _e23 = fresnel_ratio(dot(half_vector_1, wr_1));
-    factor = (((_e23 * aligned) * aligned) / ((w * w) * wr_1.z));
+    factor = (((_e23 * aligned) * aligned) / ((w_1 * w_1) * wr_1.z));
     float _e30 = factor;
     const float _e31 = shadowing(wi_1, wr_1);
     factor = (_e30 * _e31);
@@ -83,7 +83,13 @@ float3 path_difference(float3 wi_2, float3 wr_2)
     return path_1;
 }
 
-float2 window_sharpness(float lambda_um)
+float series_argument(float w, float lambda_um)
+{
+    float tau_1 = (((0.5 * w) * WAVELENGTH_MIN_UM) / lambda_um);
+    return tau_1;
+}
+
+float2 window_sharpness(float lambda_um_1)
 {
     float sigma_um = 16.25;
 
@@ -132,25 +138,25 @@ int2 naga_f2i32(float2 value) {
     return int2(clamp(value, -2147483600.0, 2147483500.0));
 }
 
-float response(float3 path, float lambda_um_1)
+float response(float3 path, float lambda_um_2)
 {
     float2 amplitude = (0.0).xx;
     int s = int(-1);
     int r = (int)0;
 
-    float2 place_6 = ((path.xy / (lambda_um_1).xx) * float2(2.5, 0.1));
+    float2 place_6 = ((path.xy / (lambda_um_2).xx) * float2(2.5, 0.1));
     float2 nearest = floor((place_6 + (0.5).xx));
-    float tau_1 = (((0.5 * path.z) * WAVELENGTH_MIN_UM) / lambda_um_1);
-    const float2 _e25 = window_sharpness(lambda_um_1);
+    const float _e20 = series_argument(path.z, lambda_um_2);
+    const float2 _e21 = window_sharpness(lambda_um_2);
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
-            int _e49 = s;
-            s = asint(asuint(_e49) + asuint(int(1)));
+            int _e45 = s;
+            s = asint(asuint(_e45) + asuint(int(1)));
         }
         loop_init_1 = false;
-        int _e26 = s;
-        if ((_e26 <= WINDOW_RADIUS)) {
+        int _e22 = s;
+        if ((_e22 <= WINDOW_RADIUS)) {
         } else {
             break;
         }
@@ -159,31 +165,32 @@ float response(float3 path, float lambda_um_1)
             bool loop_init_2 = true;
             while(true) {
                 if (!loop_init_2) {
-                    int _e46 = r;
-                    r = asint(asuint(_e46) + asuint(int(1)));
+                    int _e42 = r;
+                    r = asint(asuint(_e42) + asuint(int(1)));
                 }
                 loop_init_2 = false;
-                int _e30 = r;
-                if ((_e30 <= WINDOW_RADIUS)) {
+                int _e26 = r;
+                if ((_e26 <= WINDOW_RADIUS)) {
                 } else {
                     break;
                 }
                 {
-                    int _e33 = r;
-                    int _e34 = s;
-                    float2 bin_1 = (nearest + float2(float(_e33), float(_e34)));
-                    const float2 _e40 = bin_amplitude(naga_f2i32(bin_1), tau_1);
-                    const float _e42 = window((place_6 - bin_1), _e25);
-                    float2 tap = (_e40 * _e42);
-                    float2 _e44 = amplitude;
-                    amplitude = (_e44 + tap);
+                    int _e29 = r;
+                    int _e30 = s;
+                    float2 bin_1 = (nearest + float2(float(_e29), float(_e30)));
+                    const float2 _e36 = bin_amplitude(naga_f2i32(bin_1), _e20);
+                    const float _e38 = window((place_6 - bin_1), _e21);
+                    float2 tap = (_e36 * _e38);
+                    float2 _e40 = amplitude;
+                    amplitude = (_e40 + tap);
                 }
             }
         }
     }
-    float2 _e52 = amplitude;
-    float2 _e53 = amplitude;
-    return dot(_e52, _e53);
+    float2 _e48 = amplitude;
+    float2 _e49 = amplitude;
+    float squared_1 = dot(_e48, _e49);
+    return squared_1;
 }
 
 float3 tristimulus(float3 wi_3, float3 wr_3)
@@ -242,8 +249,8 @@ float3 view_direction(float2 pixel)
 {
     float4 _e3 = params.size;
     float2 centre = ((((2.0 * pixel) + (1.0).xx) / _e3.xy) - (1.0).xx);
-    float squared_1 = dot(centre, centre);
-    return float3(centre, ((squared_1 < 1.0) ? sqrt(max(0.0, (1.0 - squared_1))) : -1.0));
+    float squared_2 = dot(centre, centre);
+    return float3(centre, ((squared_2 < 1.0) ? sqrt(max(0.0, (1.0 - squared_2))) : -1.0));
 }
 
 FullScreen ConstructFullScreen(float4 arg0, float2 arg1) {

@@ -57,10 +57,10 @@ float gain(
         return 0.0;
     }
     metal::float3 half_vector_1 = metal::normalize(wi_1 + wr_1);
-    float w = wi_1.z + wr_1.z;
+    float w_1 = wi_1.z + wr_1.z;
     float aligned = 1.0 + metal::dot(wi_1, wr_1);
     float _e23 = fresnel_ratio(metal::dot(half_vector_1, wr_1));
-    factor = ((_e23 * aligned) * aligned) / ((w * w) * wr_1.z);
+    factor = ((_e23 * aligned) * aligned) / ((w_1 * w_1) * wr_1.z);
     float _e30 = factor;
     float _e31 = shadowing(wi_1, wr_1);
     factor = _e30 * _e31;
@@ -76,8 +76,16 @@ metal::float3 path_difference(
     return path_1;
 }
 
-metal::float2 window_sharpness(
+float series_argument(
+    float w,
     float lambda_um
+) {
+    float tau_1 = ((0.5 * w) * WAVELENGTH_MIN_UM) / lambda_um;
+    return tau_1;
+}
+
+metal::float2 window_sharpness(
+    float lambda_um_1
 ) {
     float sigma_um = 16.25;
     float _e3 = sigma_um;
@@ -131,25 +139,25 @@ metal::int2 naga_f2i32(metal::float2 value) {
 
 float response(
     metal::float3 path,
-    float lambda_um_1,
+    float lambda_um_2,
     metal::texture2d_array<float, metal::access::sample> terms
 ) {
     metal::float2 amplitude = metal::float2(0.0);
     int s = -1;
     int r = {};
-    metal::float2 place_3 = (path.xy / metal::float2(lambda_um_1)) * metal::float2(2.5, 0.1);
+    metal::float2 place_3 = (path.xy / metal::float2(lambda_um_2)) * metal::float2(2.5, 0.1);
     metal::float2 nearest = metal::floor(place_3 + metal::float2(0.5));
-    float tau_1 = ((0.5 * path.z) * WAVELENGTH_MIN_UM) / lambda_um_1;
-    metal::float2 _e25 = window_sharpness(lambda_um_1);
+    float _e20 = series_argument(path.z, lambda_um_2);
+    metal::float2 _e21 = window_sharpness(lambda_um_2);
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
-            int _e49 = s;
-            s = as_type<int>(as_type<uint>(_e49) + as_type<uint>(1));
+            int _e45 = s;
+            s = as_type<int>(as_type<uint>(_e45) + as_type<uint>(1));
         }
         loop_init_1 = false;
-        int _e26 = s;
-        if (_e26 <= WINDOW_RADIUS) {
+        int _e22 = s;
+        if (_e22 <= WINDOW_RADIUS) {
         } else {
             break;
         }
@@ -158,38 +166,39 @@ float response(
             bool loop_init_2 = true;
             while(true) {
                 if (!loop_init_2) {
-                    int _e46 = r;
-                    r = as_type<int>(as_type<uint>(_e46) + as_type<uint>(1));
+                    int _e42 = r;
+                    r = as_type<int>(as_type<uint>(_e42) + as_type<uint>(1));
                 }
                 loop_init_2 = false;
-                int _e30 = r;
-                if (_e30 <= WINDOW_RADIUS) {
+                int _e26 = r;
+                if (_e26 <= WINDOW_RADIUS) {
                 } else {
                     break;
                 }
                 {
-                    int _e33 = r;
-                    int _e34 = s;
-                    metal::float2 bin_1 = nearest + metal::float2(static_cast<float>(_e33), static_cast<float>(_e34));
-                    metal::float2 _e40 = bin_amplitude(naga_f2i32(bin_1), tau_1, terms);
-                    float _e42 = window(place_3 - bin_1, _e25);
-                    metal::float2 tap = _e40 * _e42;
-                    metal::float2 _e44 = amplitude;
-                    amplitude = _e44 + tap;
+                    int _e29 = r;
+                    int _e30 = s;
+                    metal::float2 bin_1 = nearest + metal::float2(static_cast<float>(_e29), static_cast<float>(_e30));
+                    metal::float2 _e36 = bin_amplitude(naga_f2i32(bin_1), _e20, terms);
+                    float _e38 = window(place_3 - bin_1, _e21);
+                    metal::float2 tap = _e36 * _e38;
+                    metal::float2 _e40 = amplitude;
+                    amplitude = _e40 + tap;
                 }
             }
         }
     }
-    metal::float2 _e52 = amplitude;
-    metal::float2 _e53 = amplitude;
-    return metal::dot(_e52, _e53);
+    metal::float2 _e48 = amplitude;
+    metal::float2 _e49 = amplitude;
+    float squared_1 = metal::dot(_e48, _e49);
+    return squared_1;
 }
 
 metal::float3 tristimulus(
     metal::float3 wi_3,
     metal::float3 wr_3,
-    metal::texture2d_array<float, metal::access::sample> terms,
-    metal::texture2d<float, metal::access::sample> spectrum
+    metal::texture2d<float, metal::access::sample> spectrum,
+    metal::texture2d_array<float, metal::access::sample> terms
 ) {
     metal::float3 xyz = metal::float3(0.0);
     int node = 0;
@@ -231,10 +240,10 @@ metal::float3 to_rgb(
 metal::float3 diffraction(
     metal::float3 wi_4,
     metal::float3 wr_4,
-    metal::texture2d_array<float, metal::access::sample> terms,
-    metal::texture2d<float, metal::access::sample> spectrum
+    metal::texture2d<float, metal::access::sample> spectrum,
+    metal::texture2d_array<float, metal::access::sample> terms
 ) {
-    metal::float3 _e2 = tristimulus(wi_4, wr_4, terms, spectrum);
+    metal::float3 _e2 = tristimulus(wi_4, wr_4, spectrum, terms);
     metal::float3 _e3 = to_rgb(_e2);
     return _e3;
 }
@@ -253,8 +262,8 @@ metal::float3 view_direction(
 ) {
     metal::float4 _e3 = params.size;
     metal::float2 centre = (((2.0 * pixel) + metal::float2(1.0)) / _e3.xy) - metal::float2(1.0);
-    float squared_1 = metal::dot(centre, centre);
-    return metal::float3(centre, (squared_1 < 1.0) ? metal::sqrt(metal::max(0.0, 1.0 - squared_1)) : -1.0);
+    float squared_2 = metal::dot(centre, centre);
+    return metal::float3(centre, (squared_2 < 1.0) ? metal::sqrt(metal::max(0.0, 1.0 - squared_2)) : -1.0);
 }
 
 struct vertInput {
@@ -280,8 +289,8 @@ struct mapOutput {
 };
 fragment mapOutput map(
   mapInput varyings_1 [[stage_in]]
-, metal::texture2d_array<float, metal::access::sample> terms [[texture(1)]]
 , metal::texture2d<float, metal::access::sample> spectrum [[texture(2)]]
+, metal::texture2d_array<float, metal::access::sample> terms [[texture(1)]]
 , constant Params& params [[buffer(0)]]
 ) {
     const auto place = varyings_1.place;
@@ -291,7 +300,7 @@ fragment mapOutput map(
         return mapOutput { metal::float4(0.0) };
     }
     metal::float4 _e10 = params.light;
-    metal::float3 _e12 = diffraction(_e10.xyz, _e2, terms, spectrum);
+    metal::float3 _e12 = diffraction(_e10.xyz, _e2, spectrum, terms);
     return mapOutput { metal::float4(_e12, 1.0) };
 }
 
@@ -308,8 +317,8 @@ struct probeOutput {
 };
 fragment probeOutput probe(
   probeInput varyings_2 [[stage_in]]
-, metal::texture2d_array<float, metal::access::sample> terms [[texture(1)]]
 , metal::texture2d<float, metal::access::sample> spectrum [[texture(2)]]
+, metal::texture2d_array<float, metal::access::sample> terms [[texture(1)]]
 , constant Params& params [[buffer(0)]]
 , metal::texture2d<float, metal::access::sample> directions [[texture(3)]]
 ) {
@@ -322,6 +331,6 @@ fragment probeOutput probe(
     metal::float3 wi_5 = _e18.xyz;
     metal::float4 _e27 = directions.read(metal::uint2(metal::int2(column, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(2) * as_type<uint>(row))) + as_type<uint>(1)))), 0);
     metal::float3 wr_5 = _e27.xyz;
-    metal::float3 _e29 = tristimulus(wi_5, wr_5, terms, spectrum);
+    metal::float3 _e29 = tristimulus(wi_5, wr_5, spectrum, terms);
     return probeOutput { metal::float4(_e29, 1.0) };
 }
