@@ -87,22 +87,25 @@ pub struct VariantCost {
 
 /// Reads or synthesises a surface of a plan and measures it; the field is for the pictures.
 pub fn inspect(plan: &Plan, spec: &SurfaceSpec) -> Result<(Inspection, HeightField)> {
-    let (height::Surface { field, notes }, origin) = height::load_with_origin(spec)?;
+    let (height::Surface { field, mut notes }, origin) = height::load_with_origin(spec)?;
     let Origin { step_um, void_pixels, file_pixels } = origin;
     let facts = facts(&field, &format!("surface {}", spec.name))?;
     let is_synthetic = matches!(spec.source, SurfaceSource::Grating(_));
     let tiled = facts.joins.map(|joins| joins || is_synthetic);
     let shortest = plan.variants.iter().map(|v| v.wavelengths.min_nm).reduce(f64::min);
     let wanted_nm = shortest.unwrap_or(SHORTEST_NM);
-    let variants = plan.variants.iter().map(|variant| {
-        let on = resolve(variant, &field);
-        VariantCost {
-            name: variant.name.clone(),
-            terms: on.expansion.terms,
-            window_radius: on.window_radius,
-            cost: on.cost,
+    let mut variants = Vec::new();
+    for variant in &plan.variants {
+        match resolve(variant, &field) {
+            Ok(on) => variants.push(VariantCost {
+                name: variant.name.clone(),
+                terms: on.expansion.terms,
+                window_radius: on.window_radius,
+                cost: on.cost,
+            }),
+            Err(reason) => notes.push(format!("left out: {reason}")),
         }
-    });
+    }
     let inspection = Inspection {
         rotate_deg: spec.rotate_deg,
         step_um,
@@ -115,7 +118,7 @@ pub fn inspect(plan: &Plan, spec: &SurfaceSpec) -> Result<(Inspection, HeightFie
             .map(|basis| term_counts(basis, &facts, &field, wanted_nm))
             .to_vec(),
         window: Window::new(&plan.optics, &facts, is_synthetic),
-        variants: variants.collect(),
+        variants,
         notes,
         facts,
     };
