@@ -87,14 +87,13 @@ pub struct VariantCost {
 
 /// Reads or synthesises a surface of a plan and measures it; the field is for the pictures.
 pub fn inspect(plan: &Plan, spec: &SurfaceSpec) -> Result<(Inspection, HeightField)> {
-    let (height::Surface { field, notes }, origin) = height::load_with_origin(spec)?;
+    let (height::Surface { field, mut notes }, origin) = height::load_with_origin(spec)?;
     let Origin { step_um, void_pixels, file_pixels } = origin;
     let facts = facts(&field, &format!("surface {}", spec.name))?;
     let is_synthetic = matches!(spec.source, SurfaceSource::Grating(_));
     let tiled = facts.joins.map(|joins| joins || is_synthetic);
     let shortest = plan.variants.iter().map(|v| v.wavelengths.min_nm).reduce(f64::min);
     let wanted_nm = shortest.unwrap_or(SHORTEST_NM);
-    let mut notes = notes;
     let mut variants = Vec::new();
     for variant in &plan.variants {
         match resolve(variant, &field) {
@@ -104,8 +103,7 @@ pub fn inspect(plan: &Plan, spec: &SurfaceSpec) -> Result<(Inspection, HeightFie
                 window_radius: on.window_radius,
                 cost: on.cost,
             }),
-            // a variant that this surface rules out is worth knowing, and no reason to tell nothing
-            Err(error) => notes.push(error.to_string()),
+            Err(reason) => notes.push(format!("left out: {reason}")),
         }
     }
     let inspection = Inspection {

@@ -75,13 +75,13 @@ pub struct Table {
 pub const TERMS_TABLE: Table = Table {
     group: TERMS_GROUP,
     binding: TERMS_BINDING,
-    data: "../../../surfaces/fingers/terms-86d125a85355.bin",
-    description: "../../../surfaces/fingers/terms-86d125a85355.json",
-    bytes: 3003040,
+    data: "../../../surfaces/fingers/terms-4c849f9d1966.bin",
+    description: "../../../surfaces/fingers/terms-4c849f9d1966.json",
+    bytes: 2830240,
     format: "rgba32float",
     dimension: "2d-array",
-    width: 137,
-    height: 137,
+    width: 133,
+    height: 133,
     layers: 10,
 };
 

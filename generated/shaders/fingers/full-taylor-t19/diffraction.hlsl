@@ -9,12 +9,12 @@ struct FullScreen {
     float2 place : LOC0;
 };
 
-static const int CENTRE_COLUMN = int(68);
-static const int CENTRE_ROW = int(68);
+static const int CENTRE_COLUMN = int(66);
+static const int CENTRE_ROW = int(66);
 static const float COHERENCE_UM = 65.0;
 static const int LAYER_COUNT = int(10);
-static const float PATCH_HEIGHT_UM = 12.5;
-static const float PATCH_WIDTH_UM = 12.5;
+static const float PATCH_HEIGHT_UM = 12.1;
+static const float PATCH_WIDTH_UM = 12.1;
 static const float REFRACTIVE_INDEX = 1.5;
 static const int WAVELENGTH_COUNT = int(81);
 static const float WAVELENGTH_MIN_UM = 0.38;
@@ -94,7 +94,7 @@ float2 window_sharpness(float lambda_um_1)
     float sigma_um = 16.25;
 
     float _e3 = sigma_um;
-    float2 turns = (((6.2831855 * _e3)).xx / float2(12.5, 12.5));
+    float2 turns = (((6.2831855 * _e3)).xx / float2(12.1, 12.1));
     return ((0.5 * turns) * turns);
 }
 
@@ -103,7 +103,7 @@ float2 bin_amplitude(int2 bin, float tau)
     float4 sum = (0.0).xxxx;
     int layer = int(9);
 
-    int2 texel = asint(asuint(bin) + asuint(int2(int(68), int(68))));
+    int2 texel = asint(asuint(bin) + asuint(int2(int(66), int(66))));
     float tau_squared = (tau * tau);
     bool loop_init = true;
     while(true) {
@@ -144,7 +144,7 @@ float response(float3 path, float lambda_um_2)
     int s = int(-1);
     int r = (int)0;
 
-    float2 place_6 = ((path.xy / (lambda_um_2).xx) * float2(12.5, 12.5));
+    float2 place_6 = ((path.xy / (lambda_um_2).xx) * float2(12.1, 12.1));
     float2 nearest = floor((place_6 + (0.5).xx));
     const float _e20 = series_argument(path.z, lambda_um_2);
     const float2 _e21 = window_sharpness(lambda_um_2);

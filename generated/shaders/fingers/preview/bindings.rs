@@ -75,13 +75,13 @@ pub struct Table {
 pub const TERMS_TABLE: Table = Table {
     group: TERMS_GROUP,
     binding: TERMS_BINDING,
-    data: "../../../surfaces/fingers/terms-dfd73ba662b3.bin",
-    description: "../../../surfaces/fingers/terms-dfd73ba662b3.json",
-    bytes: 1801824,
+    data: "../../../surfaces/fingers/terms-8f2105d0bfa1.bin",
+    description: "../../../surfaces/fingers/terms-8f2105d0bfa1.json",
+    bytes: 1698144,
     format: "rgba32float",
     dimension: "2d-array",
-    width: 137,
-    height: 137,
+    width: 133,
+    height: 133,
     layers: 6,
 };
 

@@ -4,12 +4,12 @@
 // Frame: x along the tangent, y along the bitangent, z along the normal. Directions are unit vectors that point away
 // from the surface. Results are relative to the peak of a mirror at normal incidence, not clamped, and may be negative
 // where a colour lies outside the primaries.
-const CENTRE_COLUMN: i32 = 68;
-const CENTRE_ROW: i32 = 68;
+const CENTRE_COLUMN: i32 = 66;
+const CENTRE_ROW: i32 = 66;
 const COHERENCE_UM: f32 = 65.0;
 const LAYER_COUNT: i32 = 6;
-const PATCH_HEIGHT_UM: f32 = 12.5;
-const PATCH_WIDTH_UM: f32 = 12.5;
+const PATCH_HEIGHT_UM: f32 = 12.1;
+const PATCH_WIDTH_UM: f32 = 12.1;
 const REFRACTIVE_INDEX: f32 = 1.5;
 const WAVELENGTH_COUNT: i32 = 41;
 const WAVELENGTH_MIN_UM: f32 = 0.38;

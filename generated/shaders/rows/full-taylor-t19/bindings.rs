@@ -75,13 +75,13 @@ pub struct Table {
 pub const TERMS_TABLE: Table = Table {
     group: TERMS_GROUP,
     binding: TERMS_BINDING,
-    data: "../../../surfaces/rows/terms-ccc42a719c1d.bin",
-    description: "../../../surfaces/rows/terms-ccc42a719c1d.json",
-    bytes: 3003040,
+    data: "../../../surfaces/rows/terms-73f853815a85.bin",
+    description: "../../../surfaces/rows/terms-73f853815a85.json",
+    bytes: 2745760,
     format: "rgba32float",
     dimension: "2d-array",
-    width: 137,
-    height: 137,
+    width: 131,
+    height: 131,
     layers: 10,
 };
 

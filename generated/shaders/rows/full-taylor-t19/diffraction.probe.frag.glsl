@@ -4,12 +4,12 @@ struct Params {
     vec4 light;
     vec4 size;
 };
-const int CENTRE_COLUMN = 68;
-const int CENTRE_ROW = 68;
+const int CENTRE_COLUMN = 65;
+const int CENTRE_ROW = 65;
 const float COHERENCE_UM = 65.0;
 const int LAYER_COUNT = 10;
-const float PATCH_HEIGHT_UM = 12.5;
-const float PATCH_WIDTH_UM = 12.5;
+const float PATCH_HEIGHT_UM = 12.0;
+const float PATCH_WIDTH_UM = 12.0;
 const float REFRACTIVE_INDEX = 1.5;
 const int WAVELENGTH_COUNT = 81;
 const float WAVELENGTH_MIN_UM = 0.38;
@@ -74,14 +74,14 @@ float series_argument(float w, float lambda_um) {
 vec2 window_sharpness(float lambda_um_1) {
     float sigma_um = 16.25;
     float _e3 = sigma_um;
-    vec2 turns = (vec2((6.2831855 * _e3)) / vec2(12.5, 12.5));
+    vec2 turns = (vec2((6.2831855 * _e3)) / vec2(12.0, 12.0));
     return ((0.5 * turns) * turns);
 }
 
 vec2 bin_amplitude(ivec2 bin, float tau) {
     vec4 sum = vec4(0.0);
     int layer = 9;
-    ivec2 texel = (bin + ivec2(68, 68));
+    ivec2 texel = (bin + ivec2(65, 65));
     float tau_squared = (tau * tau);
     bool loop_init = true;
     while(true) {
@@ -115,7 +115,7 @@ float response(vec3 path, float lambda_um_2) {
     vec2 amplitude = vec2(0.0);
     int s = -1;
     int r = 0;
-    vec2 place_2 = ((path.xy / vec2(lambda_um_2)) * vec2(12.5, 12.5));
+    vec2 place_2 = ((path.xy / vec2(lambda_um_2)) * vec2(12.0, 12.0));
     vec2 nearest = floor((place_2 + vec2(0.5)));
     float _e20 = series_argument(path.z, lambda_um_2);
     vec2 _e21 = window_sharpness(lambda_um_2);

@@ -75,13 +75,13 @@ pub struct Table {
 pub const TERMS_TABLE: Table = Table {
     group: TERMS_GROUP,
     binding: TERMS_BINDING,
-    data: "../../../surfaces/rows/terms-d813c0bb5c4b.bin",
-    description: "../../../surfaces/rows/terms-d813c0bb5c4b.json",
-    bytes: 1801824,
+    data: "../../../surfaces/rows/terms-4afd365458fd.bin",
+    description: "../../../surfaces/rows/terms-4afd365458fd.json",
+    bytes: 1647456,
     format: "rgba32float",
     dimension: "2d-array",
-    width: 137,
-    height: 137,
+    width: 131,
+    height: 131,
     layers: 6,
 };
 

@@ -14,12 +14,12 @@ struct FullScreen {
     metal::float2 place;
     char _pad2[8];
 };
-constant int CENTRE_COLUMN = 68;
-constant int CENTRE_ROW = 68;
+constant int CENTRE_COLUMN = 65;
+constant int CENTRE_ROW = 65;
 constant float COHERENCE_UM = 65.0;
 constant int LAYER_COUNT = 6;
-constant float PATCH_HEIGHT_UM = 12.5;
-constant float PATCH_WIDTH_UM = 12.5;
+constant float PATCH_HEIGHT_UM = 12.0;
+constant float PATCH_WIDTH_UM = 12.0;
 constant float REFRACTIVE_INDEX = 1.5;
 constant int WAVELENGTH_COUNT = 41;
 constant float WAVELENGTH_MIN_UM = 0.38;
@@ -89,7 +89,7 @@ metal::float2 window_sharpness(
 ) {
     float sigma_um = 16.25;
     float _e3 = sigma_um;
-    metal::float2 turns = metal::float2(6.2831855 * _e3) / metal::float2(12.5, 12.5);
+    metal::float2 turns = metal::float2(6.2831855 * _e3) / metal::float2(12.0, 12.0);
     return (0.5 * turns) * turns;
 }
 
@@ -100,7 +100,7 @@ metal::float2 bin_amplitude(
 ) {
     metal::float4 sum = metal::float4(0.0);
     int layer = 5;
-    metal::int2 texel = as_type<metal::int2>(as_type<metal::uint2>(bin) + as_type<metal::uint2>(metal::int2(68, 68)));
+    metal::int2 texel = as_type<metal::int2>(as_type<metal::uint2>(bin) + as_type<metal::uint2>(metal::int2(65, 65)));
     float tau_squared = tau * tau;
     bool loop_init = true;
     while(true) {
@@ -145,7 +145,7 @@ float response(
     metal::float2 amplitude = metal::float2(0.0);
     int s = -1;
     int r = {};
-    metal::float2 place_3 = (path.xy / metal::float2(lambda_um_2)) * metal::float2(12.5, 12.5);
+    metal::float2 place_3 = (path.xy / metal::float2(lambda_um_2)) * metal::float2(12.0, 12.0);
     metal::float2 nearest = metal::floor(place_3 + metal::float2(0.5));
     float _e20 = series_argument(path.z, lambda_um_2);
     metal::float2 _e21 = window_sharpness(lambda_um_2);
