@@ -130,8 +130,9 @@ fn row_zero_is_at_the_top() {
         "return to_rgb(tristimulus(wi, wr));",
         "return wr + 1e-30 * to_rgb(tristimulus(wi, wr));",
     );
-    let full = prepared.sources.0.get_mut("full").unwrap();
-    *full = full.replace("return factor * xyz;", "return wr + 1e-30 * factor * xyz;");
+    let nodes = prepared.sources.0.get_mut("nodes").unwrap();
+    assert!(nodes.contains("return factor * xyz;"));
+    *nodes = nodes.replace("return factor * xyz;", "return wr + 1e-30 * factor * xyz;");
     on_both(|egl| {
         let module = prepared.module(prepared.spectrum.width).unwrap();
         let tables = [(1, &prepared.terms), (2, &prepared.spectrum)];
@@ -180,7 +181,8 @@ fn what_the_driver_refuses_is_an_error_that_names_it() {
     let tables = [(1, &prepared.terms), (2, &prepared.spectrum)];
     on_both(|egl| {
         let files = emit(&module, egl.dialect().target()).unwrap();
-        let map = |file: &EmittedFile| file.entry_points[0].source_name == "map";
+        let map =
+            |file: &EmittedFile| file.entry_points.first().is_some_and(|e| e.source_name == "map");
         let compile = |spoil: &dyn Fn(&mut EmittedFile), tables: &[(u32, &Table)]| {
             let mut files = files.clone();
             files.iter_mut().filter(|file| map(file)).for_each(spoil);

@@ -8,8 +8,8 @@ use diffraction_shaders::height::{self, HeightField, synthetic::synthesise};
 use diffraction_shaders::measure::{Comparison, compare};
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{
-    Auto, Basis, Coherence, CoherenceScaling, FileSource, Grating, Level, Optics, Packing,
-    SurfaceSource, SurfaceSpec, Variant,
+    Auto, Basis, Coherence, CoherenceScaling, FileSource, Grating, Level, Mode, Optics, Packing,
+    SurfaceSource, SurfaceSpec, TableFormat, Variant,
 };
 use diffraction_shaders::reference::Directions;
 use diffraction_shaders::runner::gpu::{Backend, Gpu};
@@ -104,6 +104,34 @@ fn every_form_of_the_full_mode_agrees_with_its_twin() {
         for (variant, rotate_deg) in [(standard(19), 0.0), (ensemble, 30.0), (scaling, -45.0)] {
             let c = difference(&gpu, &fingers, &variant, rotate_deg, 20.0, 64);
             assert!(c.max_abs <= CENTRED && c.de2000.p99 <= 0.01, "{variant:?}: {c:?}");
+        }
+    }
+}
+
+#[test]
+fn the_other_modes_and_formats_agree_with_their_twins() {
+    let (blazed, fingers) = (blazed(), fingers());
+    let ensemble = Optics { coherence: Coherence::Ensemble, ..Optics::standard() };
+    let forms = [
+        Variant { mode: Mode::Pq, window_radius: Auto::Value(3), ..standard(19) },
+        Variant { mode: Mode::Adaptive, ..standard(19) },
+        Variant { mode: Mode::Adaptive, optics: ensemble, ..standard(20) },
+        Variant { mode: Mode::Gems, ..standard(19) },
+        Variant { table: TableFormat::F16, ..standard(19) },
+        Variant {
+            table: TableFormat::F16,
+            mode: Mode::Adaptive,
+            packing: Packing::Single,
+            ..standard(19)
+        },
+    ];
+    for gpu in adapters() {
+        for variant in &forms {
+            for (height, rotate_deg) in [(&blazed, 0.0), (&fingers, 25.0)] {
+                let c = difference(&gpu, height, variant, rotate_deg, 20.0, 64);
+                let what = format!("{:?} {:?}", variant.mode, variant.table);
+                assert!(c.max_abs <= CENTRED && c.de2000.p99 <= 0.01, "{what}: {c:?}");
+            }
         }
     }
 }
