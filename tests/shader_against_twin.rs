@@ -2,7 +2,7 @@
 #![cfg(feature = "gpu")]
 #![allow(clippy::unwrap_used, reason = "a test that unwraps fails with the error")]
 
-use std::path::{Path, PathBuf};
+mod data_support;
 
 use diffraction_shaders::height::{self, HeightField, synthetic::synthesise};
 use diffraction_shaders::measure::{Comparison, compare};
@@ -204,22 +204,11 @@ fn listed_directions_agree_too() {
     }
 }
 
-/// The folder of measured surfaces, where there is one.
-fn data() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    let folder = std::env::var_os("DIFFRACTION_DATA").map_or(beside, PathBuf::from);
-    let found = folder.join("elaphe_65um.png").is_file();
-    if !found {
-        eprintln!("not run: no measured surfaces in {}", folder.display());
-    }
-    found.then_some(folder)
-}
-
 #[test]
 fn a_measured_scan_agrees_at_two_angles() {
-    let Some(folder) = data() else { return };
+    let Some(path) = data_support::find("elaphe_65um.png") else { return };
     let source = FileSource {
-        path: folder.join("elaphe_65um.png"),
+        path,
         size_um: Some(65.0),
         pixel_um: None,
         height_um: Some(0.375),
