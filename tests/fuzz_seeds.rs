@@ -122,8 +122,7 @@ fn exrs(floats: &[f32]) -> Seeds {
     let encoded = |encoding: Encoding, samples: FlatSamples| {
         let list = [AnyChannel::new("Y", samples)].into_iter().collect();
         let size = (COLUMNS, ROWS);
-        let layer =
-            Layer::new(size, LayerAttributes::default(), encoding, AnyChannels::sort(list));
+        let layer = Layer::new(size, LayerAttributes::default(), encoding, AnyChannels::sort(list));
         let mut out = std::io::Cursor::new(Vec::new());
         Image::from_layer(layer).write().to_buffered(&mut out).unwrap();
         out.into_inner()
