@@ -81,7 +81,7 @@ pub fn generate(
     Ok(Generated { package, notes: notes.collect() })
 }
 
-/// The keys of the package's `manifest.json` beside its list of files.
+/// The keys of the package's `manifest.json` beside its list of files; the same in any order of the request.
 pub fn index(request: &Request<'_>) -> Result<BTreeMap<String, Value>, Error> {
     let mut surfaces = BTreeMap::new();
     for spec in request.surfaces {
@@ -92,13 +92,14 @@ pub fn index(request: &Request<'_>) -> Result<BTreeMap<String, Value>, Error> {
         .iter()
         .map(|v| (v.name.as_str(), json!({ "configuration_hash": v.hash() })))
         .collect();
+    let targets: BTreeSet<Target> = request.targets.iter().copied().collect();
     Ok(BTreeMap::from([
         ("schema_version".to_owned(), json!(SCHEMA_VERSION)),
         ("tool_version".to_owned(), json!(TOOL_VERSION)),
         ("naga_version".to_owned(), json!(NAGA_VERSION)),
         ("surfaces".to_owned(), json!(surfaces)),
         ("variants".to_owned(), json!(variants)),
-        ("targets".to_owned(), json!(request.targets)),
+        ("targets".to_owned(), json!(targets)),
     ]))
 }
 

@@ -275,4 +275,14 @@ fn npy_errors() {
     assert_says(open("a.npy", &npy_of("<i4", false, "(2, 2)", &[0; 16])), &["<i4", "float32"]);
     assert_says(open("a.npy", &npy_of("<f8", false, "(0, 2)", &[])), &["no heights"]);
     assert_says(open("a.npy", &npy("{'descr': '<f8'}", &[])), &["shape"]);
+    // the parser of headers takes a multiple of the time for every bracket within another
+    let nested = format!("{{'descr': '<f8', 'shape': {}(3, 5)", "{".repeat(40));
+    assert_says(open("a.npy", &npy(&nested, &[0; 120])), &["brackets"]);
+    for other in ["'shape'", "'sh\\x61pe'"] {
+        let shape = "'shape': (3, 5)";
+        let header = format!(
+            "{{'descr': '<f8', 'fortran_order': True, {shape}, {other}: (4294967296, 4294967296)}}"
+        );
+        assert_says(open("a.npy", &npy(&header, &[0; 120])), &["`shape`"]);
+    }
 }

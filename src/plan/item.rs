@@ -162,6 +162,10 @@ impl<'s, 't> Item<'s, 't> {
         self.value.is_array()
     }
 
+    pub(super) fn is_table(&self) -> bool {
+        self.value.is_table()
+    }
+
     pub(super) fn is_integer(&self) -> bool {
         self.value.is_integer()
     }
