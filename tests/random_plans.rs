@@ -29,7 +29,7 @@ fn config(cases: u32) -> Config {
 const FILE: &str = "folder/plan.toml";
 
 proptest! {
-    #![proptest_config(config(24))]
+    #![proptest_config(config(80))]
 
     /// Generating validates every module, so `Ok` says that naga accepts them all.
     #[test]

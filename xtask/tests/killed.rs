@@ -100,7 +100,7 @@ impl Place {
     }
 
     /// Kills a run, and checks what it left: the old package or the new one, whole, and accepted by `--check`. Then goes
-    /// back to the old one. Returns whether the run was still at work.
+    /// back to the old one.
     fn kill(&self, mut child: Child) -> Killed {
         child.kill().unwrap();
         let status = child.wait().unwrap();
@@ -124,10 +124,14 @@ impl Place {
     }
 }
 
+/// What a run was doing when it was killed.
 #[derive(Debug)]
 struct Killed {
+    /// It had not ended by itself.
     at_work: bool,
+    /// Its temporary folder was there.
     in_writing: bool,
+    /// The new package was in place.
     exchanged: bool,
 }
 
@@ -176,6 +180,7 @@ fn a_run_killed_at_any_moment_leaves_a_whole_package() {
     }
     println!("{:?} per run; over the whole run: {seen:?}", place.duration);
     assert!(seen.iter().filter(|killed| killed.at_work).count() >= 3, "{seen:?}");
+    assert!(seen.iter().any(|killed| !killed.exchanged), "{seen:?}");
     // and while it writes, exchanges and removes, which is but a part of the run
     seen.clear();
     for fifth in 0..5 {
