@@ -91,7 +91,7 @@ proptest! {
     /// Whatever a cut, a doubled or a foreign piece makes of a plan: a plan or errors, never a panic.
     #[test]
     fn a_mangled_plan_never_panics(
-        draft in plans(), from in any::<Index>(), to in any::<Index>(), piece in "\\PC{0,12}", twice in any::<bool>()
+        draft in plans(), from in any::<Index>(), to in any::<Index>(), piece in pieces(), twice in any::<bool>()
     ) {
         let text = draft.text();
         let (from, to) = (from.index(text.len()), to.index(text.len()));
@@ -102,6 +102,12 @@ proptest! {
             prop_assert!(!errors.is_empty());
         }
     }
+}
+
+/// Foreign text, short or long, of any alphabet.
+fn pieces() -> impl Strategy<Value = String> {
+    let long = "\\PC{1,3}".prop_map(|piece| piece.repeat(30));
+    prop_oneof!["\\PC{0,12}", long]
 }
 
 /// One thing that is wrong.
