@@ -228,12 +228,11 @@ fn surfaces(root: &Table, folder: &Path, lambda_min_nm: f64) -> Vec<SurfaceSpec>
     let mut surfaces = Vec::new();
     for table in tables {
         let name = table.get("name").filter(|item| item.as_str().is_some());
-        if let Some((item, text)) =
-            name.and_then(|item| item.as_str().map(|text| (item.clone(), text)))
+        if let Some(item) = name
+            && let Some(text) = item.as_str()
+            && !names.insert(text.to_owned())
         {
-            if !names.insert(text.to_owned()) {
-                item.fail("is the name of another surface", "choose another name");
-            }
+            item.fail("is the name of another surface", "choose another name");
         }
         surfaces.extend(surface::read(&table, folder, lambda_min_nm));
     }

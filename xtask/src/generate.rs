@@ -234,7 +234,7 @@ mod tests {
         let (plan, out) = (format!("{base}/plan.toml"), format!("{base}/out"));
         let args = Line::parse_from(["generate", "--plan", &plan, "--out", &out]).args;
         loop {
-            let done = run(&args, &Console::new(MessageFormat::Human), |_, _, _| {
+            let done = run_with(&args, &Console::new(MessageFormat::Human), |_, _, _| {
                 let mut package = Package::new();
                 for i in 0..200 {
                     package.insert(&format!("part/{i}"), vec![b'b'; 20_000], Compare::Bytes)?;
