@@ -59,7 +59,7 @@ pub struct Generated {
 }
 
 /// A variant that cannot be built on a surface, and why: a listed fact, not a failure of the others.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 pub struct Gap {
     /// Name of the surface.
     pub surface: String,
@@ -121,7 +121,7 @@ fn gap(spec: &SurfaceSpec, variant: &Variant, field: &HeightField) -> Option<Gap
     Some(Gap { surface: spec.name.clone(), variant: variant.name.clone(), reason })
 }
 
-/// The keys of the package's `manifest.json` beside its list of files.
+/// The keys of the package's `manifest.json` beside its list of files; the same in any order of the request.
 pub fn index(request: &Request<'_>) -> Result<BTreeMap<String, Value>, Error> {
     let (mut surfaces, mut gaps) = (BTreeMap::new(), Vec::new());
     for spec in request.surfaces {
@@ -129,18 +129,20 @@ pub fn index(request: &Request<'_>) -> Result<BTreeMap<String, Value>, Error> {
         let field = height::load(spec)?.field;
         gaps.extend(request.variants.iter().filter_map(|v| gap(spec, v, &field)));
     }
+    gaps.sort();
     let variants: BTreeMap<&str, Value> = request
         .variants
         .iter()
         .map(|v| (v.name.as_str(), json!({ "configuration_hash": v.hash() })))
         .collect();
+    let targets: BTreeSet<Target> = request.targets.iter().copied().collect();
     Ok(BTreeMap::from([
         ("schema_version".to_owned(), json!(SCHEMA_VERSION)),
         ("tool_version".to_owned(), json!(TOOL_VERSION)),
         ("naga_version".to_owned(), json!(NAGA_VERSION)),
         ("surfaces".to_owned(), json!(surfaces)),
         ("variants".to_owned(), json!(variants)),
-        ("targets".to_owned(), json!(request.targets)),
+        ("targets".to_owned(), json!(targets)),
         ("gaps".to_owned(), json!(gaps)),
     ]))
 }

@@ -270,9 +270,30 @@ fn gsf_errors() {
 }
 
 #[test]
+fn exr_tiles_are_checked_before_allocating() {
+    let mut bytes = include_bytes!("../fuzz/seeds/exr/tiles.exr").to_vec();
+    let mark = b"tiles\0tiledesc\0";
+    let at = bytes.windows(mark.len()).position(|window| window == mark).unwrap();
+    // after the length of the attribute, 4 bytes
+    let width = at + mark.len() + 4;
+    bytes[width..width + 4].copy_from_slice(&0x3a00_0002u32.to_le_bytes());
+    assert_says(open("a.exr", &bytes), &["tiles of 973078530 × 2 pixels for 5 × 3"]);
+}
+
+#[test]
 fn npy_errors() {
     assert_says(open("a.npy", &npy_of("<f8", false, "(2, 2, 2)", &[0; 64])), &["3 dimensions"]);
     assert_says(open("a.npy", &npy_of("<i4", false, "(2, 2)", &[0; 16])), &["<i4", "float32"]);
     assert_says(open("a.npy", &npy_of("<f8", false, "(0, 2)", &[])), &["no heights"]);
     assert_says(open("a.npy", &npy("{'descr': '<f8'}", &[])), &["shape"]);
+    // the parser of headers takes a multiple of the time for every bracket within another
+    let nested = format!("{{'descr': '<f8', 'shape': {}(3, 5)", "{".repeat(40));
+    assert_says(open("a.npy", &npy(&nested, &[0; 120])), &["brackets"]);
+    for other in ["'shape'", "'sh\\x61pe'"] {
+        let shape = "'shape': (3, 5)";
+        let header = format!(
+            "{{'descr': '<f8', 'fortran_order': True, {shape}, {other}: (4294967296, 4294967296)}}"
+        );
+        assert_says(open("a.npy", &npy(&header, &[0; 120])), &["`shape`"]);
+    }
 }

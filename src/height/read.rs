@@ -84,15 +84,31 @@ pub fn read(source: &FileSource, name: &str) -> Result<Reading> {
     let subject = &subject(name, &source.path);
     units::check_keys(source, subject)?;
     let (format, bytes) = open(&source.path, subject)?;
-    let mut raster = match format {
-        Format::Png => png::read(&bytes, subject),
-        Format::Tiff => tiff::read(&bytes, subject),
-        Format::Exr => openexr::read(&bytes, subject),
-        Format::Npy => npy::read(&bytes, subject),
-        Format::Gsf => gsf::read(&bytes, subject),
-        Format::Text => text::read(&bytes, subject),
-    }?;
-    drop(bytes);
+    finish(source, subject, decode(format, &bytes, subject)?)
+}
+
+/// Like [`read`], of the bytes of a file that are in memory already; `source.path` gives their format and is not opened.
+pub fn parse(source: &FileSource, name: &str, bytes: &[u8]) -> Result<Reading> {
+    let subject = &subject(name, &source.path);
+    units::check_keys(source, subject)?;
+    let format = of_path(&source.path, subject)?;
+    check_content(format, bytes, &source.path, subject)?;
+    finish(source, subject, decode(format, bytes, subject)?)
+}
+
+fn decode(format: Format, bytes: &[u8], subject: &str) -> Result<Raster> {
+    match format {
+        Format::Png => png::read(bytes, subject),
+        Format::Tiff => tiff::read(bytes, subject),
+        Format::Exr => openexr::read(bytes, subject),
+        Format::Npy => npy::read(bytes, subject),
+        Format::Gsf => gsf::read(bytes, subject),
+        Format::Text => text::read(bytes, subject),
+    }
+}
+
+/// Applies the plan's keys.
+fn finish(source: &FileSource, subject: &str, mut raster: Raster) -> Result<Reading> {
     let mut notes = std::mem::take(&mut raster.notes);
     let (columns, rows) = (raster.columns, raster.rows);
     let (pitch_x_um, pitch_y_um) = units::pitch(source, &raster, subject, &mut notes)?;
@@ -166,41 +182,55 @@ impl Format {
 /// The whole file and its format.
 fn open(path: &Path, subject: &str) -> Result<(Format, Vec<u8>)> {
     let error = |cause: &str| Error::new(Stage::Height, subject, cause);
-    let known = "one of png, tif, tiff, exr, npy, gsf, txt, csv";
     let meta = fs::metadata(path).map_err(|e| {
         error("cannot be read").source(e).remedy("`file` is relative to the folder of the plan")
     })?;
     if !meta.is_file() {
         return Err(error("is not a regular file").remedy("give the path of a height field"));
     }
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
-    let format = Format::of_extension(extension).ok_or_else(|| {
-        error(&format!("the extension `{extension}` is not that of a known format"))
-            .remedy(format!("use {known}"))
-    })?;
-    if meta.len() == 0 {
-        return Err(error("the file is empty"));
-    }
+    let format = of_path(path, subject)?;
     if meta.len() > MAX_FILE_BYTES {
         let cause = format!("the file has {} bytes, the limit is {MAX_FILE_BYTES}", meta.len());
         return Err(error(&cause).remedy("crop the surface"));
     }
     let bytes = fs::read(path).map_err(|e| error("cannot be read").source(e))?;
-    match Format::of_content(&bytes) {
-        Some(found) if found == format => Ok((format, bytes)),
+    check_content(format, &bytes, path, subject)?;
+    Ok((format, bytes))
+}
+
+/// The extension of a path, or nothing.
+fn extension(path: &Path) -> &str {
+    path.extension().and_then(|e| e.to_str()).unwrap_or_default()
+}
+
+/// The format that the extension says.
+fn of_path(path: &Path, subject: &str) -> Result<Format> {
+    let extension = extension(path);
+    Format::of_extension(extension).ok_or_else(|| {
+        let cause = format!("the extension `{extension}` is not that of a known format");
+        Error::new(Stage::Height, subject, cause)
+            .remedy("use one of png, tif, tiff, exr, npy, gsf, txt, csv")
+    })
+}
+
+/// Checks that the content is what the extension says.
+fn check_content(format: Format, bytes: &[u8], path: &Path, subject: &str) -> Result<()> {
+    let error = |cause: String| Error::new(Stage::Height, subject, cause);
+    if bytes.is_empty() {
+        return Err(error("the file is empty".into()));
+    }
+    let (extension, name) = (extension(path), format.name());
+    match Format::of_content(bytes) {
+        Some(found) if found == format => Ok(()),
         Some(found) => {
-            let cause = format!(
-                "the content is {}, the extension `{extension}` says {}",
-                found.name(),
-                format.name()
-            );
-            Err(error(&cause).remedy("rename or convert the file"))
+            let found = found.name();
+            Err(error(format!("the content is {found}, the extension `{extension}` says {name}"))
+                .remedy("rename or convert the file"))
         }
-        None => Err(error(&format!(
-            "the content is not {}, as the extension `{extension}` says",
-            format.name()
-        ))
-        .remedy("the file is damaged or misnamed")),
+        None => {
+            Err(error(format!("the content is not {name}, as the extension `{extension}` says"))
+                .remedy("the file is damaged or misnamed"))
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Values of a TOML text with their places, and the checks that turn them into numbers and words.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::fmt::Display;
 use std::ops::Range;
 
@@ -9,23 +9,37 @@ use toml::de::{DeTable, DeValue};
 
 use crate::error::{Error, Stage};
 
+/// Most errors of one plan that are told; a text with more of them is likely no plan at all.
+const MAX_ERRORS: usize = 100;
+
+/// Longest cause that is told; a key may have megabytes.
+const MAX_CAUSE: usize = 500;
+
 /// The text that is being read, and what was found wrong with it.
 pub(super) struct Source<'a> {
     text: &'a str,
+    /// Where each line ends.
+    ends: Vec<usize>,
     file: String,
     errors: RefCell<Vec<(usize, Error)>>,
+    /// Errors beyond [`MAX_ERRORS`].
+    untold: Cell<usize>,
 }
 
 impl<'a> Source<'a> {
     pub(super) fn new(text: &'a str, file: impl Display) -> Source<'a> {
-        Source { text, file: file.to_string(), errors: RefCell::default() }
+        let ends = text.match_indices('\n').map(|(at, _)| at).collect();
+        let (errors, untold) = Default::default();
+        Source { text, ends, file: file.to_string(), errors, untold }
     }
 
     /// Notes an error at a byte of the text.
     pub(super) fn fail(&self, at: usize, cause: impl Display, remedy: Option<String>) {
-        let before = self.text.get(..at).unwrap_or(self.text);
-        let line = before.matches('\n').count() + 1;
-        let error = Error::new(Stage::Plan, format!("{}:{line}", self.file), cause);
+        if self.is_full() {
+            return self.untold.set(self.untold.get() + 1);
+        }
+        let line = self.ends.partition_point(|end| *end < at) + 1;
+        let error = Error::new(Stage::Plan, format!("{}:{line}", self.file), cut(cause, MAX_CAUSE));
         let error = match remedy {
             Some(remedy) => error.remedy(remedy),
             None => error,
@@ -35,15 +49,27 @@ impl<'a> Source<'a> {
 
     /// Notes an error of the text as a whole.
     pub(super) fn fail_file(&self, cause: impl Display, remedy: impl Display) {
+        if self.is_full() {
+            return self.untold.set(self.untold.get() + 1);
+        }
         let error = Error::new(Stage::Plan, &self.file, cause).remedy(remedy);
         self.errors.borrow_mut().push((0, error));
     }
 
-    /// Everything noted, in the order of the text.
+    /// Everything noted, in the order of the text; of very many errors the first that were found, and how many more.
     pub(super) fn into_errors(self) -> Vec<Error> {
         let mut errors = self.errors.into_inner();
         errors.sort_by_key(|(at, _)| *at);
-        errors.into_iter().map(|(_, error)| error).collect()
+        let untold = match self.untold.get() {
+            0 => None,
+            n => Some(Error::new(Stage::Plan, &self.file, format!("has {n} more errors"))),
+        };
+        errors.into_iter().map(|(_, error)| error).chain(untold).collect()
+    }
+
+    /// Whether errors are only counted from here on.
+    fn is_full(&self) -> bool {
+        self.errors.borrow().len() >= MAX_ERRORS
     }
 }
 
@@ -87,7 +113,8 @@ impl<'s, 't> Table<'s, 't> {
     pub(super) fn only(&self, known: &[&str]) {
         for (key, _) in self.table.iter().filter(|(key, _)| !known.contains(&&**key.get_ref())) {
             let cause = format!("unknown key {}", self.path_of(key.get_ref()));
-            self.source.fail(key.span().start, cause, Some(suggest(key.get_ref(), known)));
+            let remedy = (!self.source.is_full()).then(|| suggest(key.get_ref(), known));
+            self.source.fail(key.span().start, cause, remedy);
         }
     }
 
@@ -133,6 +160,10 @@ impl<'s, 't> Item<'s, 't> {
 
     pub(super) fn is_array(&self) -> bool {
         self.value.is_array()
+    }
+
+    pub(super) fn is_table(&self) -> bool {
+        self.value.is_table()
     }
 
     pub(super) fn is_integer(&self) -> bool {
@@ -266,8 +297,21 @@ impl<'s, 't> Item<'s, 't> {
     }
 }
 
+/// The first characters of a text.
+fn cut(text: impl Display, longest: usize) -> String {
+    let text = text.to_string();
+    match text.char_indices().nth(longest) {
+        Some((at, _)) => format!("{}…", &text[..at]),
+        None => text,
+    }
+}
+
+/// Longest word that is compared with the known ones; time and memory grow with its length.
+const MAX_WORD: usize = 64;
+
 /// `did you mean …` for a near miss, else all that is known.
 pub(super) fn suggest(text: &str, known: &[&str]) -> String {
+    let text = if text.len() > MAX_WORD { "" } else { text };
     let distance = |word: &str| strsim::damerau_levenshtein(text, word);
     let nearest = known.iter().min_by_key(|word| distance(word));
     match nearest {

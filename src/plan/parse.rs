@@ -1,6 +1,7 @@
 //! From the text of a plan to data: everything that is wrong, in one run, with lines.
 
-use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -182,6 +183,14 @@ fn product(
 
 fn presets(root: &Table, optics: &Optics, variants: &mut Vec<Variant>, notes: &mut Vec<String>) {
     let base = Draft::standard(optics.clone());
+    let mut names: BTreeSet<String> = variants.iter().map(|variant| variant.name.clone()).collect();
+    // the first variant of each configuration
+    let mut known: BTreeMap<String, String> = BTreeMap::new();
+    if root.get("preset").is_some() {
+        for variant in variants.iter() {
+            known.entry(variant.hash()).or_insert_with(|| variant.name.clone());
+        }
+    }
     for table in tables(root, "preset") {
         let name = surface::name(&table);
         let path = name.as_ref().map_or(table.path.clone(), |name| format!("preset.{name}"));
@@ -194,12 +203,16 @@ fn presets(root: &Table, optics: &Optics, variants: &mut Vec<Variant>, notes: &m
                 "is the name of a built-in preset",
                 "choose another name; ask for it with --variant texts",
             );
-        } else if variants.iter().any(|other| other.name == name) {
+        } else if !names.insert(name.clone()) {
             item.fail("is the name of another variant", "choose another name");
         } else {
-            let hash = variant.hash();
-            if let Some(other) = variants.iter().find(|other| other.hash() == hash) {
-                notes.push(format!("{name}: the same configuration as {}", other.name));
+            match known.entry(variant.hash()) {
+                Entry::Occupied(other) => {
+                    notes.push(format!("{name}: the same configuration as {}", other.get()));
+                }
+                Entry::Vacant(free) => {
+                    free.insert(name.clone());
+                }
             }
             variants.push(Variant { name, ..variant });
         }
@@ -212,17 +225,15 @@ fn surfaces(root: &Table, folder: &Path, lambda_min_nm: f64) -> Vec<SurfaceSpec>
         root.source
             .fail_file("has no surface", "add a [[surface]] with a name and a grating or a file");
     }
-    let mut names: Vec<String> = Vec::new();
+    let mut names: BTreeSet<String> = BTreeSet::new();
     let mut surfaces = Vec::new();
     for table in tables {
         let name = table.get("name").filter(|item| item.as_str().is_some());
-        if let Some((item, text)) =
-            name.and_then(|item| item.as_str().map(|text| (item.clone(), text)))
+        if let Some(item) = name
+            && let Some(text) = item.as_str()
+            && !names.insert(text.to_owned())
         {
-            if names.iter().any(|other| other == text) {
-                item.fail("is the name of another surface", "choose another name");
-            }
-            names.push(text.to_owned());
+            item.fail("is the name of another surface", "choose another name");
         }
         surfaces.extend(surface::read(&table, folder, lambda_min_nm));
     }

@@ -131,6 +131,9 @@ fn grating_surface(table: &Table, item: &Item, lambda_min_nm: f64) -> Option<Gra
         "flat, sinusoidal, blazed, lamellar, triangle, crossed, bumps, fingers or rows",
     )?;
     let sound = check_numbers(&table);
+    if !kinds_are_words(&table) {
+        return None;
+    }
     let grating = match item.plain().map(Grating::deserialize) {
         Some(Ok(grating)) => grating,
         Some(Err(error)) => {
@@ -161,6 +164,17 @@ fn grating_surface(table: &Table, item: &Item, lambda_min_nm: f64) -> Option<Gra
         }
     }
     (sound && check_pitch(&table, limit_um(lambda_min_nm))).then_some(grating)
+}
+
+/// Checks that the kind of a grating, and those of its parts, are words at all.
+fn kinds_are_words(table: &Table) -> bool {
+    table.items().into_iter().all(|(key, item)| match key {
+        "kind" => item.string("flat, sinusoidal, blazed …").is_some(),
+        "x" | "y" => {
+            !item.is_table() || item.table("a grating").is_none_or(|part| kinds_are_words(&part))
+        }
+        _ => true,
+    })
 }
 
 /// Checks the numbers of a grating by what their names say; all, so that every fault is told in one run.

@@ -260,6 +260,10 @@ fn axis_values(key: &str, item: &Item, read: fn(&Item) -> Option<Setting>) -> Ve
     if items.is_empty() {
         item.fail("has no values", "leave the key out to mean its default");
     }
+    if items.len() > MAX_VARIANTS {
+        item.fail(format!("has more than {MAX_VARIANTS} values"), "take values from the axis");
+        return Vec::new();
+    }
     let values: Vec<Setting> = items.iter().filter_map(read).collect();
     for (i, value) in values.iter().enumerate() {
         if values[..i].contains(value) && values.len() == items.len() {

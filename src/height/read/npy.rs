@@ -8,6 +8,10 @@ use crate::error::{Error, Result, Stage};
 /// A header longer than this is none; that of a plain array has 128 bytes.
 const MAX_HEADER: usize = 1 << 16;
 
+/// Brackets within brackets that the header of any array has, structured ones included. The crate's parser takes a multiple
+/// of the time for each more.
+const MAX_NESTING: usize = 4;
+
 /// Reads a file whose magic string has been seen; `[row][column]` in either memory order and byte order.
 pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
     let error = |cause: String| Error::new(Stage::Height, subject, cause);
@@ -103,6 +107,13 @@ fn declared(bytes: &[u8]) -> Result<(usize, Vec<u64>), String> {
     }
     let header = bytes.get(text_at..text_at + length).ok_or("the NPY header is truncated")?;
     let text = String::from_utf8_lossy(header);
+    if nesting(&text) > MAX_NESTING {
+        return Err("an NPY header with so many brackets within brackets is not plausible".into());
+    }
+    // else the crate might read another shape than this function, with an escape or at the second place
+    if text.contains('\\') || text.matches("shape").count() > 1 {
+        return Err("the NPY header has an escape or several `shape`".into());
+    }
     let shape = text
         .split_once("'shape'")
         .or_else(|| text.split_once("\"shape\""))
@@ -121,4 +132,18 @@ fn declared(bytes: &[u8]) -> Result<(usize, Vec<u64>), String> {
         })
         .collect();
     Ok((text_at + length, extents?))
+}
+
+/// Most brackets that are open at once.
+fn nesting(text: &str) -> usize {
+    let (mut open, mut most) = (0usize, 0);
+    for c in text.chars() {
+        match c {
+            '(' | '[' | '{' => open += 1,
+            ')' | ']' | '}' => open = open.saturating_sub(1),
+            _ => {}
+        }
+        most = most.max(open);
+    }
+    most
 }

@@ -5,11 +5,15 @@ use std::io::Cursor;
 use exr::compression::Compression;
 use exr::image::FlatSamples;
 use exr::image::read::read as reader;
-use exr::meta::MetaData;
+use exr::meta::{BlockDescription, MetaData};
 use exr::prelude::{ReadChannels, ReadLayers};
 
 use super::{Raster, Samples, check_length, check_pixels};
 use crate::error::{Error, Result, Stage};
+
+/// Largest tile of a layer that is smaller than a quarter of it. The crate takes memory for as many bytes as a tile may have,
+/// before it reads them.
+const MAX_TILE_BYTES: u64 = 16 << 20;
 
 /// Reads a file whose magic number has been seen. A channel named `A` is opacity and not read, unless it is the only one.
 pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
@@ -25,6 +29,14 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
             check_pixels(subject, header.layer_size.x() as u64, header.layer_size.y() as u64)?;
         let total = columns as u64 * rows as u64 * header.channels.bytes_per_pixel as u64;
         check_length(subject, bytes.len(), total, header.compression != Compression::Uncompressed)?;
+        if let BlockDescription::Tiles(tiles) = header.blocks {
+            let (x, y) = (tiles.tile_size.x() as u64, tiles.tile_size.y() as u64);
+            let tile = x.saturating_mul(y).saturating_mul(header.channels.bytes_per_pixel as u64);
+            if tile > MAX_TILE_BYTES.max(4 * total) {
+                let cause = format!("tiles of {x} × {y} pixels for {columns} × {rows}");
+                return Err(error(cause).remedy("the file is damaged"));
+            }
+        }
     }
     let image = reader()
         .no_deep_data()

@@ -1,0 +1,38 @@
+//! What the targets of the file formats share: any bytes give heights that keep the documented promises, or an error.
+
+use diffraction_shaders::height::read::parse;
+use diffraction_shaders::height::{MAX_PIXELS, voids};
+use diffraction_shaders::plan::FileSource;
+
+/// The key of a plan that integers need.
+#[allow(dead_code, reason = "not every format has integers")]
+pub const INTEGERS: Option<f64> = Some(0.375);
+/// … and that floats refuse.
+#[allow(dead_code, reason = "not every format has floats")]
+pub const FLOATS: Option<f64> = None;
+
+/// Reads `bytes` as a file named `name`, once with each of the values of `height_um`.
+pub fn read(name: &str, heights_um: &[Option<f64>], bytes: &[u8]) {
+    for &height_um in heights_um {
+        let source = FileSource {
+            path: name.into(),
+            size_um: (!name.ends_with("gsf")).then_some(1.0),
+            pixel_um: None,
+            height_um,
+            z_unit_um: None,
+        };
+        match parse(&source, "fuzz", bytes) {
+            Ok(reading) => {
+                assert_eq!(reading.heights_um.len(), reading.columns * reading.rows);
+                assert!((1..=MAX_PIXELS).contains(&reading.heights_um.len()));
+                assert!(reading.heights_um.iter().all(|h| !h.is_infinite()));
+                assert!(reading.pitch_x_um.is_finite() && reading.pitch_x_um > 0.0);
+                assert!(reading.pitch_y_um.is_finite() && reading.pitch_y_um > 0.0);
+                if let Ok((field, _)) = voids::fill(reading, "fuzz") {
+                    assert!(field.heights_um().iter().all(|h| h.is_finite()));
+                }
+            }
+            Err(error) => assert!(error.to_string().contains(name), "{error}"),
+        }
+    }
+}

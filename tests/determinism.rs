@@ -1,0 +1,96 @@
+//! A package is a function of its plan: neither the order of the request nor the number of threads shows in a byte.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use std::path::Path;
+
+use diffraction_shaders::generate::{Request, generate, index};
+use diffraction_shaders::package::{MANIFEST, Package};
+use diffraction_shaders::plan::{Plan, SurfaceSpec, Target, Variant};
+use diffraction_shaders::template::Sources;
+
+/// Variants that share tables and variants that differ in every axis, on surfaces of every kind of size.
+const PLAN: &str = r#"schema = 1
+[[surface]]
+name = "blazed"
+grating = { kind = "blazed", period_um = 2.5, height_um = 0.3, pixels = 50 }
+[[surface]]
+name = "crossed"
+rotate_deg = 30
+[surface.grating]
+kind = "crossed"
+x = { kind = "lamellar", period_um = 1.6, height_um = 0.12, pixels = 40, duty = 0.69 }
+y = { kind = "sinusoidal", period_um = 1.0, height_um = 0.1, pixels = 30 }
+[[surface]]
+name = "fingers"
+grating = { kind = "fingers", size_um = 4.0, pixels = 64, pitch_um = 1.1, height_um = 0.3, seed = 1 }
+[variants]
+terms = [5, "auto"]
+window_radius = [1, "auto"]
+packing = ["paired", "single"]
+wavelengths = [{ step_nm = 5 }, { min_nm = 400, max_nm = 700, step_nm = 50 }]
+coherence_um = [20, 65]
+[[preset]]
+name = "other"
+basis = "taylor-zero"
+hoist = false
+coherence = "ensemble"
+illuminant = "A"
+"#;
+
+fn package(surfaces: &[SurfaceSpec], variants: &[Variant], targets: &[Target]) -> Package {
+    let request = Request {
+        surfaces,
+        variants,
+        targets,
+        sources: &Sources::builtin(),
+        cache: None,
+        keep: &|_, _| false,
+    };
+    let generated = generate(&request, &|_| {});
+    let mut package = generated.unwrap_or_else(|errors| panic!("{errors:?}")).package;
+    package.seal(index(&request).unwrap()).unwrap();
+    package
+}
+
+fn in_threads<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run)
+}
+
+#[track_caller]
+fn assert_same(one: &Package, other: &Package) {
+    let paths = |package: &Package| package.files().keys().cloned().collect::<Vec<_>>();
+    assert_eq!(paths(one), paths(other));
+    for (path, file) in one.files() {
+        assert!(other.files()[path] == *file, "{path} differs");
+    }
+}
+
+#[test]
+fn neither_order_nor_threads_show() {
+    let plan = Plan::parse(PLAN, Path::new("plan.toml")).unwrap();
+    let (surfaces, variants, targets) = (&plan.surfaces, &plan.variants, &plan.targets);
+    assert_eq!((surfaces.len(), variants.len()), (3, 33));
+    let one = in_threads(1, || package(surfaces, variants, targets));
+    let eight = in_threads(8, || package(surfaces, variants, targets));
+    assert_same(&one, &eight);
+
+    let mut shuffled = (surfaces.clone(), variants.clone(), targets.clone());
+    shuffled.0.reverse();
+    shuffle(&mut shuffled.1, 0x5eed);
+    assert_ne!(&shuffled.1, variants);
+    shuffled.2.reverse();
+    let other = in_threads(8, || package(&shuffled.0, &shuffled.1, &shuffled.2));
+    assert_same(&one, &other);
+
+    // and the comparison can fail
+    let fewer = in_threads(8, || package(surfaces, &variants[1..], targets));
+    assert!(fewer.bytes(MANIFEST) != one.bytes(MANIFEST));
+}
+
+/// Fisher and Yates, with the generator of Knuth's MMIX.
+fn shuffle<T>(items: &mut [T], mut seed: u64) {
+    for i in (1..items.len()).rev() {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        items.swap(i, (seed >> 33) as usize % (i + 1));
+    }
+}
