@@ -200,10 +200,7 @@ fn faults_of_optics_variants_presets_and_targets_are_told() {
         ("[[preset]]\nterms = 3", "preset[1].name is missing"),
         ("[targets]\nemit = [\"glsl\"]", "targets.emit[1] = \"glsl\": unknown value"),
         ("[targets]\nemit = []", "targets.emit = []: is empty"),
-        (
-            "[targets]\ntables = [\"ktx2\"]",
-            "table container \"ktx2\" is not available in this version",
-        ),
+        ("[targets]\ntables = [\"dds\"]", "targets.tables[1] = \"dds\": unknown value"),
         ("[targets]\nemits = [\"wgsl\"]", "unknown key targets.emits (did you mean \"emit\"?)"),
         ("[optic]\n", "unknown key optic (did you mean \"optics\"?)"),
     ] {
