@@ -75,9 +75,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         let size = [table.width, table.height, table.layers];
         let (size, order) = (texture(size, TextureUsages::TEXTURE_BINDING), Default::default());
         let data = device.create_texture_with_data(&queue, &size, order, &read(table.data)?);
-        let array = table.dimension == "2d-array";
-        let dimension = if array { TextureViewDimension::D2Array } else { TextureViewDimension::D2 };
-        let view = TextureViewDescriptor { dimension: Some(dimension), ..Default::default() };
+        let dimension = Some(match table.dimension {
+            "2d-array" => TextureViewDimension::D2Array,
+            _ => TextureViewDimension::D2,
+        });
+        let view = TextureViewDescriptor { dimension, ..Default::default() };
         views.push((table.binding, data.create_view(&view)));
     }
     let bound = |(binding, view)| (binding, BindingResource::TextureView(view));
@@ -97,10 +99,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (depth_slice, resolve_target) = (None, None);
     let ops = Operations::default();
     let mut encoder = device.create_command_encoder(&Default::default());
-    let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
-        color_attachments: &[Some(RenderPassColorAttachment { view, depth_slice, resolve_target, ops })],
-        ..Default::default()
-    });
+    let attachment = RenderPassColorAttachment { view, depth_slice, resolve_target, ops };
+    let color_attachments = &[Some(attachment)];
+    let pass = RenderPassDescriptor { color_attachments, ..Default::default() };
+    let mut pass = encoder.begin_render_pass(&pass);
     pass.set_pipeline(&pipeline);
     pass.set_bind_group(0, &group, &[]);
     pass.draw(0..3, 0..1);

@@ -26,6 +26,16 @@ fn names(plan: &Plan) -> Vec<&str> {
 }
 
 #[test]
+fn tables_are_raw_whatever_else_they_are() {
+    use diffraction_shaders::plan::Container::{Exr, Ktx2};
+    let containers = |text: &str| with(&format!("[targets]\n{text}")).containers;
+    assert_eq!(with("").containers, []);
+    assert_eq!(containers("tables = [\"bin\"]"), []);
+    assert_eq!(containers("tables = [\"exr\", \"bin\", \"ktx2\", \"exr\"]"), [Ktx2, Exr]);
+    assert_eq!(containers("tables = \"ktx2\""), [Ktx2]);
+}
+
+#[test]
 fn faults_of_the_file_are_told() {
     for (text, expected) in [
         ("", vec!["plan.toml: is empty", "schema = 1"]),
