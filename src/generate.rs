@@ -20,9 +20,10 @@ use crate::manifest::{SCHEMA_VERSION, Subject, TableEntry, describe, manifest};
 use crate::module::Module;
 use crate::package::{Compare, JSON_TOLERANCE, Package};
 use crate::plan::{
-    Auto, Mode, SurfaceSource, SurfaceSpec, TableFormat, Target, Variant, Wavelengths,
+    Auto, Container, Mode, SurfaceSource, SurfaceSpec, TableFormat, Target, Variant, Wavelengths,
 };
 use crate::resolve::{Resolved, resolve};
+use crate::tables::container::encode;
 use crate::tables::{TERMS, Table};
 use crate::template::Sources;
 
@@ -40,6 +41,8 @@ pub struct Request<'a> {
     pub variants: &'a [Variant],
     /// Languages.
     pub targets: &'a [Target],
+    /// File forms of tables beside the raw texels.
+    pub containers: &'a [Container],
     /// Templates; [`Sources::builtin`] unless a test breaks them.
     pub sources: &'a Sources,
     /// Folder for finished tables, content-addressed; `None`: compute all.
@@ -238,14 +241,19 @@ impl Built<'_> {
                 }),
                 _ => table.bytes(),
             };
-            let layer = table.width * table.height * table.format.channels();
             let (format, tolerance) = match table.format.number_bytes() {
                 2 => (TableFormat::F16, HALF_TOLERANCE),
                 _ => (TableFormat::F32, TABLE_TOLERANCE),
             };
-            let compare = Compare::Table { format, tolerance, layer };
+            let shape = table.shape();
+            for &container in request.containers {
+                let path = format!("{tables_folder}/{id}.{}", container.as_str());
+                let file = encode(container, &shape, &bytes)?;
+                package.insert(&path, file, Compare::Container { container, shape, tolerance })?;
+            }
+            let compare = Compare::Table { format, tolerance, layer: shape.layer_numbers() };
             package.insert(&format!("{tables_folder}/{id}.bin"), bytes, compare)?;
-            let description = describe(table, id, &resolved, variant);
+            let description = describe(table, id, &resolved, variant, request.containers);
             insert_json(package, &format!("{tables_folder}/{id}.json"), &description)?;
         }
         let entry = |table: &Table, id: &str| TableEntry {

@@ -12,10 +12,11 @@ use crate::basis::remainder;
 use crate::emit::{BindingName, EmittedFile, EntryPoint, Function};
 use crate::module::Module;
 use crate::optics;
-use crate::plan::{Colour, Mode, TableFormat, Target, Variant};
+use crate::plan::{Colour, Container, Mode, TableFormat, Target, Variant};
 use crate::profile::{Extent, Limits, Profile, fits};
 use crate::resolve::{Cost, REACH_SIGMAS, Resolved, replica_tail, window_tail};
 use crate::tables::Table;
+use crate::tables::container::ContainerEntry;
 use crate::template::GENERATED;
 
 pub use describe::describe;
@@ -196,6 +197,9 @@ pub struct TableDescription {
     pub term_scales: Vec<f64>,
     /// What lies outside the texture; nothing is ever read there.
     pub wrap: &'static str,
+    /// The same texels in the containers that the plan asks for.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub containers: BTreeMap<Container, ContainerEntry>,
 }
 
 /// What a variant needs.

@@ -16,7 +16,8 @@ use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 use crate::error::{Error, Result, Stage};
-use crate::plan::TableFormat;
+use crate::plan::{Container, TableFormat};
+use crate::tables::container::Shape;
 
 pub use check::{Report, check};
 pub use folder::temporary_folder;
@@ -51,6 +52,15 @@ pub enum Compare {
         tolerance: f64,
         /// Numbers per layer; 0: the file is one layer.
         layer: usize,
+    },
+    /// A table in a container: the texels like those of a table, all else byte for byte.
+    Container {
+        /// Which.
+        container: Container,
+        /// What it holds.
+        shape: Shape,
+        /// Relative tolerance.
+        tolerance: f64,
     },
 }
 

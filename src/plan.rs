@@ -281,6 +281,16 @@ pub enum TableFormat {
     F16,
 }
 
+/// A file form of tables beside the raw texels, which are always written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Container {
+    /// Khronos texture, version 2.
+    Ktx2,
+    /// OpenEXR, the layers side by side in one picture.
+    Exr,
+}
+
 /// How complex terms lie in texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -369,6 +379,8 @@ pub struct Plan {
     pub rejected: Vec<Rejected>,
     /// Languages to emit.
     pub targets: Vec<Target>,
+    /// File forms of tables beside `.bin`, each once.
+    pub containers: Vec<Container>,
     /// What a user may want to know though nothing is wrong.
     pub notes: Vec<String>,
 }

@@ -1,6 +1,9 @@
 //! Texel data of the tables that shaders read.
 
+pub mod container;
+
 use half::f16;
+use serde::{Deserialize, Serialize};
 
 use crate::plan::{Packing, TableFormat};
 use crate::spectrum::Sample;
@@ -8,7 +11,8 @@ use crate::terms::Terms;
 use crate::transform::Bins;
 
 /// Texel format of a table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum TexelFormat {
     /// Two 16-bit floats.
     Rg16Float,

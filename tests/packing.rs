@@ -117,6 +117,7 @@ fn packages_hold_every_mode_and_list_the_gaps() {
         surfaces: &plan.surfaces,
         variants: &plan.variants,
         targets: &plan.targets,
+        containers: &plan.containers,
         sources: &sources,
         cache: None,
         keep: &|_, _| false,

@@ -26,6 +26,16 @@ fn names(plan: &Plan) -> Vec<&str> {
 }
 
 #[test]
+fn tables_are_raw_whatever_else_they_are() {
+    use diffraction_shaders::plan::Container::{Exr, Ktx2};
+    let containers = |text: &str| with(&format!("[targets]\n{text}")).containers;
+    assert_eq!(with("").containers, []);
+    assert_eq!(containers("tables = [\"bin\"]"), []);
+    assert_eq!(containers("tables = [\"exr\", \"bin\", \"ktx2\", \"exr\"]"), [Ktx2, Exr]);
+    assert_eq!(containers("tables = \"ktx2\""), [Ktx2]);
+}
+
+#[test]
 fn faults_of_the_file_are_told() {
     for (text, expected) in [
         ("", vec!["plan.toml: is empty", "schema = 1"]),
@@ -200,10 +210,7 @@ fn faults_of_optics_variants_presets_and_targets_are_told() {
         ("[[preset]]\nterms = 3", "preset[1].name is missing"),
         ("[targets]\nemit = [\"glsl\"]", "targets.emit[1] = \"glsl\": unknown value"),
         ("[targets]\nemit = []", "targets.emit = []: is empty"),
-        (
-            "[targets]\ntables = [\"ktx2\"]",
-            "table container \"ktx2\" is not available in this version",
-        ),
+        ("[targets]\ntables = [\"dds\"]", "targets.tables[1] = \"dds\": unknown value"),
         ("[targets]\nemits = [\"wgsl\"]", "unknown key targets.emits (did you mean \"emit\"?)"),
         ("[optic]\n", "unknown key optic (did you mean \"optics\"?)"),
     ] {

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::plan::{Mode, Variant};
+use crate::plan::{Container, Mode, Variant};
 use crate::resolve::Resolved;
+use crate::tables::container::entry;
 use crate::tables::{Scale, TERMS, Table};
 use crate::template::GENERATED;
 
@@ -15,7 +16,9 @@ pub fn describe(
     id: &str,
     resolved: &Resolved,
     variant: &Variant,
+    containers: &[Container],
 ) -> TableDescription {
+    let shape = table.shape();
     let dimension = if table.layers == 0 { "2d" } else { "2d-array" };
     let (channels, axes) = match table.name {
         "terms" => terms_meaning(table, resolved),
@@ -46,6 +49,7 @@ pub fn describe(
         scale: 1.0,
         term_scales,
         wrap: "none: no texel outside is read",
+        containers: containers.iter().map(|&c| (c, entry(c, &shape, id))).collect(),
     }
 }
 

@@ -15,7 +15,7 @@ use super::item::{Item, Source, Table, suggest};
 use super::names::{name_of, sha256_hex};
 use super::variants::{Draft, read_optics, read_preset, read_product};
 use super::words::{self, Words, unavailable};
-use super::{Optics, Plan, Rejected, SurfaceSpec, Target, Variant, surface};
+use super::{Container, Optics, Plan, Rejected, SurfaceSpec, Target, Variant, surface};
 
 /// Largest plan that is read.
 pub const MAX_PLAN_BYTES: u64 = 4 << 20;
@@ -111,14 +111,24 @@ fn sections(root: &Table, folder: PathBuf, text_hash: String) -> Option<Plan> {
     let mut rejected = Vec::new();
     let mut variants = product(root, &optics, &mut rejected, &mut notes);
     presets(root, &optics, &mut variants, &mut notes);
-    let targets = targets(section("targets", "[targets]").as_ref());
+    let (targets, containers) = targets(section("targets", "[targets]").as_ref());
     let shortest = variants.iter().map(|v| v.wavelengths.min_nm).fold(f64::INFINITY, f64::min);
     let surfaces = surfaces(root, &folder, if shortest.is_finite() { shortest } else { 380.0 });
     if let (true, Some(Rejected { name, reason })) = (variants.is_empty(), rejected.first()) {
         let remedy = "give an axis a value that is available, or name a preset";
         root.source.fail_file(format!("no variant is left: {name}: {reason}"), remedy);
     }
-    Some(Plan { folder, text_hash, surfaces, optics, variants, rejected, targets, notes })
+    Some(Plan {
+        folder,
+        text_hash,
+        surfaces,
+        optics,
+        variants,
+        rejected,
+        targets,
+        containers,
+        notes,
+    })
 }
 
 fn schema(root: &Table) {
@@ -240,11 +250,13 @@ fn surfaces(root: &Table, folder: &Path, lambda_min_nm: f64) -> Vec<SurfaceSpec>
     surfaces
 }
 
-fn targets(table: Option<&Table>) -> Vec<Target> {
-    let Some(table) = table else { return Target::all() };
+fn targets(table: Option<&Table>) -> (Vec<Target>, Vec<Container>) {
+    let mut containers = BTreeSet::new();
+    let Some(table) = table else { return (Target::all(), Vec::new()) };
     table.only(&["emit", "tables"]);
     if let Some(item) = table.get("tables") {
-        listed(&item, "table container", words::CONTAINERS);
+        containers
+            .extend(listed(&item, "table container", words::CONTAINERS).into_iter().flatten());
     }
     let mut targets = Vec::new();
     match table.get("emit") {
@@ -257,7 +269,7 @@ fn targets(table: Option<&Table>) -> Vec<Target> {
         }
         None => targets = Target::all(),
     }
-    targets
+    (targets, containers.into_iter().collect())
 }
 
 /// Words of a list, each of which must be available.

@@ -1,7 +1,8 @@
 //! The words of a plan: which exist, and which of them this version builds.
 
 use super::{
-    Basis, Coherence, CoherenceScaling, Colour, Level, Mode, Packing, TableFormat, Target,
+    Basis, Coherence, CoherenceScaling, Colour, Container, Level, Mode, Packing, TableFormat,
+    Target,
 };
 
 /// Words with what they mean; `None`: planned, not available in this version.
@@ -27,7 +28,12 @@ pub(super) const RECONSTRUCTIONS: Words<()> = &[("window", Some(())), ("prefilte
 pub(super) const TABLE_FORMATS: Words<TableFormat> =
     &[("f32", Some(TableFormat::F32)), ("f16", Some(TableFormat::F16))];
 
-pub(super) const CONTAINERS: Words<()> = &[("bin", Some(())), ("ktx2", None), ("exr", None)];
+/// `bin` stands for the raw texels, which are written whether it is named or not.
+pub(super) const CONTAINERS: Words<Option<Container>> = &[
+    ("bin", Some(None)),
+    ("ktx2", Some(Some(Container::Ktx2))),
+    ("exr", Some(Some(Container::Exr))),
+];
 
 pub(super) const TARGETS: Words<Target> = &[
     ("wgsl", Some(Target::Wgsl)),
@@ -85,6 +91,13 @@ impl Packing {
             Packing::Paired => "paired",
             Packing::Single => "single",
         }
+    }
+}
+
+impl Container {
+    /// The word of the plan, and the extension of the file.
+    pub fn as_str(self) -> &'static str {
+        word_of(CONTAINERS, Some(self))
     }
 }
 

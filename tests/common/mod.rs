@@ -169,6 +169,7 @@ hoist = false
         surfaces: &plan.surfaces,
         variants: &plan.variants,
         targets: &TARGETS,
+        containers: &plan.containers,
         sources: &Sources::builtin(),
         keep,
         cache: None,

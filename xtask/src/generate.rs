@@ -76,6 +76,7 @@ fn build(plan: &Plan, selection: &Selection, out: &Path, console: &Console) -> R
         surfaces: &plan.surfaces,
         variants: &selection.variants,
         targets: &targets,
+        containers: &plan.containers,
         sources: &Sources::builtin(),
         cache,
         keep: &keep,

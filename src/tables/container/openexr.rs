@@ -1,0 +1,119 @@
+//! OpenEXR: the layers of a table side by side, in half or single precision, scan lines without compression.
+
+use std::io::Cursor;
+
+use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
+use exr::math::Vec2;
+use exr::meta::attribute::Text;
+use exr::meta::header::LayerAttributes;
+use exr::prelude::{SmallVec, WritableImage};
+use half::f16;
+
+use crate::error::Result;
+use crate::plan::Container;
+use crate::tables::TexelFormat;
+
+use super::{Atlas, Shape, failed};
+
+/// Names of the channels in the order of the table's; in a file they are sorted, which is the reverse.
+pub(super) fn channels(format: TexelFormat) -> &'static [&'static str] {
+    match format.channels() {
+        2 => &["R", "G"],
+        _ => &["R", "G", "B", "A"],
+    }
+}
+
+/// Place of a table's channel among those of a file: `G R` or `A B G R`.
+fn place(format: TexelFormat, channel: usize) -> usize {
+    format.channels() - 1 - channel
+}
+
+pub(super) fn encode(shape: &Shape, texels: &[u8]) -> Result<Vec<u8>> {
+    let atlas = Atlas::new(shape);
+    if i32::try_from(atlas.width.max(atlas.height)).is_err() {
+        return Err(failed(Container::Exr, "is larger than the format allows"));
+    }
+    let list: SmallVec<[AnyChannel<FlatSamples>; 4]> = channels(shape.format)
+        .iter()
+        .enumerate()
+        .map(|(channel, name)| AnyChannel {
+            name: Text::from(*name),
+            sample_data: plane(shape, &atlas, texels, channel),
+            // the numbers are no colours
+            quantize_linearly: true,
+            sampling: Vec2(1, 1),
+        })
+        .collect();
+    let comment = format!(
+        "{} layers of {} by {} texels, {} in a row, from the upper left",
+        atlas.offsets.len(),
+        shape.width,
+        shape.height,
+        atlas.columns
+    );
+    let attributes = LayerAttributes {
+        comments: Text::new_or_none(comment),
+        software_name: Text::new_or_none("diffraction-shaders"),
+        ..LayerAttributes::default()
+    };
+    let size = Vec2(atlas.width, atlas.height);
+    let layer = Layer::new(size, attributes, Encoding::UNCOMPRESSED, AnyChannels::sort(list));
+    let mut file = Cursor::new(Vec::new());
+    Image::from_layer(layer)
+        .write()
+        .non_parallel()
+        .to_buffered(&mut file)
+        .map_err(|e| failed(Container::Exr, "cannot be encoded").source(e))?;
+    Ok(file.into_inner())
+}
+
+/// One channel of the picture; 0 where no layer lies.
+fn plane(shape: &Shape, atlas: &Atlas, texels: &[u8], channel: usize) -> FlatSamples {
+    let width = shape.format.number_bytes();
+    let mut bytes = vec![0; atlas.width * atlas.height * width];
+    for_each(shape, atlas, |texel, pixel| {
+        let from = (texel * shape.format.channels() + channel) * width;
+        bytes[pixel * width..][..width].copy_from_slice(&texels[from..from + width]);
+    });
+    match width {
+        2 => FlatSamples::F16(
+            bytes.as_chunks::<2>().0.iter().map(|number| f16::from_le_bytes(*number)).collect(),
+        ),
+        _ => FlatSamples::F32(
+            bytes.as_chunks::<4>().0.iter().map(|number| f32::from_le_bytes(*number)).collect(),
+        ),
+    }
+}
+
+/// What stands where the texels of such a file are: scan lines at its end, each of two numbers of 32 bits and the rows of
+/// the channels, one after the other.
+pub(super) fn texels(shape: &Shape, file: &[u8]) -> Option<Vec<u8>> {
+    let mut texels = vec![0; shape.byte_count().filter(|count| *count <= file.len())?];
+    let (atlas, width) = (Atlas::new(shape), shape.format.number_bytes());
+    let channels = shape.format.channels();
+    let line = 8 + atlas.width.checked_mul(channels * width)?;
+    let lines = file.get(file.len().checked_sub(line.checked_mul(atlas.height)?)?..)?;
+    for_each(shape, &atlas, |texel, pixel| {
+        let (x, y) = (pixel % atlas.width, pixel / atlas.width);
+        for channel in 0..channels {
+            let place = place(shape.format, channel);
+            let from = y * line + 8 + (place * atlas.width + x) * width;
+            let to = (texel * channels + channel) * width;
+            texels[to..to + width].copy_from_slice(&lines[from..from + width]);
+        }
+    });
+    Some(texels)
+}
+
+/// Every texel of a table with its pixel.
+fn for_each(shape: &Shape, atlas: &Atlas, mut each: impl FnMut(usize, usize)) {
+    let mut texel = 0;
+    for [x, y] in &atlas.offsets {
+        for row in 0..shape.height {
+            for column in 0..shape.width {
+                each(texel, (y + row) * atlas.width + x + column);
+                texel += 1;
+            }
+        }
+    }
+}
