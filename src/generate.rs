@@ -127,6 +127,16 @@ fn gap(spec: &SurfaceSpec, variant: &Variant, field: &HeightField) -> Option<Gap
     Some(Gap { surface: spec.name.clone(), variant: variant.name.clone(), reason })
 }
 
+/// Hash of everything that a package is made from but the program and the templates: surfaces with their files, variants
+/// with their illuminants, languages.
+pub fn input_hash(request: &Request<'_>) -> Result<String, Error> {
+    let surface = |spec: &SurfaceSpec| Ok((spec.name.clone(), identity::surface_hash(spec)?));
+    let surfaces: Vec<_> = request.surfaces.iter().map(surface).collect::<Result<_, Error>>()?;
+    let variant = |v: &Variant| (v.name.clone(), v.hash(), identity::illuminant(&v.optics));
+    let variants: Vec<_> = request.variants.iter().map(variant).collect();
+    Ok(identity::hash(&json!([TOOL_VERSION, surfaces, variants, request.targets])))
+}
+
 /// The keys of the package's `manifest.json` beside its list of files.
 pub fn index(request: &Request<'_>) -> Result<BTreeMap<String, Value>, Error> {
     let (mut surfaces, mut gaps) = (BTreeMap::new(), Vec::new());

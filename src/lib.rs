@@ -59,5 +59,6 @@ pub mod bindings;
 pub mod package;
 pub mod probe;
 pub mod generate;
+pub mod readme;
 pub mod runner;
 pub mod validate;

@@ -6,6 +6,7 @@
 mod check;
 mod compare;
 mod folder;
+mod stamp;
 mod write;
 
 use std::borrow::Cow;
@@ -21,6 +22,7 @@ use crate::plan::TableFormat;
 
 pub use check::{Report, check};
 pub use folder::temporary_folder;
+pub use stamp::Stamp;
 pub use write::{Cancel, WriteReport, write, write_unless};
 
 /// First line of every generated text file, as a comment, and the key `generated_by` of every generated JSON file.
@@ -237,9 +239,13 @@ fn listed(file: &PackageFile) -> Result<Listed> {
         Compare::Table { .. } => (None, Some(content.byte_count()?)),
         Compare::Bytes => {
             let bytes = content.read()?;
-            let digest = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
-            (Some(digest), Some(bytes.len() as u64))
+            (Some(sha256(&bytes)), Some(bytes.len() as u64))
         }
     };
     Ok(Listed { compare: *compare, sha256, bytes })
+}
+
+/// SHA-256, hexadecimal.
+pub fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -1,9 +1,9 @@
 //! Names of computed things: hashes of everything that their numbers come from.
 
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 
 use crate::error::{Error, Stage};
+use crate::package::sha256;
 use crate::plan::{
     Auto, Mode, Optics, SurfaceSource, SurfaceSpec, TableFormat, Variant, Wavelengths,
 };
@@ -107,28 +107,18 @@ pub(super) fn surface_hash(spec: &SurfaceSpec) -> Result<String, Error> {
             let bytes = std::fs::read(&file.path).map_err(|e| {
                 Error::new(Stage::Height, file.path.display(), "cannot be read").source(e)
             })?;
-            json!([
-                hex(&Sha256::digest(bytes)),
-                file.size_um,
-                file.pixel_um,
-                file.height_um,
-                file.z_unit_um
-            ])
+            json!([sha256(&bytes), file.size_um, file.pixel_um, file.height_um, file.z_unit_um])
         }
     };
     Ok(hash(&json!([source, spec.rotate_deg, spec.level, spec.clip_percent])))
 }
 
 pub(super) fn hash(inputs: &Value) -> String {
-    hex(&Sha256::digest(inputs.to_string()))
+    sha256(inputs.to_string().as_bytes())
 }
 
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-/// Of the illuminant: its name, or of a file what is in it.
-fn illuminant(optics: &Optics) -> String {
+/// Of an illuminant: its name, or of a file what is in it.
+pub(super) fn illuminant(optics: &Optics) -> String {
     let name = &optics.illuminant;
-    std::fs::read(name).map_or_else(|_| name.clone(), |bytes| hex(&Sha256::digest(bytes)))
+    std::fs::read(name).map_or_else(|_| name.clone(), |bytes| sha256(&bytes))
 }

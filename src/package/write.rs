@@ -291,6 +291,11 @@ fn remove_stale(root: &Path) -> io::Result<()> {
     Ok(())
 }
 
+/// Whether no folder of a run that was cut short stands beside the output.
+pub(super) fn is_tidy(root: &Path) -> bool {
+    [".tmp-", ".old-"].iter().all(|mark| siblings(root, mark).is_ok_and(|found| found.is_empty()))
+}
+
 /// Folders named `ROOT`, a mark and digits.
 fn siblings(root: &Path, mark: &str) -> io::Result<Vec<PathBuf>> {
     let (Some(parent), Some(name)) =
