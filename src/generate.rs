@@ -3,29 +3,33 @@
 //! Tables are shared by the variants of a surface that need the same one; their names are hashes of inputs. Work is
 //! spread over the current thread pool; the package is the same for any number of threads.
 
+mod cache;
+mod identity;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 
 use crate::assemble;
 use crate::bindings;
 use crate::diagnostic::Diagnostic;
-use crate::emit::{EmittedFile, emit};
+use crate::emit::emit;
 use crate::error::{Error, Stage};
 use crate::height::{self, HeightField, Surface};
 use crate::manifest::{SCHEMA_VERSION, Subject, TableEntry, describe, manifest};
-use crate::module::Module;
-use crate::package::{Compare, JSON_TOLERANCE, Package};
-use crate::plan::{
-    Auto, Container, Mode, SurfaceSource, SurfaceSpec, TableFormat, Target, Variant, Wavelengths,
-};
+use crate::package::{Compare, Content, JSON_TOLERANCE, Package};
+use crate::plan::{Container, SurfaceSpec, TableFormat, Target, Variant};
+use crate::probe;
 use crate::resolve::{Resolved, resolve};
 use crate::tables::container::encode;
 use crate::tables::{TERMS, Table};
 use crate::template::Sources;
+use crate::twin::Twin;
+
+use cache::Cache;
 
 /// Version of this tool, a part of every input hash.
 pub const TOOL_VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -98,13 +102,15 @@ pub fn generate(
         return Err(vec![Diagnostic::from(&error)]);
     }
     let built = pairs.into_par_iter().map(|(s, v)| build(request, s, v));
-    let built = all_or_errors(built.collect())?;
+    let mut built = all_or_errors(built.collect())?;
+    // so that the variants that share a table come together, and one term table at a time is in memory
+    built.sort_by_cached_key(|one| (one.surface.spec.name.clone(), one.ids.clone()));
     let mut package = Package::new();
-    let mut written = BTreeSet::new();
+    let mut last = None;
     let mut errors = Vec::new();
     for one in built {
         let label = format!("{} {}", one.surface.spec.name, one.variant.name);
-        if let Err(error) = one.insert(request, &mut package, &mut written) {
+        if let Err(error) = one.insert(request, &mut package, &mut last) {
             errors.push(Diagnostic::from(&error).variant(&label));
         }
         done(&label);
@@ -124,11 +130,27 @@ fn gap(spec: &SurfaceSpec, variant: &Variant, field: &HeightField) -> Option<Gap
     Some(Gap { surface: spec.name.clone(), variant: variant.name.clone(), reason })
 }
 
+/// Hash of everything that a package is made from but the program and the templates: surfaces with their files, variants
+/// with their illuminants, languages, containers of tables.
+pub fn input_hash(request: &Request<'_>) -> Result<String, Error> {
+    let surface = |spec: &SurfaceSpec| Ok((spec.name.clone(), identity::surface_hash(spec)?));
+    let surfaces: Vec<_> = request.surfaces.iter().map(surface).collect::<Result<_, Error>>()?;
+    let variant = |v: &Variant| (v.name.clone(), v.hash(), identity::illuminant(&v.optics));
+    let variants: Vec<_> = request.variants.iter().map(variant).collect();
+    Ok(identity::hash(&json!([
+        TOOL_VERSION,
+        surfaces,
+        variants,
+        request.targets,
+        request.containers
+    ])))
+}
+
 /// The keys of the package's `manifest.json` beside its list of files; the same in any order of the request.
 pub fn index(request: &Request<'_>) -> Result<BTreeMap<String, Value>, Error> {
     let (mut surfaces, mut gaps) = (BTreeMap::new(), Vec::new());
     for spec in request.surfaces {
-        surfaces.insert(spec.name.clone(), json!({ "input_hash": surface_hash(spec)? }));
+        surfaces.insert(spec.name.clone(), json!({ "input_hash": identity::surface_hash(spec)? }));
         let field = height::load(spec)?.field;
         gaps.extend(request.variants.iter().filter_map(|v| gap(spec, v, &field)));
     }
@@ -154,15 +176,20 @@ struct Loaded {
     spec: SurfaceSpec,
     surface: Surface,
     hash: String,
+    /// Directions and exact colours of its probes by their identity, one for every set of optics.
+    exact: Mutex<BTreeMap<String, Vec<probe::Exact>>>,
 }
 
 struct Built<'a> {
     surface: &'a Loaded,
     variant: &'a Variant,
     resolved: Resolved,
+    /// The term table without its texels.
     tables: Vec<Table>,
-    module: Module,
-    files: Vec<EmittedFile>,
+    /// Identities of the tables.
+    ids: Vec<String>,
+    /// Everything but the tables and the probes.
+    files: Vec<(String, Vec<u8>, Compare)>,
 }
 
 fn load(request: &Request<'_>) -> Result<Vec<Loaded>, Vec<Diagnostic>> {
@@ -179,8 +206,8 @@ fn load(request: &Request<'_>) -> Result<Vec<Loaded>, Vec<Diagnostic>> {
         if !errors.is_empty() {
             return Err(errors.into_values().collect());
         }
-        let hash = surface_hash(spec).map_err(|e| vec![Diagnostic::from(&e)])?;
-        Ok(Loaded { spec: spec.clone(), surface, hash })
+        let hash = identity::surface_hash(spec).map_err(|e| vec![Diagnostic::from(&e)])?;
+        Ok(Loaded { spec: spec.clone(), surface, hash, exact: Mutex::default() })
     };
     all_or_errors(request.surfaces.iter().map(load).collect())
 }
@@ -205,41 +232,74 @@ fn build<'a>(
     let label = format!("{} {}", surface.spec.name, variant.name);
     let one = |error: Error| vec![Diagnostic::from(&error).variant(&label)];
     let resolved = resolve(variant, &surface.surface.field).map_err(one)?;
-    let rotate_deg = surface.spec.rotate_deg;
+    let (name, rotate_deg) = (&surface.spec.name, surface.spec.rotate_deg);
     let tables = assemble::shapes(variant, &resolved, rotate_deg).map_err(one)?;
+    let id = |table| identity::table_id(table, &surface.spec, &surface.hash, variant);
+    let ids: Vec<String> = tables.iter().map(id).collect();
     let nodes = assemble::node_count(&tables);
     let defines = assemble::defines(variant, &resolved, rotate_deg, nodes);
     let module = assemble::shader(request.sources, &label, &defines)?;
-    let mut files = Vec::new();
+    let mut emitted = Vec::new();
     for &target in request.targets {
-        files.extend(emit(&module, target).map_err(one)?);
+        emitted.extend(emit(&module, target).map_err(one)?);
     }
-    Ok(Built { surface, variant, resolved, tables, module, files })
+    let entry = |(table, id): (&Table, &String)| TableEntry {
+        binding: table.name,
+        id: id.clone(),
+        description: format!("../../../surfaces/{name}/{id}.json"),
+        data: format!("../../../surfaces/{name}/{id}.bin"),
+    };
+    let entries = tables.iter().zip(&ids).map(|pair| (pair.0, entry(pair))).collect();
+    let input_hash = identity::hash(&json!([surface.hash, variant.hash(), TOOL_VERSION]));
+    let subject =
+        Subject { surface: name, variant, resolved: &resolved, tables: entries, input_hash };
+    let manifest = manifest(subject, &module, &emitted);
+    let folder = format!("shaders/{name}/{}", variant.name);
+    let rust = bindings::rust(&manifest, &tables.iter().collect::<Vec<_>>()).map_err(one)?;
+    let manifest_path = format!("{folder}/manifest.json");
+    let text = pretty(&manifest_path, &manifest).map_err(one)?;
+    let mut files = vec![
+        (manifest_path, text.into(), Compare::Json { tolerance: JSON_TOLERANCE }),
+        (format!("{folder}/{}", bindings::FILE), rust.into(), Compare::Bytes),
+    ];
+    // two targets may share a file, as those of GLSL share the function form
+    let pathed = emitted.into_iter().map(|file| (format!("{folder}/{}", file.name), file));
+    let fresh = pathed.filter(|(path, file)| !(request.keep)(path, file.target));
+    let fresh: BTreeMap<String, Vec<u8>> = fresh.map(|(path, file)| (path, file.bytes)).collect();
+    files.extend(fresh.into_iter().map(|(path, bytes)| (path, bytes, Compare::Bytes)));
+    Ok(Built { surface, variant, resolved, tables, ids, files })
 }
 
 impl Built<'_> {
+    /// Adds all files. `last`: the term table that was read last, with its path.
     fn insert(
-        self,
+        mut self,
         request: &Request<'_>,
         package: &mut Package,
-        written: &mut BTreeSet<String>,
+        last: &mut Option<(String, Table)>,
     ) -> Result<(), Error> {
-        let Built { surface, variant, resolved, tables, module, files } = self;
-        let name = &surface.spec.name;
-        let tables_folder = format!("surfaces/{name}");
-        let shader_folder = format!("shaders/{name}/{}", variant.name);
-        let named: Vec<(&Table, String)> =
-            tables.iter().map(|table| (table, table_id(table, surface, variant))).collect();
-        for (table, id) in &named {
+        for (path, bytes, compare) in std::mem::take(&mut self.files) {
+            package.insert(&path, bytes, compare)?;
+        }
+        self.insert_tables(request, package)?;
+        let probes = self.probes(request, package, last)?;
+        let path = format!("shaders/{}/{}/probe.json", self.surface.spec.name, self.variant.name);
+        package.insert(&path, probes, Compare::Json { tolerance: probe::TOLERANCE })
+    }
+
+    fn insert_tables(&self, request: &Request<'_>, package: &mut Package) -> Result<(), Error> {
+        let Built { surface, variant, resolved, .. } = self;
+        for (table, id) in self.tables.iter().zip(&self.ids) {
+            let path = self.table_path(id);
             // the variants of a surface share a table, made once
-            if !written.insert(format!("{name}/{id}")) {
+            if package.files().contains_key(&path) {
                 continue;
             }
-            let bytes = match table.binding {
-                TERMS => cached(request.cache, id, table.byte_count(), || {
-                    assemble::terms(variant, &resolved, &surface.surface.field).bytes()
-                }),
-                _ => table.bytes(),
+            let content = match table.binding {
+                TERMS => Cache(request.cache).content(id, table.byte_count(), || {
+                    Ok(assemble::terms(variant, resolved, &surface.surface.field).bytes())
+                })?,
+                _ => Content::Bytes(table.bytes()),
             };
             let (format, tolerance) = match table.format.number_bytes() {
                 2 => (TableFormat::F16, HALF_TOLERANCE),
@@ -247,36 +307,91 @@ impl Built<'_> {
             };
             let shape = table.shape();
             for &container in request.containers {
-                let path = format!("{tables_folder}/{id}.{}", container.as_str());
-                let file = encode(container, &shape, &bytes)?;
-                package.insert(&path, file, Compare::Container { container, shape, tolerance })?;
+                let file = encode(container, &shape, &content.read()?)?;
+                let compare = Compare::Container { container, shape, tolerance };
+                package.insert(
+                    &path.replace(".bin", &format!(".{}", container.as_str())),
+                    file,
+                    compare,
+                )?;
             }
             let compare = Compare::Table { format, tolerance, layer: shape.layer_numbers() };
-            package.insert(&format!("{tables_folder}/{id}.bin"), bytes, compare)?;
-            let description = describe(table, id, &resolved, variant, request.containers);
-            insert_json(package, &format!("{tables_folder}/{id}.json"), &description)?;
+            package.insert_content(&path, content, compare)?;
+            let description = path.replace(".bin", ".json");
+            let about = describe(table, id, resolved, variant, request.containers);
+            package.insert(
+                &description,
+                pretty(&description, &about)?,
+                Compare::Json { tolerance: JSON_TOLERANCE },
+            )?;
         }
-        let entry = |table: &Table, id: &str| TableEntry {
-            binding: table.name,
-            id: id.to_owned(),
-            description: format!("../../../{tables_folder}/{id}.json"),
-            data: format!("../../../{tables_folder}/{id}.bin"),
+        Ok(())
+    }
+
+    fn table_path(&self, id: &str) -> String {
+        format!("surfaces/{}/{id}.bin", self.surface.spec.name)
+    }
+
+    fn probes(
+        &self,
+        request: &Request<'_>,
+        package: &Package,
+        last: &mut Option<(String, Table)>,
+    ) -> Result<String, Error> {
+        let Built { surface, variant, resolved, .. } = self;
+        let (field, rotate_deg) = (&surface.surface.field, surface.spec.rotate_deg);
+        let cache = Cache(request.cache);
+        let id = identity::exact_id(&surface.hash, &variant.optics);
+        let mut known = surface.exact.lock().unwrap_or_else(PoisonError::into_inner);
+        let exact = match known.get(&id) {
+            Some(exact) => exact.clone(),
+            None => {
+                let numbers = cache.numbers(&id, 9 * probe::COUNT, || {
+                    let exact = probe::exact(field, rotate_deg, &variant.optics)?;
+                    Ok(probe::to_numbers(&exact))
+                })?;
+                let exact = probe::from_numbers(&numbers);
+                known.insert(id, exact.clone());
+                exact
+            }
         };
-        let tables = named.iter().map(|(table, id)| (*table, entry(table, id))).collect();
-        let input_hash = hash(&json!([surface.hash, variant.hash(), TOOL_VERSION]));
-        let subject = Subject { surface: name, variant, resolved: &resolved, tables, input_hash };
-        let manifest = manifest(subject, &module, &files);
-        insert_json(package, &format!("{shader_folder}/manifest.json"), &manifest)?;
-        let shapes: Vec<&Table> = named.iter().map(|(table, _)| *table).collect();
-        let rust = bindings::rust(&manifest, &shapes)?;
-        package.insert(&format!("{shader_folder}/{}", bindings::FILE), rust, Compare::Bytes)?;
-        // two targets may share a file, as those of GLSL share the function form
-        let pathed = files.into_iter().map(|file| (format!("{shader_folder}/{}", file.name), file));
-        let fresh = pathed.filter(|(path, file)| !(request.keep)(path, file.target));
-        let fresh: BTreeMap<String, Vec<u8>> =
-            fresh.map(|(path, file)| (path, file.bytes)).collect();
-        for (path, bytes) in fresh {
-            package.insert(&path, bytes, Compare::Bytes)?;
+        drop(known);
+        let id = identity::expected_id(&surface.hash, variant);
+        let expected = cache.numbers(&id, 3 * probe::COUNT, || {
+            let mut tables = Vec::new();
+            for (table, id) in self.tables.iter().zip(&self.ids) {
+                if table.binding == TERMS {
+                    self.read_terms(table, &self.table_path(id), package, last)?;
+                } else {
+                    tables.push(table.clone().rounded());
+                }
+            }
+            let mut twin = Twin::new(resolved, &tables, variant, rotate_deg);
+            if let (Some((_, terms)), true) = (last.as_ref(), self.tables.len() > 1) {
+                twin.terms = terms;
+            }
+            Ok(probe::expected(&twin, &exact).concat())
+        })?;
+        let (name, colour) = (&surface.spec.name, variant.optics.colour);
+        let (expected, _) = expected.as_chunks();
+        probe::json(name, &variant.name, colour, resolved, &exact, expected)
+    }
+
+    /// Makes `last` the term table at a path.
+    fn read_terms(
+        &self,
+        shape: &Table,
+        path: &str,
+        package: &Package,
+        last: &mut Option<(String, Table)>,
+    ) -> Result<(), Error> {
+        if last.as_ref().is_some_and(|(known, _)| known == path) {
+            return Ok(());
+        }
+        *last = None;
+        if let Some(file) = package.files().get(path) {
+            let table = shape.clone().with_bytes(&file.content.read()?);
+            *last = Some((path.to_owned(), table));
         }
         Ok(())
     }
@@ -288,123 +403,8 @@ const TABLE_TOLERANCE: f64 = 2.4e-7;
 /// The same of a table of 16-bit floats.
 const HALF_TOLERANCE: f64 = 1e-3;
 
-/// Finished bytes from the cache, or made and put there. The cache is only a saving: what cannot be read or written is
-/// computed.
-fn cached(
-    folder: Option<&Path>,
-    id: &str,
-    length: usize,
-    make: impl FnOnce() -> Vec<u8>,
-) -> Vec<u8> {
-    let Some(folder) = folder else { return make() };
-    let file = folder.join(format!("{id}.bin"));
-    if let Ok(bytes) = std::fs::read(&file)
-        && bytes.len() == length
-    {
-        return bytes;
-    }
-    let bytes = make();
-    let partial = folder.join(format!("{id}.{}.partial", std::process::id()));
-    let stored = std::fs::create_dir_all(folder)
-        .and_then(|()| std::fs::write(&partial, &bytes))
-        .and_then(|()| std::fs::rename(&partial, &file));
-    if stored.is_err() {
-        let _ = std::fs::remove_file(&partial);
-    }
-    bytes
-}
-
-fn table_id(table: &Table, surface: &Loaded, variant: &Variant) -> String {
-    if table.binding == TERMS { terms_id(surface, variant) } else { spectrum_id(surface, variant) }
-}
-
-/// Identity of a term table: everything that its numbers and its size come from.
-fn terms_id(surface: &Loaded, variant: &Variant) -> String {
-    let terms = match variant.terms {
-        Auto::Value(terms) => json!(terms),
-        Auto::Auto => json!({ "error": variant.term_error }),
-    };
-    let radius = match (variant.mode, variant.window_radius) {
-        (Mode::Adaptive, _) => {
-            let optics = &variant.optics;
-            json!(["adaptive", optics.coherence_um, optics.coherence_scaling])
-        }
-        (_, Auto::Value(radius)) => json!(radius),
-        (Mode::Pq, Auto::Auto) => json!(["pq", variant.periods, variant.optics.coherence_um]),
-        (_, Auto::Auto) => {
-            let optics = &variant.optics;
-            json!([optics.coherence_um, optics.coherence_scaling, variant.wavelengths.max_nm])
-        }
-    };
-    let inputs = json!([
-        TOOL_VERSION,
-        surface.hash,
-        variant.basis,
-        terms,
-        radius,
-        variant.wavelengths.min_nm,
-        variant.packing,
-        variant.table,
-    ]);
-    format!("terms-{}", &hash(&inputs)[..12])
-}
-
-fn spectrum_id(surface: &Loaded, variant: &Variant) -> String {
-    let illuminant = &variant.optics.illuminant;
-    // a file counts by what is in it
-    let illuminant = std::fs::read(illuminant)
-        .map_or_else(|_| illuminant.clone(), |bytes| hex(&Sha256::digest(bytes)));
-    let rotate_deg = surface.spec.rotate_deg;
-    let Wavelengths { min_nm, max_nm, .. } = variant.wavelengths;
-    let mut inputs = match variant.mode {
-        Mode::Full | Mode::Pq => json!([TOOL_VERSION, illuminant, variant.wavelengths, rotate_deg]),
-        Mode::Adaptive => {
-            json!([TOOL_VERSION, "adaptive", illuminant, min_nm, max_nm, rotate_deg])
-        }
-        Mode::Gems => json!([TOOL_VERSION, "gems", surface.hash]),
-    };
-    if variant.table == TableFormat::F16 {
-        // the scales of the terms are in it
-        inputs = json!([inputs, terms_id(surface, variant)]);
-    }
-    format!("spectrum-{}", &hash(&inputs)[..12])
-}
-
-/// Hash of what a height field is made from: its formula, or its file's bytes with scale and preparation. Neither its
-/// name nor its path counts.
-fn surface_hash(spec: &SurfaceSpec) -> Result<String, Error> {
-    let source = match &spec.source {
-        SurfaceSource::Grating(grating) => json!(grating),
-        SurfaceSource::File(file) => {
-            let bytes = std::fs::read(&file.path).map_err(|e| {
-                Error::new(Stage::Height, file.path.display(), "cannot be read").source(e)
-            })?;
-            json!([
-                hex(&Sha256::digest(bytes)),
-                file.size_um,
-                file.pixel_um,
-                file.height_um,
-                file.z_unit_um
-            ])
-        }
-    };
-    Ok(hash(&json!([source, spec.rotate_deg, spec.level, spec.clip_percent])))
-}
-
-fn hash(inputs: &Value) -> String {
-    hex(&Sha256::digest(inputs.to_string()))
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-fn insert_json(
-    package: &mut Package,
-    path: &str,
-    value: &impl serde::Serialize,
-) -> Result<(), Error> {
+fn pretty(path: &str, value: &impl serde::Serialize) -> Result<String, Error> {
     let text = serde_json::to_string_pretty(value)
         .map_err(|e| Error::new(Stage::Package, path, "cannot be written as JSON").source(e))?;
-    package.insert(path, text + "\n", Compare::Json { tolerance: JSON_TOLERANCE })
+    Ok(text + "\n")
 }

@@ -5,7 +5,7 @@ mod directions;
 use crate::error::{Error, Result, Stage};
 use crate::spectrum::{D65_WHITE, ciede2000};
 
-pub use directions::{on_orders, standard};
+pub use directions::{on_orders, pool, standard};
 
 /// How far colours lie from a reference.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]

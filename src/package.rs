@@ -6,8 +6,10 @@
 mod check;
 mod compare;
 mod folder;
+mod stamp;
 mod write;
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -21,6 +23,7 @@ use crate::tables::container::Shape;
 
 pub use check::{Report, check};
 pub use folder::temporary_folder;
+pub use stamp::Stamp;
 pub use write::{Cancel, WriteReport, write, write_unless};
 
 /// First line of every generated text file, as a comment, and the key `generated_by` of every generated JSON file.
@@ -67,10 +70,38 @@ pub enum Compare {
 /// What a file holds.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Content {
-    /// Freshly generated.
+    /// Freshly generated, in memory.
     Bytes(Vec<u8>),
+    /// Freshly generated, in a file outside the output folder that stays until the package is written or checked.
+    Stored(PathBuf),
     /// Taken over unchanged from the output folder (a partial rebuild).
     Kept(PathBuf),
+}
+
+impl Content {
+    /// All of it.
+    pub fn read(&self) -> Result<Cow<'_, [u8]>> {
+        match self {
+            Content::Bytes(bytes) => Ok(Cow::Borrowed(bytes)),
+            Content::Stored(path) | Content::Kept(path) => {
+                std::fs::read(path).map(Cow::Owned).map_err(|e| unreadable(path, e))
+            }
+        }
+    }
+
+    /// Its size in bytes.
+    pub fn byte_count(&self) -> Result<u64> {
+        match self {
+            Content::Bytes(bytes) => Ok(bytes.len() as u64),
+            Content::Stored(path) | Content::Kept(path) => {
+                std::fs::metadata(path).map(|found| found.len()).map_err(|e| unreadable(path, e))
+            }
+        }
+    }
+}
+
+fn unreadable(path: &Path, error: std::io::Error) -> Error {
+    Error::new(Stage::Package, path.display(), "cannot be read").source(error)
 }
 
 /// One file of a package.
@@ -114,7 +145,12 @@ impl Package {
         bytes: impl Into<Vec<u8>>,
         compare: Compare,
     ) -> Result<()> {
-        self.insert_file(path, PackageFile { content: Content::Bytes(bytes.into()), compare })
+        self.insert_content(path, Content::Bytes(bytes.into()), compare)
+    }
+
+    /// Like [`Package::insert`], of what may be in a file.
+    pub fn insert_content(&mut self, path: &str, content: Content, compare: Compare) -> Result<()> {
+        self.insert_file(path, PackageFile { content, compare })
     }
 
     /// The files in the order of their paths.
@@ -122,11 +158,11 @@ impl Package {
         &self.files
     }
 
-    /// The bytes of a freshly generated file.
+    /// The bytes of a freshly generated file in memory.
     pub fn bytes(&self, path: &str) -> Option<&[u8]> {
         match &self.files.get(path)?.content {
             Content::Bytes(bytes) => Some(bytes),
-            Content::Kept(_) => None,
+            Content::Stored(_) | Content::Kept(_) => None,
         }
     }
 
@@ -207,15 +243,20 @@ fn is_plain(path: &str) -> bool {
 }
 
 fn listed(file: &PackageFile) -> Result<Listed> {
-    let bytes = match (&file.content, file.compare) {
-        (_, Compare::Json { .. }) => {
-            return Ok(Listed { compare: file.compare, sha256: None, bytes: None });
+    let PackageFile { content, compare } = file;
+    let (sha256, bytes) = match compare {
+        // neither the length of a number in text nor that of a compressed picture is fixed
+        Compare::Json { .. } | Compare::Container { .. } => (None, None),
+        Compare::Table { .. } => (None, Some(content.byte_count()?)),
+        Compare::Bytes => {
+            let bytes = content.read()?;
+            (Some(sha256(&bytes)), Some(bytes.len() as u64))
         }
-        (Content::Bytes(bytes), _) => bytes,
-        (Content::Kept(path), _) => &std::fs::read(path)
-            .map_err(|e| Error::new(Stage::Package, path.display(), "cannot be read").source(e))?,
     };
-    let sha256 = (file.compare == Compare::Bytes)
-        .then(|| Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect());
-    Ok(Listed { compare: file.compare, sha256, bytes: Some(bytes.len() as u64) })
+    Ok(Listed { compare: *compare, sha256, bytes })
+}
+
+/// SHA-256, hexadecimal.
+pub fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }

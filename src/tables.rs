@@ -101,6 +101,23 @@ impl Table {
         }
     }
 
+    /// The same with the numbers of [`Table::bytes`], as rounded there.
+    #[must_use]
+    pub fn with_bytes(self, bytes: &[u8]) -> Table {
+        let texels = match self.format.number_bytes() {
+            2 => {
+                bytes.as_chunks().0.iter().map(|&pair| f16::from_le_bytes(pair).to_f64()).collect()
+            }
+            _ => bytes
+                .as_chunks()
+                .0
+                .iter()
+                .map(|&four| f64::from(f32::from_le_bytes(four)))
+                .collect(),
+        };
+        Table { texels, ..self }
+    }
+
     /// Size in bytes.
     pub fn byte_count(&self) -> usize {
         self.width

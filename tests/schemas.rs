@@ -45,6 +45,7 @@ fn generated_files_keep_their_schemas() {
         *counts.entry(name).or_insert(0) += 1;
     }
     assert!(counts["package"] == 1 && counts["variant"] == 2 && counts["table"] >= 3, "{counts:?}");
+    assert_eq!(counts["probe"], 2);
 }
 
 #[test]
@@ -79,6 +80,33 @@ fn schemas_refuse_what_is_missing_wrong_or_too_much() {
             assert!(!schema.is_valid(&value), "{path} without {key}");
         }
     }
+}
+
+/// Probes are lit, unit vectors of 32 bits; a variant with enough terms is near the truth, within a hundredth.
+#[test]
+fn generated_probes_are_what_they_say() {
+    let package = common::package();
+    let path = format!("{}/probe.json", common::VARIANT_FOLDER);
+    let probe: Value = serde_json::from_slice(package.bytes(&path).unwrap()).unwrap();
+    let numbers = |value: &Value| -> Vec<f64> {
+        value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
+    };
+    let probes = probe["probes"].as_array().unwrap();
+    let greatest = |of: &str| {
+        let all = probes.iter().flat_map(|p| numbers(&p[of]["xyz"]));
+        all.fold(0.0, f64::max)
+    };
+    for probe in probes {
+        for direction in ["wi", "wr"] {
+            let v = numbers(&probe[direction]);
+            assert!((v.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 4e-7, "{v:?}");
+            assert!(v.iter().all(|x| f64::from(*x as f32) == *x), "{v:?}");
+        }
+        let tolerance = probe["tolerance"].as_f64().unwrap();
+        assert!(tolerance >= 2e-5 * greatest("expected"));
+        assert!(numbers(&probe["exact"]["xyz"])[1] > 1e-4 * greatest("exact"), "{probe}");
+    }
+    assert!((greatest("expected") / greatest("exact") - 1.0).abs() < 0.1);
 }
 
 #[test]

@@ -46,7 +46,6 @@ pub fn on_orders(
     seed: u64,
 ) -> Vec<Directions> {
     let orders = strongest(height, light);
-    let (sin, cos) = rotate_deg.to_radians().sin_cos();
     let mut random = Random(seed);
     let mut out = Vec::with_capacity(count);
     while out.len() < count {
@@ -54,19 +53,89 @@ pub fn on_orders(
             0 => DVec2::ZERO,
             _ => orders[(random.next() * orders.len() as f64) as usize],
         };
-        let lambda_nm = 400.0 + 300.0 * random.next();
-        let sigma_cpum = 1.0 / (TAU * optics::window_sigma_um(optics, lambda_nm));
-        let (radius, angle) = (2.0 * sigma_cpum * random.next().sqrt(), TAU * random.next());
-        let uv = lambda_nm * 1e-3 * (order + radius * DVec2::from_angle(angle));
-        // (u, v) of the surface, turned back into the frame of the directions
-        let uv = DVec2::new(cos * uv.x - sin * uv.y, sin * uv.x + cos * uv.y);
-        let across = -light.truncate() - uv;
-        let squared = across.length_squared();
-        if squared < 0.99 {
-            out.push(Directions { wi: light, wr: across.extend((1.0 - squared).sqrt()) });
-        }
+        out.extend(near(order, optics, rotate_deg, light, &mut random));
     }
     out
+}
+
+/// A viewing direction within 2σf of an order; `None` where it is evanescent, or nearly.
+fn near(
+    order: DVec2,
+    optics: &Optics,
+    rotate_deg: f64,
+    light: DVec3,
+    random: &mut Random,
+) -> Option<Directions> {
+    let (sin, cos) = rotate_deg.to_radians().sin_cos();
+    let lambda_nm = 400.0 + 300.0 * random.next();
+    let sigma_cpum = 1.0 / (TAU * optics::window_sigma_um(optics, lambda_nm));
+    let (radius, angle) = (2.0 * sigma_cpum * random.next().sqrt(), TAU * random.next());
+    let uv = lambda_nm * 1e-3 * (order + radius * DVec2::from_angle(angle));
+    // (u, v) of the surface, turned back into the frame of the directions
+    let uv = DVec2::new(cos * uv.x - sin * uv.y, sin * uv.x + cos * uv.y);
+    let across = -light.truncate() - uv;
+    let squared = across.length_squared();
+    (squared < 0.99).then(|| Directions { wi: light, wr: across.extend((1.0 - squared).sqrt()) })
+}
+
+/// Lights of a pool, `[theta, phi]` in degrees.
+const LIGHTS: [[f64; 2]; 8] = [
+    [20.0, 0.0],
+    [0.0, 0.0],
+    [40.0, 90.0],
+    [60.0, 200.0],
+    [30.0, 300.0],
+    [50.0, 135.0],
+    [70.0, 20.0],
+    [10.0, 250.0],
+];
+
+/// Candidates for a package's probes, of every kind more than are taken, all components rounded to 32 bits: within 2σf of
+/// the mirror direction of several lights; on their strong orders; lights and viewers spread over the hemisphere, first
+/// any, then those on strong orders.
+pub fn pool(height: &HeightField, optics: &Optics, rotate_deg: f64) -> [Vec<Directions>; 3] {
+    const KIND: usize = 28;
+    const ANYWHERE: usize = 28;
+    const TRIES: usize = 100;
+    let lights = LIGHTS.map(|[theta, phi]| optics::direction(theta, phi));
+    let orders = lights.map(|light| {
+        let mut orders = strongest(height, light);
+        if orders.len() > 1 {
+            orders.retain(|order| *order != DVec2::ZERO);
+        }
+        orders
+    });
+    let mut random = Random(SEED);
+    let mut on_any_order = |i: usize, light: DVec3| {
+        let orders = &orders[i % LIGHTS.len()];
+        let mut draw = || {
+            let at = (random.next() * orders.len() as f64) as usize;
+            let order = orders.get(at).copied().unwrap_or_default();
+            near(order, optics, rotate_deg, light, &mut random)
+        };
+        (0..TRIES).find_map(|_| draw())
+    };
+    let on_orders: Vec<Directions> =
+        (0..KIND).filter_map(|i| on_any_order(i, lights[i % LIGHTS.len()])).collect();
+    let mut other = Random(SEED + 1);
+    // uniform in solid angle, up to 72° from the normal
+    let mut anywhere = || {
+        let (z, angle) = (0.3 + 0.7 * other.next(), TAU * other.next());
+        ((1.0 - z * z).sqrt() * DVec2::from_angle(angle)).extend(z)
+    };
+    let mut spread: Vec<Directions> =
+        (0..ANYWHERE).map(|_| Directions { wi: anywhere(), wr: anywhere() }).collect();
+    spread.extend((0..2 * KIND).filter_map(|i| on_any_order(i, anywhere())));
+    let mut third = Random(SEED + 2);
+    let mirror = (0..KIND)
+        .filter_map(|i| near(DVec2::ZERO, optics, rotate_deg, lights[i % LIGHTS.len()], &mut third))
+        .collect();
+    [mirror, on_orders, spread].map(|all| all.into_iter().map(rounded).collect())
+}
+
+/// Components as 32-bit floats, so that every consumer reads the same.
+fn rounded(Directions { wi, wr }: Directions) -> Directions {
+    Directions { wi: wi.as_vec3().as_dvec3(), wr: wr.as_vec3().as_dvec3() }
 }
 
 /// Frequencies of the strongest orders at 550 nm, cycles per µm, the zero order among them.
@@ -89,8 +158,11 @@ fn strongest(height: &HeightField, light: DVec3) -> Vec<DVec2> {
         // what no viewer sees would be drawn for ever
         .filter(|(_, f)| (light.truncate() + 0.4 * *f).length_squared() < 0.98)
         .collect();
-    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let least = ranked.first().map_or(0.0, |r| 1e-5 * r.0);
+    let largest = ranked.iter().map(|r| r.0).fold(0.0, f64::max);
+    // equally strong orders stay in the order of their bins, whatever their last digits
+    let rank = |strength: f64| (strength / largest * 1e9).round();
+    ranked.sort_by(|a, b| rank(b.0).total_cmp(&rank(a.0)));
+    let least = 1e-5 * largest;
     ranked.into_iter().take(ORDERS).filter(|r| r.0 >= least).map(|r| r.1).collect()
 }
 
@@ -110,6 +182,25 @@ impl Random {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_pool_holds_unit_vectors_of_32_bits_and_repeats() {
+        let heights_um = (0..40).map(|i| 0.005 * f64::from(i)).collect();
+        let height = HeightField::new(40, 1, 0.05, 0.05, heights_um).expect("valid");
+        let optics = Optics::standard();
+        let kinds = pool(&height, &optics, 0.0);
+        assert_eq!(kinds, pool(&height, &optics, 0.0));
+        for (kind, least) in kinds.iter().zip([22, 22, 64]) {
+            assert!(kind.len() >= least, "{}", kind.len());
+            for v in kind.iter().flat_map(|d| [d.wi, d.wr]) {
+                assert!((v.length() - 1.0).abs() < 2e-7 && v.z > 0.0, "{v}");
+                assert_eq!(v, v.as_vec3().as_dvec3());
+            }
+        }
+        for d in &kinds[0] {
+            assert!((d.wi + d.wr).truncate().length() < 0.02, "{d:?}");
+        }
+    }
 
     #[test]
     fn drawn_directions_lie_on_orders_and_repeat() {

@@ -1,6 +1,7 @@
 //! Comparing a package with a folder, without writing.
 
-use std::fs;
+use std::fs::{self, File};
+use std::io::{self, BufRead, BufReader};
 use std::path::Path;
 
 use crate::error::{Error, Result, Stage};
@@ -40,11 +41,18 @@ pub fn check(package: &Package, out: &Path) -> Result<Report> {
             report.missing.push(path.clone());
             continue;
         }
-        let Content::Bytes(fresh) = &file.content else { continue };
-        let disk = fs::read(&on_disk).map_err(|e| {
-            Error::new(Stage::Package, on_disk.display(), "cannot be read").source(e)
-        })?;
-        if !compare::same(file.compare, fresh, &disk) {
+        let unreadable =
+            |e| Error::new(Stage::Package, on_disk.display(), "cannot be read").source(e);
+        let is_same = match &file.content {
+            Content::Kept(_) => true,
+            // nearly always the same bytes, told without holding them
+            Content::Stored(path) if same_bytes(path, &on_disk).map_err(unreadable)? => true,
+            content => {
+                let disk = fs::read(&on_disk).map_err(unreadable)?;
+                compare::same(file.compare, &content.read()?, &disk)
+            }
+        };
+        if !is_same {
             report.changed.push(path.clone());
         }
     }
@@ -62,4 +70,25 @@ pub fn check(package: &Package, out: &Path) -> Result<Report> {
     });
     report.foreign = foreign.collect();
     Ok(report)
+}
+
+/// Whether two files hold the same bytes.
+fn same_bytes(a: &Path, b: &Path) -> io::Result<bool> {
+    let (a, b) = (File::open(a)?, File::open(b)?);
+    if a.metadata()?.len() != b.metadata()?.len() {
+        return Ok(false);
+    }
+    let [mut a, mut b] = [a, b].map(|file| BufReader::with_capacity(1 << 16, file));
+    loop {
+        let (x, y) = (a.fill_buf()?, b.fill_buf()?);
+        let count = x.len().min(y.len());
+        if x[..count] != y[..count] || x.is_empty() != y.is_empty() {
+            return Ok(false);
+        }
+        if count == 0 {
+            return Ok(true);
+        }
+        a.consume(count);
+        b.consume(count);
+    }
 }

@@ -148,7 +148,7 @@ fn build(package: &Package, into: &Path, cancel: &Cancel) -> Result<WriteReport>
         let parent = at.parent().unwrap_or(into);
         let bytes = fs::create_dir_all(parent).and_then(|()| match &file.content {
             Content::Bytes(bytes) => write_file(&at, bytes),
-            Content::Kept(from) => {
+            Content::Stored(from) | Content::Kept(from) => {
                 fs::copy(from, &at).and_then(|n| File::open(&at)?.sync_all().map(|()| n))
             }
         });
@@ -190,9 +190,9 @@ fn carry(package: &Package, old: &Folder, into: &Path) -> Result<Vec<PathBuf>> {
         };
         let is_folder = fs::symlink_metadata(&from).is_ok_and(|found| found.is_dir());
         if fs::symlink_metadata(&to).is_ok() {
-            let fresh =
-                folder::slashed(&path).and_then(|path| package.bytes(&path).map(<[u8]>::to_owned));
-            let is_same = fresh.is_some_and(|fresh| {
+            let fresh = folder::slashed(&path).and_then(|path| package.files().get(&path));
+            let fresh = fresh.filter(|file| !matches!(file.content, Content::Kept(_)));
+            let is_same = fresh.and_then(|file| file.content.read().ok()).is_some_and(|fresh| {
                 fs::read(&from).is_ok_and(|disk| compare::same(Compare::Bytes, &fresh, &disk))
             });
             if is_same || (is_folder && to.is_dir()) {
@@ -289,6 +289,11 @@ fn remove_stale(root: &Path) -> io::Result<()> {
         }
     }
     Ok(())
+}
+
+/// Whether no folder of a run that was cut short stands beside the output.
+pub(super) fn is_tidy(root: &Path) -> bool {
+    [".tmp-", ".old-"].iter().all(|mark| siblings(root, mark).is_ok_and(|found| found.is_empty()))
 }
 
 /// Folders named `ROOT`, a mark and digits.

@@ -6,13 +6,15 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use diffraction_shaders::generate::{self, Generated, Request};
-use diffraction_shaders::package::{self, Package, Report};
+use diffraction_shaders::package::{self, Compare, Package, Report, Stamp};
 use diffraction_shaders::plan::{Plan, Target, Variant};
+use diffraction_shaders::readme;
 use diffraction_shaders::template::Sources;
 
 use crate::Outcome;
 use crate::args::PlanArgs;
 use crate::console::{Console, Diagnostics};
+use crate::unchanged::{self, Expected};
 use crate::{interrupt, progress};
 
 const EXAMPLE: &str = "Examples:
@@ -54,17 +56,23 @@ pub(crate) struct Selection {
     pub(crate) targets: Vec<Target>,
     /// Whether that is the whole plan; else the package is laid over what the folder holds.
     pub(crate) is_whole: bool,
-    /// Whether tables may come from, and go to, the cache.
-    pub(crate) cache: bool,
+    /// Where tables lie until they are written: the cache, or a folder of this run.
+    pub(crate) cache: PathBuf,
+    /// Hash of this program, where a folder that holds the package already is left alone.
+    pub(crate) program: Option<String>,
 }
 
 pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     run_with(args, console, |plan, selection, out| build(plan, selection, out, console))
 }
 
-/// The sealed package of a selection; a partial one is laid over what the folder holds.
-fn build(plan: &Plan, selection: &Selection, out: &Path, console: &Console) -> Result<Package> {
-    let cache = selection.cache.then_some(Path::new(CACHE));
+/// The sealed package of a selection; a partial one is laid over what the folder holds. `None`: the folder holds it.
+fn build(
+    plan: &Plan,
+    selection: &Selection,
+    out: &Path,
+    console: &Console,
+) -> Result<Option<Package>> {
     // a manifest tells all targets of the plan, whichever of them are written anew
     let targets: BTreeSet<Target> =
         plan.targets.iter().chain(&selection.targets).copied().collect();
@@ -78,9 +86,18 @@ fn build(plan: &Plan, selection: &Selection, out: &Path, console: &Console) -> R
         targets: &targets,
         containers: &plan.containers,
         sources: &Sources::builtin(),
-        cache,
+        cache: Some(&selection.cache),
         keep: &keep,
     };
+    let program = selection.program.as_deref();
+    let expected = program.and_then(|p| Expected::new(&request, &plan.text_hash, out, p));
+    if let Some(stamp) = expected.as_ref().and_then(|expected| expected.unchanged(out)) {
+        stamp.notes.iter().for_each(|note| console.note(note));
+        let mib = stamp.bytes as f64 / f64::from(1 << 20);
+        let (out, files) = (out.display(), stamp.file_count());
+        console.note(&format!("{out}: {files} files, {mib:.1} MiB, unchanged"));
+        return Ok(None);
+    }
     let bar = progress::bar(plan.surfaces.len() * selection.variants.len(), "generating");
     let generated = generate::generate(&request, &|_| bar.inc(1));
     bar.finish_and_clear();
@@ -88,7 +105,7 @@ fn build(plan: &Plan, selection: &Selection, out: &Path, console: &Console) -> R
     notes.iter().for_each(|note| console.note(note));
     let mut variants = selection.variants.clone();
     if !selection.is_whole {
-        package.overlay(out, |_| true)?;
+        package.overlay(out, |path| path != readme::FILE)?;
         variants = plan
             .variants
             .iter()
@@ -96,29 +113,47 @@ fn build(plan: &Plan, selection: &Selection, out: &Path, console: &Console) -> R
             .cloned()
             .collect();
     }
-    package.seal(generate::index(&Request { variants: &variants, ..request })?)?;
-    Ok(package)
+    let index = generate::index(&Request { variants: &variants, ..request })?;
+    let readme = readme::readme(&package, &index, &plan.rejected)?;
+    package.insert(readme::FILE, readme, Compare::Bytes)?;
+    package.seal(index)?;
+    if let Some(expected) = expected {
+        // it may be kept before the files are written, for it tells what they have to hold
+        expected.keep(&Stamp::new(&package, expected.inputs.clone(), notes)?);
+    }
+    Ok(Some(package))
 }
 
-/// Finished tables, shared by all runs; safe to delete.
-const CACHE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../target/tables");
-
-/// `build` makes the sealed package of a selection.
+/// `build` makes the sealed package of a selection, or finds that the folder holds it.
 fn run_with(
     args: &Args,
     console: &Console,
-    build: impl FnOnce(&Plan, &Selection, &Path) -> Result<Package> + Send,
+    build: impl FnOnce(&Plan, &Selection, &Path) -> Result<Option<Package>> + Send,
 ) -> Result<Outcome> {
     interrupt::full_disk_is_an_error()?;
-    let cancel = interrupt::install(&args.out)?;
+    let program = unchanged::program();
+    let spilled = match (&program, args.no_cache) {
+        (Some(_), false) => None,
+        _ => Some(unchanged::spill().context("no room for tables")?),
+    };
+    let cache = match (&spilled, &program) {
+        (None, Some(program)) => unchanged::cache(program),
+        (spilled, _) => spilled.as_ref().map_or(PathBuf::new(), |s| s.path().to_owned()),
+    };
+    let cancel = interrupt::install(&args.out, spilled.as_ref().map(tempfile::TempDir::path))?;
     let plan = args.plan.read(console)?;
-    let selection = select(args, &plan)?;
+    let mut selection = select(args, &plan, cache)?;
+    if selection.is_whole && spilled.is_none() && !args.check {
+        selection.program = program;
+    }
     let threads = args.jobs.map_or(0, NonZeroUsize::get);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
         .context("threads cannot be started")?;
-    let package = pool.install(|| build(&plan, &selection, &args.out))?;
+    let Some(package) = pool.install(|| build(&plan, &selection, &args.out))? else {
+        return Ok(Outcome::Done);
+    };
     if args.check {
         let report = package::check(&package, &args.out)?;
         console.data(&told(&report, args))?;
@@ -143,14 +178,15 @@ fn run_with(
     Ok(Outcome::Done)
 }
 
-fn select(args: &Args, plan: &Plan) -> Result<Selection> {
+fn select(args: &Args, plan: &Plan, cache: PathBuf) -> Result<Selection> {
     let targets: Vec<Target> =
         args.target.iter().map(|word| Target::parse(word)).collect::<Result<_, _>>()?;
     Ok(Selection {
         variants: plan.select(&args.variant)?,
         is_whole: args.variant.is_empty() && targets.is_empty(),
         targets: if targets.is_empty() { plan.targets.clone() } else { targets },
-        cache: !args.no_cache,
+        cache,
+        program: None,
     })
 }
 
@@ -178,7 +214,6 @@ mod tests {
     use std::fs;
 
     use clap::Parser;
-    use diffraction_shaders::package::Compare;
 
     use super::*;
     use crate::console::MessageFormat;
@@ -191,7 +226,7 @@ mod tests {
 
     const PLAN: &str = "schema = 1\n[[surface]]\nname = \"a\"\ngrating = { kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 100 }\n";
 
-    fn names(_: &Plan, selection: &Selection, _: &Path) -> Result<Package> {
+    fn names(_: &Plan, selection: &Selection, _: &Path) -> Result<Option<Package>> {
         let mut package = Package::new();
         for variant in &selection.variants {
             package.insert(
@@ -201,7 +236,7 @@ mod tests {
             )?;
         }
         package.seal(BTreeMap::new())?;
-        Ok(package)
+        Ok(Some(package))
     }
 
     #[test]
@@ -241,7 +276,7 @@ mod tests {
                     package.insert(&format!("part/{i}"), vec![b'b'; 20_000], Compare::Bytes)?;
                 }
                 package.seal(BTreeMap::new())?;
-                Ok(package)
+                Ok(Some(package))
             });
             let told = done.map_err(|error| format!("told: {error:#}"));
             assert_eq!(told, Ok(Outcome::Done));

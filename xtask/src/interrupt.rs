@@ -15,8 +15,8 @@ const INTERRUPTED: i32 = 130;
 
 static CANCEL: OnceLock<Cancel> = OnceLock::new();
 
-/// On an interrupt or a termination: cancels the write, removes the temporary folder beside `out`, exits.
-pub(crate) fn install(out: &Path) -> Result<Cancel> {
+/// On an interrupt or a termination: cancels the write, removes the temporary folder beside `out` and another, exits.
+pub(crate) fn install(out: &Path, other: Option<&Path>) -> Result<Cancel> {
     let mut is_new = false;
     let cancel = CANCEL.get_or_init(|| {
         is_new = true;
@@ -24,6 +24,7 @@ pub(crate) fn install(out: &Path) -> Result<Cancel> {
     });
     if is_new {
         let (cancel, temporary) = (cancel.clone(), temporary_folder(out)?);
+        let other = other.map(Path::to_owned);
         let stop = move || {
             cancel.cancel();
             // The writer may be in the middle of a file, and make another before it sees the flag.
@@ -32,6 +33,9 @@ pub(crate) fn install(out: &Path) -> Result<Cancel> {
                     break;
                 }
                 std::thread::sleep(Duration::from_millis(10));
+            }
+            if let Some(other) = &other {
+                let _ = fs::remove_dir_all(other);
             }
             std::process::exit(INTERRUPTED);
         };

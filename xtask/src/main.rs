@@ -17,6 +17,7 @@ mod reexec;
 mod render;
 mod runners;
 mod test;
+mod unchanged;
 mod validate;
 
 use std::process::ExitCode;

@@ -1,0 +1,124 @@
+//! Names of computed things: hashes of everything that their numbers come from.
+
+use serde_json::{Value, json};
+
+use crate::error::{Error, Stage};
+use crate::package::sha256;
+use crate::plan::{
+    Auto, Mode, Optics, SurfaceSource, SurfaceSpec, TableFormat, Variant, Wavelengths,
+};
+use crate::tables::{TERMS, Table};
+
+use super::TOOL_VERSION;
+
+/// Identity of a table of a variant on a surface with that hash.
+pub(super) fn table_id(
+    table: &Table,
+    spec: &SurfaceSpec,
+    surface_hash: &str,
+    variant: &Variant,
+) -> String {
+    if table.binding == TERMS {
+        terms_id(surface_hash, variant)
+    } else {
+        spectrum_id(spec, surface_hash, variant)
+    }
+}
+
+/// Identity of the probes' directions and exact colours: of all optics, only the conversion to RGB has no part in them.
+pub(super) fn exact_id(surface_hash: &str, optics: &Optics) -> String {
+    let Optics { coherence_um, coherence, coherence_scaling, refractive_index, shadowing, .. } =
+        optics;
+    let illuminant = illuminant(optics);
+    let inputs = json!([
+        TOOL_VERSION,
+        surface_hash,
+        coherence_um,
+        coherence,
+        coherence_scaling,
+        refractive_index,
+        shadowing,
+        illuminant
+    ]);
+    format!("exact-{}", hash(&inputs))
+}
+
+/// Identity of the probes' expected colours.
+pub(super) fn expected_id(surface_hash: &str, variant: &Variant) -> String {
+    let inputs = json!([exact_id(surface_hash, &variant.optics), variant.hash()]);
+    format!("expected-{}", hash(&inputs))
+}
+
+/// Identity of a term table: everything that its numbers and its size come from.
+fn terms_id(surface_hash: &str, variant: &Variant) -> String {
+    let terms = match variant.terms {
+        Auto::Value(terms) => json!(terms),
+        Auto::Auto => json!({ "error": variant.term_error }),
+    };
+    let radius = match (variant.mode, variant.window_radius) {
+        (Mode::Adaptive, _) => {
+            let optics = &variant.optics;
+            json!(["adaptive", optics.coherence_um, optics.coherence_scaling])
+        }
+        (_, Auto::Value(radius)) => json!(radius),
+        (Mode::Pq, Auto::Auto) => json!(["pq", variant.periods, variant.optics.coherence_um]),
+        (_, Auto::Auto) => {
+            let optics = &variant.optics;
+            json!([optics.coherence_um, optics.coherence_scaling, variant.wavelengths.max_nm])
+        }
+    };
+    let inputs = json!([
+        TOOL_VERSION,
+        surface_hash,
+        variant.basis,
+        terms,
+        radius,
+        variant.wavelengths.min_nm,
+        variant.packing,
+        variant.table,
+    ]);
+    format!("terms-{}", &hash(&inputs)[..12])
+}
+
+fn spectrum_id(spec: &SurfaceSpec, surface_hash: &str, variant: &Variant) -> String {
+    let illuminant = illuminant(&variant.optics);
+    let rotate_deg = spec.rotate_deg;
+    let Wavelengths { min_nm, max_nm, .. } = variant.wavelengths;
+    let mut inputs = match variant.mode {
+        Mode::Full | Mode::Pq => json!([TOOL_VERSION, illuminant, variant.wavelengths, rotate_deg]),
+        Mode::Adaptive => {
+            json!([TOOL_VERSION, "adaptive", illuminant, min_nm, max_nm, rotate_deg])
+        }
+        Mode::Gems => json!([TOOL_VERSION, "gems", surface_hash]),
+    };
+    if variant.table == TableFormat::F16 {
+        // the scales of the terms are in it
+        inputs = json!([inputs, terms_id(surface_hash, variant)]);
+    }
+    format!("spectrum-{}", &hash(&inputs)[..12])
+}
+
+/// Hash of what a height field is made from: its formula, or its file's bytes with scale and preparation. Neither its
+/// name nor its path counts.
+pub(super) fn surface_hash(spec: &SurfaceSpec) -> Result<String, Error> {
+    let source = match &spec.source {
+        SurfaceSource::Grating(grating) => json!(grating),
+        SurfaceSource::File(file) => {
+            let bytes = std::fs::read(&file.path).map_err(|e| {
+                Error::new(Stage::Height, file.path.display(), "cannot be read").source(e)
+            })?;
+            json!([sha256(&bytes), file.size_um, file.pixel_um, file.height_um, file.z_unit_um])
+        }
+    };
+    Ok(hash(&json!([source, spec.rotate_deg, spec.level, spec.clip_percent])))
+}
+
+pub(super) fn hash(inputs: &Value) -> String {
+    sha256(inputs.to_string().as_bytes())
+}
+
+/// Of an illuminant: its name, or of a file what is in it.
+pub(super) fn illuminant(optics: &Optics) -> String {
+    let name = &optics.illuminant;
+    std::fs::read(name).map_or_else(|_| name.clone(), |bytes| sha256(&bytes))
+}

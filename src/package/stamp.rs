@@ -1,0 +1,71 @@
+//! What a run wrote and from what, to tell that the next one has nothing to do.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result, Stage};
+
+use super::{Package, folder, sha256, write};
+
+/// Hashes of all that a package was made from and of every file in it, to the byte. It lies outside the package, on the
+/// machine that made it, because numbers may differ in their last digits between processors.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Stamp {
+    /// Hash of the inputs, the program among them.
+    pub inputs: String,
+    /// What the run told its user.
+    pub notes: Vec<String>,
+    /// SHA-256 of every file by its path, hexadecimal.
+    files: BTreeMap<String, String>,
+    /// Size of all files, bytes.
+    pub bytes: u64,
+}
+
+impl Stamp {
+    /// Of a sealed package. Time: one hash of every file, on all cores.
+    pub fn new(package: &Package, inputs: String, notes: Vec<String>) -> Result<Stamp> {
+        let files: Vec<_> = package.files().iter().collect();
+        let hashes = files.into_par_iter().map(|(path, file)| {
+            let bytes = file.content.read()?;
+            Ok((path.clone(), (sha256(&bytes), bytes.len() as u64)))
+        });
+        let hashes: Vec<(String, (String, u64))> = hashes.collect::<Result<_>>()?;
+        let bytes = hashes.iter().map(|(_, (_, bytes))| bytes).sum();
+        let files = hashes.into_iter().map(|(path, (hash, _))| (path, hash)).collect();
+        Ok(Stamp { inputs, notes, files, bytes })
+    }
+
+    /// Reads one; `None` where there is none to be read.
+    pub fn read(file: &Path) -> Option<Stamp> {
+        serde_json::from_slice(&fs::read(file).ok()?).ok()
+    }
+
+    /// Writes it.
+    pub fn write(&self, file: &Path) -> Result<()> {
+        let error = || Error::new(Stage::Package, file.display(), "cannot be written");
+        let text = serde_json::to_vec(self).map_err(|e| error().source(e))?;
+        let folder = file.parent().map_or(Ok(()), fs::create_dir_all);
+        folder.and_then(|()| fs::write(file, text)).map_err(|e| error().source(e))
+    }
+
+    /// Whether a folder holds every file as it was written, and nothing that a run would tidy up. Files that are not of
+    /// the package do not count. Time: one hash of every file, on all cores.
+    pub fn holds(&self, out: &Path) -> bool {
+        let Ok(root) = folder::resolve(out) else { return false };
+        let is_same = |(path, expected): (&String, &String)| {
+            fs::read(root.join(path)).is_ok_and(|bytes| sha256(&bytes) == *expected)
+        };
+        write::is_tidy(&root)
+            && !self.files.is_empty()
+            && self.files.iter().collect::<Vec<_>>().into_par_iter().all(is_same)
+    }
+
+    /// Number of files.
+    pub fn file_count(&self) -> usize {
+        self.files.len()
+    }
+}
