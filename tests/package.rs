@@ -7,7 +7,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use diffraction_shaders::package::{self, Cancel, Compare, JSON_TOLERANCE, Package, Report};
+use diffraction_shaders::package::{
+    self, Cancel, Compare, Content, JSON_TOLERANCE, Package, Report, Stamp,
+};
+use diffraction_shaders::plan::TableFormat;
 
 fn package(files: &[(&str, &str)]) -> Package {
     let mut package = Package::new();
@@ -273,4 +276,59 @@ fn a_killed_writer_leaves_one_whole_output() {
     }
     package::write(&package(&[("x", "1")]), &out).unwrap();
     assert!(leftovers(&out).is_empty(), "the next run removes what the killed ones left");
+}
+
+#[test]
+fn stored_files_are_written_and_checked_like_those_in_memory() {
+    let base = tempfile::tempdir().unwrap();
+    let (out, stored) = (base.path().join("out"), base.path().join("stored"));
+    let bytes: Vec<u8> = (0..50_000_u32).flat_map(|i| (i as f32).to_le_bytes()).collect();
+    fs::write(&stored, &bytes).unwrap();
+    let compare = Compare::Table { format: TableFormat::F32, tolerance: 1e-6, layer: 0 };
+    let mut fresh = Package::new();
+    fresh.insert_content("table.bin", Content::Stored(stored.clone()), compare).unwrap();
+    fresh.seal(BTreeMap::new()).unwrap();
+    assert_eq!(fresh.bytes("table.bin"), None);
+    package::write(&fresh, &out).unwrap();
+    assert_eq!(fs::read(out.join("table.bin")).unwrap(), bytes);
+    assert!(!package::check(&fresh, &out).unwrap().is_stale());
+    for (value, is_stale) in [(49_000.001_f32, false), (7.0, true)] {
+        let mut edited = bytes.clone();
+        edited[4 * 49_000..][..4].copy_from_slice(&value.to_le_bytes());
+        fs::write(out.join("table.bin"), &edited).unwrap();
+        assert_eq!(package::check(&fresh, &out).unwrap().is_stale(), is_stale, "{value}");
+    }
+    assert_eq!(fs::read(&stored).unwrap(), bytes, "an edit of the output reaches nothing else");
+    fs::write(out.join("table.bin"), &bytes[4..]).unwrap();
+    assert!(package::check(&fresh, &out).unwrap().is_stale());
+}
+
+#[test]
+fn a_stamp_holds_until_any_file_is_edited_or_gone() {
+    let base = tempfile::tempdir().unwrap();
+    let out = base.path().join("out");
+    let fresh = package(&[("a/x", "1"), ("y", "2")]);
+    let stamp = Stamp::new(&fresh, "inputs".into(), vec!["note".into()]).unwrap();
+    let file = base.path().join("stamps/one.json");
+    stamp.write(&file).unwrap();
+    assert_eq!(Stamp::read(&file).as_ref(), Some(&stamp));
+    assert!(!stamp.holds(&out), "nothing is written yet");
+    let write = || package::write(&fresh, &out).unwrap();
+    write();
+    assert!(stamp.holds(&out));
+    fs::write(out.join("mine"), "mine").unwrap();
+    assert!(stamp.holds(&out), "files that are not ours do not count");
+    for path in ["a/x", "y", "manifest.json"] {
+        fs::write(out.join(path), "edited").unwrap();
+        assert!(!stamp.holds(&out), "{path} edited");
+        fs::remove_file(out.join(path)).unwrap();
+        assert!(!stamp.holds(&out), "{path} gone");
+        if path == "manifest.json" {
+            fs::remove_dir_all(&out).unwrap();
+        }
+        write();
+        assert!(stamp.holds(&out));
+    }
+    fs::create_dir(base.path().join("out.tmp-4711")).unwrap();
+    assert!(!stamp.holds(&out), "there is something to tidy up");
 }

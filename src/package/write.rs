@@ -6,6 +6,8 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use rayon::prelude::*;
+
 use crate::error::{Error, Result, Stage};
 
 use super::folder::{self, Folder, sibling};
@@ -140,6 +142,9 @@ fn interrupted(out: &Path) -> Error {
 fn build(package: &Package, into: &Path, cancel: &Cancel) -> Result<WriteReport> {
     let mut report = WriteReport::default();
     let mut folders = BTreeSet::from([into.to_owned()]);
+    let fail = |path: &str, e: io::Error| {
+        Error::new(Stage::Package, format!("generated file {path}"), "cannot be written").source(e)
+    };
     for (path, file) in package.files() {
         if cancel.is_cancelled() {
             return Err(interrupted(into));
@@ -148,17 +153,19 @@ fn build(package: &Package, into: &Path, cancel: &Cancel) -> Result<WriteReport>
         let parent = at.parent().unwrap_or(into);
         let bytes = fs::create_dir_all(parent).and_then(|()| match &file.content {
             Content::Bytes(bytes) => write_file(&at, bytes),
-            Content::Stored(from) | Content::Kept(from) => {
-                fs::copy(from, &at).and_then(|n| File::open(&at)?.sync_all().map(|()| n))
-            }
+            Content::Stored(from) | Content::Kept(from) => fs::copy(from, &at),
         });
         report.files += 1;
-        report.bytes += bytes.map_err(|e| {
-            Error::new(Stage::Package, format!("generated file {path}"), "cannot be written")
-                .source(e)
-        })?;
+        report.bytes += bytes.map_err(|e| fail(path, e))?;
         folders.insert(parent.to_owned());
     }
+    // Once all are written: the first waits for the disk, and most others find their data there.
+    package.files().par_iter().try_for_each(|(path, _)| {
+        if cancel.is_cancelled() {
+            return Err(interrupted(into));
+        }
+        File::open(into.join(path)).and_then(|file| file.sync_all()).map_err(|e| fail(path, e))
+    })?;
     folders.iter().for_each(|folder| sync_folder(folder));
     Ok(report)
 }
@@ -166,7 +173,6 @@ fn build(package: &Package, into: &Path, cancel: &Cancel) -> Result<WriteReport>
 fn write_file(at: &Path, bytes: &[u8]) -> io::Result<u64> {
     let mut file = OpenOptions::new().write(true).create_new(true).open(at)?;
     file.write_all(bytes)?;
-    file.sync_all()?;
     Ok(bytes.len() as u64)
 }
 
