@@ -53,7 +53,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     });
 
     // the tables, and light from 20° on the right
-    let texture = |[width, height, depth_or_array_layers], usage| TextureDescriptor {
+    let texture = |[width, height, depth_or_array_layers]: [u32; 3], usage| TextureDescriptor {
         label: None,
         size: Extent3d { width, height, depth_or_array_layers },
         mip_level_count: 1,

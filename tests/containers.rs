@@ -296,7 +296,10 @@ fn containers_are_checked_by_value_and_their_headers_by_bytes() {
         other[writer] = b'D';
         for wrong in [&other[..], &file[..file.len() - 4], b"nonsense"] {
             fs::write(out.join(&path), wrong).unwrap();
-            assert_eq!(package::check(&package, &out).unwrap().changed, [path.clone()]);
+            assert_eq!(
+                package::check(&package, &out).unwrap().changed,
+                std::slice::from_ref(&path)
+            );
         }
         fs::write(out.join(&path), file).unwrap();
         assert!(!package::check(&package, &out).unwrap().is_stale());
