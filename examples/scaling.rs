@@ -25,6 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             surfaces: &plan.surfaces,
             variants: &plan.variants,
             targets: &Target::all(),
+            containers: &[],
             sources: &Sources::builtin(),
             cache: Some(&cache),
             keep: &|_, _| false,

@@ -171,7 +171,7 @@ fn assert_finding(edits: &[(&str, &str)], rule: &str, message: &str) {
 #[test]
 fn the_clean_shader_passes_every_lint() {
     assert_eq!(findings(CLEAN), []);
-    assert_eq!(LINTS.len(), 7, "add both cases of the new rule below");
+    assert_eq!(LINTS.len(), 8, "add both cases of the new rule below");
 }
 
 #[test]
@@ -302,6 +302,20 @@ fn no_gather() {
         findings(&sampled("textureGather(0, table, linear, place)")),
         [("texture-gather".to_owned(), message.to_owned())]
     );
+}
+
+#[test]
+fn no_dynamic_index_into_a_variable() {
+    let rule = "dynamic-indexing";
+    // a uniform array may be indexed so, and a variable by a number that is known
+    let uniform = ("params.rows[1]", "params.rows[i32(place.x)]");
+    assert_eq!(findings(&with(&[uniform])), []);
+    let known = ("let row = params.rows[1];", "var a = array<vec4f, 2>();\n    let row = a[1];");
+    assert_eq!(findings(&with(&[known])), []);
+    let message = "a variable is indexed by a number known only at run time";
+    let local =
+        ("let row = params.rows[1];", "var a = array<vec4f, 2>(); let row = a[i32(place.x)];");
+    assert_finding(&[local], rule, &format!("13:42: {message}"));
 }
 
 #[test]

@@ -56,6 +56,12 @@ pub const LINTS: &[Lint] = &[
         find: fragment::gather,
     },
     Lint {
+        name: "dynamic-indexing",
+        why: "an array, vector or matrix in a variable that is indexed by a number known only at run time spills out of \
+              registers, and compilers of HLSL reject it in constants; uniform arrays and textures are the places for that",
+        find: fragment::dynamic_indices,
+    },
+    Lint {
         name: "fragment-struct",
         why: "some drivers keep members of structs in fragment code in half precision; uniform blocks are exempt as \
               long as their members are read one by one",

@@ -7,7 +7,7 @@ use crate::plan::{Mode, Variant};
 use super::{Lobes, Resolved};
 
 /// What one lit pixel costs, whatever the driver. The modes with uniform wavelengths cost the same everywhere;
-/// `adaptive` costs what its direction meets, counted over [`mean_and_worst`]'s directions.
+/// `adaptive` costs what its direction meets, counted over `mean_and_worst`'s directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Cost {
     /// Evaluations of the amplitude, at worst: wavelength nodes, or lobes.

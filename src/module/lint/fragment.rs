@@ -24,6 +24,35 @@ pub fn gather(subject: &Subject) -> Vec<Diagnostic> {
     spans.map(|span| subject.locator.diagnostic("`textureGather` is used", span)).collect()
 }
 
+/// No index known only at run time into anything but a uniform block.
+pub fn dynamic_indices(subject: &Subject) -> Vec<Diagnostic> {
+    let functions = subject.ir.functions.iter().map(|(_, function)| function);
+    let all = functions.chain(subject.ir.entry_points.iter().map(|entry| &entry.function));
+    let spans = all.flat_map(|function| {
+        let dynamic = function.expressions.iter().filter(|(_, expression)| {
+            matches!(expression, Expression::Access { base, .. } if !is_global(function, *base))
+        });
+        dynamic.map(|(handle, _)| function.expressions.get_span(handle))
+    });
+    let find = |span| {
+        let message = "a variable is indexed by a number known only at run time";
+        subject.locator.diagnostic(message, span).help("read a texture, or write the cases out")
+    };
+    spans.map(find).collect()
+}
+
+/// Whether what is accessed lies in a global variable.
+fn is_global(function: &Function, expression: Handle<Expression>) -> bool {
+    match function.expressions[expression] {
+        Expression::GlobalVariable(_) => true,
+        Expression::Access { base, .. } | Expression::AccessIndex { base, .. } => {
+            is_global(function, base)
+        }
+        Expression::Load { pointer } => is_global(function, pointer),
+        _ => false,
+    }
+}
+
 /// No value, variable, argument or result of struct type in functions that a fragment shader reaches.
 pub fn structs(subject: &Subject) -> Vec<Diagnostic> {
     let mut reached = BTreeSet::new();
