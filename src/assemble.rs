@@ -6,10 +6,10 @@ use crate::diagnostic::Diagnostic;
 use crate::error::Result;
 use crate::height::HeightField;
 use crate::module::{Module, compile};
-use crate::plan::{Coherence, CoherenceScaling, Colour, Packing, Variant};
+use crate::plan::{Coherence, CoherenceScaling, Colour, Mode, Packing, TableFormat, Variant};
 use crate::resolve::Resolved;
 use crate::spectrum::{Sample, Spectrum};
-use crate::tables::{self, Table, spectrum_table, terms_table};
+use crate::tables::{self, SPECTRUM, Table, grating_table, spectrum_table, terms_table};
 use crate::template::{Constant, Defines, Sources, specialise};
 use crate::terms::Terms;
 
@@ -29,7 +29,13 @@ pub fn defines(
         ("COHERENCE_SCALES", optics.coherence_scaling == CoherenceScaling::Wavelength),
         ("COLOUR_THESIS", optics.colour == Colour::Thesis),
         ("ENSEMBLE", optics.coherence == Coherence::Ensemble),
+        ("HALF", variant.table == TableFormat::F16),
         ("HOIST", variant.hoist),
+        ("MODE_ADAPTIVE", variant.mode == Mode::Adaptive),
+        ("MODE_FULL", variant.mode == Mode::Full),
+        ("MODE_GEMS", variant.mode == Mode::Gems),
+        ("MODE_PQ", variant.mode == Mode::Pq),
+        ("MONOCHROMATIC", wavelengths == 1),
         ("PAIRED", variant.packing == Packing::Paired),
         ("ROTATED", rotate_deg != 0.0),
         ("SHADOWING", optics.shadowing),
@@ -40,10 +46,20 @@ pub fn defines(
         ("CENTRE_ROW", count(resolved.bins.s_max)),
         ("COHERENCE_UM", Constant::F32(optics.coherence_um)),
         ("LAYER_COUNT", count(resolved.layers as usize)),
+        ("MAJOR_COUNT", count(resolved.corridor.majors as usize)),
+        ("MINOR_COUNT", count(resolved.corridor.minors as usize)),
+        ("PANEL_COUNT", count(resolved.corridor.panels as usize)),
         ("PATCH_HEIGHT_UM", Constant::F32(resolved.patch_um[1])),
         ("PATCH_WIDTH_UM", Constant::F32(resolved.patch_um[0])),
+        ("PERIOD_COLUMNS", Constant::F32(f64::from(resolved.periods[0]))),
+        ("PERIOD_ROWS", Constant::F32(f64::from(resolved.periods[1]))),
+        ("PIXEL_COLUMNS", Constant::F32(f64::from(resolved.pixels[0]))),
+        ("PIXEL_ROWS", Constant::F32(f64::from(resolved.pixels[1]))),
         ("REFRACTIVE_INDEX", Constant::F32(optics.refractive_index)),
+        ("TAP_COLUMNS", count(resolved.taps[0] as usize)),
+        ("TAP_ROWS", count(resolved.taps[1] as usize)),
         ("WAVELENGTH_COUNT", count(wavelengths)),
+        ("WAVELENGTH_MAX_UM", Constant::F32(variant.wavelengths.max_nm * 1e-3)),
         ("WAVELENGTH_MIN_UM", Constant::F32(variant.wavelengths.min_nm * 1e-3)),
         ("WINDOW_RADIUS", count(resolved.window_radius as usize)),
     ];
@@ -67,32 +83,61 @@ pub fn shader(
     compile(&specialised, sources, name)
 }
 
-/// The term table, unrounded. Time: one two-dimensional transform per two terms.
-pub fn terms(variant: &Variant, resolved: &Resolved, height: &HeightField) -> Table {
-    terms_table(
-        &Terms::new(height, &resolved.expansion, resolved.bins),
-        variant.packing,
-        variant.table,
-    )
+/// The tables of a variant in the order of their bindings, unrounded. Time: one two-dimensional transform per two terms.
+pub fn tables(
+    variant: &Variant,
+    resolved: &Resolved,
+    height: &HeightField,
+    rotate_deg: f64,
+) -> Result<Vec<Table>> {
+    let mut all = shapes(variant, resolved, rotate_deg)?;
+    for table in all.iter_mut().filter(|table| table.binding == tables::TERMS) {
+        *table = terms(variant, resolved, height);
+    }
+    Ok(all)
 }
 
-/// The term table without its texels.
-pub fn terms_shape(variant: &Variant, resolved: &Resolved) -> Table {
-    tables::terms_shape(
-        resolved.bins,
-        resolved.expansion.terms as usize,
-        variant.packing,
-        variant.table,
-    )
+/// The same with the term table's texels left out.
+pub fn shapes(variant: &Variant, resolved: &Resolved, rotate_deg: f64) -> Result<Vec<Table>> {
+    let mut all = Vec::new();
+    if variant.mode != Mode::Gems {
+        all.push(tables::terms_shape(
+            resolved.bins,
+            resolved.expansion.terms as usize,
+            variant.packing,
+            variant.table,
+        ));
+    }
+    all.push(spectrum(variant, resolved, rotate_deg)?);
+    Ok(all)
+}
+
+/// The term table, unrounded.
+pub fn terms(variant: &Variant, resolved: &Resolved, height: &HeightField) -> Table {
+    let terms = Terms::new(height, &resolved.expansion, resolved.bins);
+    terms_table(&terms, variant.packing, variant.table, resolved.scale)
 }
 
 /// The spectrum table, unrounded.
-pub fn spectrum(variant: &Variant, rotate_deg: f64) -> Result<Table> {
-    let spectrum = Spectrum::new(&variant.optics.illuminant)?;
-    Ok(spectrum_table(&spectrum.samples(&variant.wavelengths), rotate_deg))
+fn spectrum(variant: &Variant, resolved: &Resolved, rotate_deg: f64) -> Result<Table> {
+    let samples = match variant.mode {
+        Mode::Gems => return Ok(grating_table(resolved.grating_um, rotate_deg)),
+        Mode::Full | Mode::Pq => {
+            Spectrum::new(&variant.optics.illuminant)?.samples(&variant.wavelengths)
+        }
+        Mode::Adaptive => {
+            Spectrum::new(&variant.optics.illuminant)?.wavenumber_samples(&variant.wavelengths)
+        }
+    };
+    Ok(spectrum_table(&samples, rotate_deg, resolved.scale))
 }
 
 /// A spectrum table of one wavelength, nm, with weight 1: the shader then returns `C·|P|²` there.
-pub fn single_wavelength(lambda_nm: f64, rotate_deg: f64) -> Table {
-    spectrum_table(&[Sample { lambda_nm, xyz: [1.0; 3] }], rotate_deg)
+pub fn single_wavelength(resolved: &Resolved, lambda_nm: f64, rotate_deg: f64) -> Table {
+    spectrum_table(&[Sample { lambda_nm, xyz: [1.0; 3] }], rotate_deg, resolved.scale)
+}
+
+/// Nodes of the spectrum among a variant's tables.
+pub fn node_count(tables: &[Table]) -> usize {
+    tables.iter().find(|t| t.binding == SPECTRUM).map_or(0, |t| t.width)
 }

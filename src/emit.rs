@@ -4,8 +4,16 @@
 //! belong to the engine; loops get no artificial bounds; overrides are resolved before a writer runs. Run-time bounds
 //! checks are off: the templates keep every index and texel coordinate in range by construction, and checks in the
 //! innermost loop cost up to half of the speed. WGSL keeps the checks that its implementation adds.
+//!
+//! Beside whole shaders there are function forms, for engines that want a piece of text to paste or to register: the
+//! functions of [`FUNCTIONS`] and what they need, without entry points, bindings and uniform blocks. A function form
+//! comes with the targets of its language: `.fn.wgsl` with `wgsl`, `.fn.glsl` with `glsl450` and with `glsl-es300`
+//! (one file, the same for both), `.fn.hlsl` with `hlsl`.
 
+mod function;
 mod glsl;
+mod hlsl;
+mod msl;
 mod spirv;
 mod wgsl;
 
@@ -27,6 +35,9 @@ use crate::{
 const MAIN_FRAGMENT: &str = "map";
 const MAIN_VERTEX: &str = "vert";
 
+/// The functions that the function forms offer, the first of them first in `.fn.wgsl`; the second is optional.
+pub const FUNCTIONS: [&str; 2] = ["diffraction", "tristimulus"];
+
 /// One file of one target.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EmittedFile {
@@ -38,8 +49,10 @@ pub struct EmittedFile {
     pub bytes: Vec<u8>,
     /// Those in the file, in the order of the template text; only WGSL has more than one.
     pub entry_points: Vec<EntryPoint>,
-    /// The resources that these entry points read, in the order of the template text.
+    /// The resources that these entry points or functions read, in the order of the template text.
     pub bindings: Vec<BindingName>,
+    /// What a function form offers; empty for whole shaders.
+    pub functions: Vec<Function>,
 }
 
 impl EmittedFile {
@@ -59,6 +72,15 @@ pub struct EntryPoint {
     pub source_name: String,
     /// Its name in the file.
     pub emitted_name: String,
+}
+
+/// A function that engine code can call.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Function {
+    /// Its name, the same in the templates and in the file.
+    pub name: String,
+    /// How the file declares it.
+    pub signature: String,
 }
 
 /// What is bound.
@@ -88,7 +110,8 @@ pub struct BindingName {
     pub group: u32,
     /// Binding in the templates.
     pub binding: u32,
-    /// Binding written in the emitted text; `None` where the language has no place for it and the engine sets it.
+    /// Binding written in the emitted text: in HLSL the number of register `b` or `t`, in Metal that of the `buffer` or
+    /// `texture` slot; `None` where the language has no place for it and the engine sets it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub emitted_binding: Option<u32>,
     /// What is bound.
@@ -97,12 +120,16 @@ pub struct BindingName {
 
 /// Writes the files of one target.
 pub fn emit(module: &Module, target: Target) -> Result<Vec<EmittedFile>> {
-    match target {
+    let mut files = match target {
         Target::Wgsl => wgsl::emit(module),
         Target::Glsl450 => glsl::emit_450(module),
         Target::GlslEs300 => glsl::emit_es300(module),
         Target::Spirv => spirv::emit(module),
-    }
+        Target::Hlsl => hlsl::emit(module),
+        Target::Msl => msl::emit(module),
+    }?;
+    files.extend(function::emit(module, target)?);
+    Ok(files)
 }
 
 /// See the module's documentation for the reason.
@@ -119,6 +146,32 @@ struct Single {
     stage: Stage,
     ir: naga::Module,
     info: naga::valid::ModuleInfo,
+}
+
+/// A whole module with its overrides resolved.
+fn resolved(module: &Module, target: Target) -> Result<(naga::Module, naga::valid::ModuleInfo)> {
+    let constants = naga::back::PipelineConstants::default();
+    let (ir, info) = naga::back::pipeline_constants::process_overrides(
+        module.ir(),
+        module.info(),
+        None,
+        &constants,
+    )
+    .map_err(|error| failure(module, target, error))?;
+    Ok((ir.into_owned(), info.into_owned()))
+}
+
+/// The entry points of a module with the names that a writer gave them; one that it left out is an error.
+fn entry_points(
+    module: &Module,
+    emitted: impl IntoIterator<Item = Result<String, String>>,
+) -> Result<Vec<EntryPoint>, String> {
+    let pairs = module.entry_points().zip(emitted);
+    let named = pairs.map(|((name, stage), emitted)| {
+        let emitted_name = emitted.map_err(|cause| format!("entry point `{name}`: {cause}"))?;
+        Ok(EntryPoint { stage, source_name: name.to_owned(), emitted_name })
+    });
+    named.collect()
 }
 
 /// The entry points of a module, each on its own.
@@ -172,11 +225,6 @@ fn bindings(ir: &naga::Module) -> Vec<(naga::Handle<naga::GlobalVariable>, Bindi
 }
 
 fn failure(module: &Module, target: Target, cause: impl fmt::Display) -> Error {
-    let target = match target {
-        Target::Wgsl => "wgsl",
-        Target::Glsl450 => "glsl450",
-        Target::GlslEs300 => "glsl-es300",
-        Target::Spirv => "spirv",
-    };
-    Error::new(error::Stage::Shader, format_args!("{}: {target}", module.name()), cause)
+    let subject = format!("{}: {}", module.name(), target.as_str());
+    Error::new(error::Stage::Shader, subject, cause)
 }

@@ -11,16 +11,19 @@ use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 use crate::assemble;
+use crate::bindings;
 use crate::diagnostic::Diagnostic;
 use crate::emit::{EmittedFile, emit};
 use crate::error::{Error, Stage};
-use crate::height::{self, Surface};
+use crate::height::{self, HeightField, Surface};
 use crate::manifest::{SCHEMA_VERSION, Subject, TableEntry, describe, manifest};
 use crate::module::Module;
 use crate::package::{Compare, JSON_TOLERANCE, Package};
-use crate::plan::{Auto, SurfaceSource, SurfaceSpec, Target, Variant};
+use crate::plan::{
+    Auto, Mode, SurfaceSource, SurfaceSpec, TableFormat, Target, Variant, Wavelengths,
+};
 use crate::resolve::{Resolved, resolve};
-use crate::tables::Table;
+use crate::tables::{TERMS, Table};
 use crate::template::Sources;
 
 /// Version of this tool, a part of every input hash.
@@ -49,8 +52,21 @@ pub struct Request<'a> {
 pub struct Generated {
     /// Shaders, tables, manifests of variants.
     pub package: Package,
-    /// What was filled, clipped, extruded.
+    /// What was filled, clipped, extruded; and the gaps.
     pub notes: Vec<String>,
+    /// Variants that a surface has no use for.
+    pub gaps: Vec<Gap>,
+}
+
+/// A variant that cannot be built on a surface, and why: a listed fact, not a failure of the others.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Gap {
+    /// Name of the surface.
+    pub surface: String,
+    /// Name of the variant.
+    pub variant: String,
+    /// Why.
+    pub reason: String,
 }
 
 /// Generates everything, or returns every error. `done` is called with the label of each finished step.
@@ -59,9 +75,27 @@ pub fn generate(
     done: &(dyn Fn(&str) + Sync),
 ) -> Result<Generated, Vec<Diagnostic>> {
     let surfaces = load(request)?;
-    let pairs: Vec<(&Loaded, &Variant)> =
-        surfaces.iter().flat_map(|s| request.variants.iter().map(move |v| (s, v))).collect();
-    let built = all_or_errors(pairs.into_par_iter().map(|(s, v)| build(request, s, v)).collect())?;
+    let mut gaps = Vec::new();
+    let mut pairs = Vec::new();
+    for surface in &surfaces {
+        for variant in request.variants {
+            match gap(&surface.spec, variant, &surface.surface.field) {
+                Some(gap) => gaps.push(gap),
+                None => pairs.push((surface, variant)),
+            }
+        }
+    }
+    if let (true, Some(gap)) = (pairs.is_empty(), gaps.first()) {
+        let subject = format!("{} {}", gap.surface, gap.variant);
+        let error = Error::new(
+            Stage::Compute,
+            subject,
+            format!("nothing is left to generate: {}", gap.reason),
+        );
+        return Err(vec![Diagnostic::from(&error)]);
+    }
+    let built = pairs.into_par_iter().map(|(s, v)| build(request, s, v));
+    let built = all_or_errors(built.collect())?;
     let mut package = Package::new();
     let mut written = BTreeSet::new();
     let mut errors = Vec::new();
@@ -78,15 +112,24 @@ pub fn generate(
     let notes = surfaces
         .iter()
         .flat_map(|s| s.surface.notes.iter().map(|n| format!("{}: {n}", s.spec.name)));
-    Ok(Generated { package, notes: notes.collect() })
+    let left_out = gaps.iter().map(|gap| format!("{}: left out: {}", gap.surface, gap.reason));
+    Ok(Generated { package, notes: notes.chain(left_out).collect(), gaps })
+}
+
+fn gap(spec: &SurfaceSpec, variant: &Variant, field: &HeightField) -> Option<Gap> {
+    let reason = resolve(variant, field).err()?.to_string();
+    Some(Gap { surface: spec.name.clone(), variant: variant.name.clone(), reason })
 }
 
 /// The keys of the package's `manifest.json` beside its list of files; the same in any order of the request.
 pub fn index(request: &Request<'_>) -> Result<BTreeMap<String, Value>, Error> {
-    let mut surfaces = BTreeMap::new();
+    let (mut surfaces, mut gaps) = (BTreeMap::new(), Vec::new());
     for spec in request.surfaces {
         surfaces.insert(spec.name.clone(), json!({ "input_hash": surface_hash(spec)? }));
+        let field = height::load(spec)?.field;
+        gaps.extend(request.variants.iter().filter_map(|v| gap(spec, v, &field)));
     }
+    gaps.sort_by(|a, b| (&a.surface, &a.variant).cmp(&(&b.surface, &b.variant)));
     let variants: BTreeMap<&str, Value> = request
         .variants
         .iter()
@@ -100,6 +143,7 @@ pub fn index(request: &Request<'_>) -> Result<BTreeMap<String, Value>, Error> {
         ("surfaces".to_owned(), json!(surfaces)),
         ("variants".to_owned(), json!(variants)),
         ("targets".to_owned(), json!(targets)),
+        ("gaps".to_owned(), json!(gaps)),
     ]))
 }
 
@@ -113,7 +157,7 @@ struct Built<'a> {
     surface: &'a Loaded,
     variant: &'a Variant,
     resolved: Resolved,
-    spectrum: Table,
+    tables: Vec<Table>,
     module: Module,
     files: Vec<EmittedFile>,
 }
@@ -157,15 +201,17 @@ fn build<'a>(
 ) -> Result<Built<'a>, Vec<Diagnostic>> {
     let label = format!("{} {}", surface.spec.name, variant.name);
     let one = |error: Error| vec![Diagnostic::from(&error).variant(&label)];
-    let resolved = resolve(variant, &surface.surface.field);
-    let spectrum = assemble::spectrum(variant, surface.spec.rotate_deg).map_err(one)?;
-    let defines = assemble::defines(variant, &resolved, surface.spec.rotate_deg, spectrum.width);
+    let resolved = resolve(variant, &surface.surface.field).map_err(one)?;
+    let rotate_deg = surface.spec.rotate_deg;
+    let tables = assemble::shapes(variant, &resolved, rotate_deg).map_err(one)?;
+    let nodes = assemble::node_count(&tables);
+    let defines = assemble::defines(variant, &resolved, rotate_deg, nodes);
     let module = assemble::shader(request.sources, &label, &defines)?;
     let mut files = Vec::new();
     for &target in request.targets {
         files.extend(emit(&module, target).map_err(one)?);
     }
-    Ok(Built { surface, variant, resolved, spectrum, module, files })
+    Ok(Built { surface, variant, resolved, tables, module, files })
 }
 
 impl Built<'_> {
@@ -175,27 +221,29 @@ impl Built<'_> {
         package: &mut Package,
         written: &mut BTreeSet<String>,
     ) -> Result<(), Error> {
-        let Built { surface, variant, resolved, spectrum, module, files } = self;
+        let Built { surface, variant, resolved, tables, module, files } = self;
         let name = &surface.spec.name;
         let tables_folder = format!("surfaces/{name}");
         let shader_folder = format!("shaders/{name}/{}", variant.name);
-        let terms_id = terms_id(surface, variant);
-        let spectrum_id = spectrum_id(surface, variant);
-        let terms = assemble::terms_shape(variant, &resolved);
-        for (table, id) in [(&terms, &terms_id), (&spectrum, &spectrum_id)] {
+        let named: Vec<(&Table, String)> =
+            tables.iter().map(|table| (table, table_id(table, surface, variant))).collect();
+        for (table, id) in &named {
             // the variants of a surface share a table, made once
             if !written.insert(format!("{name}/{id}")) {
                 continue;
             }
-            let bytes = match table.name {
-                "terms" => cached(request.cache, id, table.byte_count(), || {
+            let bytes = match table.binding {
+                TERMS => cached(request.cache, id, table.byte_count(), || {
                     assemble::terms(variant, &resolved, &surface.surface.field).bytes()
                 }),
                 _ => table.bytes(),
             };
             let layer = table.width * table.height * table.format.channels();
-            let compare =
-                Compare::Table { format: variant.table, tolerance: TABLE_TOLERANCE, layer };
+            let (format, tolerance) = match table.format.number_bytes() {
+                2 => (TableFormat::F16, HALF_TOLERANCE),
+                _ => (TableFormat::F32, TABLE_TOLERANCE),
+            };
+            let compare = Compare::Table { format, tolerance, layer };
             package.insert(&format!("{tables_folder}/{id}.bin"), bytes, compare)?;
             let description = describe(table, id, &resolved, variant);
             insert_json(package, &format!("{tables_folder}/{id}.json"), &description)?;
@@ -206,21 +254,21 @@ impl Built<'_> {
             description: format!("../../../{tables_folder}/{id}.json"),
             data: format!("../../../{tables_folder}/{id}.bin"),
         };
-        let tables =
-            vec![(&terms, entry(&terms, &terms_id)), (&spectrum, entry(&spectrum, &spectrum_id))];
+        let tables = named.iter().map(|(table, id)| (*table, entry(table, id))).collect();
         let input_hash = hash(&json!([surface.hash, variant.hash(), TOOL_VERSION]));
         let subject = Subject { surface: name, variant, resolved: &resolved, tables, input_hash };
-        insert_json(
-            package,
-            &format!("{shader_folder}/manifest.json"),
-            &manifest(subject, &module, &files),
-        )?;
-        for file in files {
-            package.insert(
-                &format!("{shader_folder}/{}", file.name),
-                file.bytes,
-                Compare::Bytes,
-            )?;
+        let manifest = manifest(subject, &module, &files);
+        insert_json(package, &format!("{shader_folder}/manifest.json"), &manifest)?;
+        let shapes: Vec<&Table> = named.iter().map(|(table, _)| *table).collect();
+        let rust = bindings::rust(&manifest, &shapes)?;
+        package.insert(&format!("{shader_folder}/{}", bindings::FILE), rust, Compare::Bytes)?;
+        // two targets may share a file, as those of GLSL share the function form
+        let pathed = files.into_iter().map(|file| (format!("{shader_folder}/{}", file.name), file));
+        let fresh = pathed.filter(|(path, file)| !(request.keep)(path, file.target));
+        let fresh: BTreeMap<String, Vec<u8>> =
+            fresh.map(|(path, file)| (path, file.bytes)).collect();
+        for (path, bytes) in fresh {
+            package.insert(&path, bytes, Compare::Bytes)?;
         }
         Ok(())
     }
@@ -229,6 +277,8 @@ impl Built<'_> {
 /// Largest difference between processors of a number in a table, relative to the layer's largest: the rounding to 32
 /// bits, once more.
 const TABLE_TOLERANCE: f64 = 2.4e-7;
+/// The same of a table of 16-bit floats.
+const HALF_TOLERANCE: f64 = 1e-3;
 
 /// Finished bytes from the cache, or made and put there. The cache is only a saving: what cannot be read or written is
 /// computed.
@@ -256,15 +306,24 @@ fn cached(
     bytes
 }
 
+fn table_id(table: &Table, surface: &Loaded, variant: &Variant) -> String {
+    if table.binding == TERMS { terms_id(surface, variant) } else { spectrum_id(surface, variant) }
+}
+
 /// Identity of a term table: everything that its numbers and its size come from.
 fn terms_id(surface: &Loaded, variant: &Variant) -> String {
     let terms = match variant.terms {
         Auto::Value(terms) => json!(terms),
         Auto::Auto => json!({ "error": variant.term_error }),
     };
-    let radius = match variant.window_radius {
-        Auto::Value(radius) => json!(radius),
-        Auto::Auto => {
+    let radius = match (variant.mode, variant.window_radius) {
+        (Mode::Adaptive, _) => {
+            let optics = &variant.optics;
+            json!(["adaptive", optics.coherence_um, optics.coherence_scaling])
+        }
+        (_, Auto::Value(radius)) => json!(radius),
+        (Mode::Pq, Auto::Auto) => json!(["pq", variant.periods, variant.optics.coherence_um]),
+        (_, Auto::Auto) => {
             let optics = &variant.optics;
             json!([optics.coherence_um, optics.coherence_scaling, variant.wavelengths.max_nm])
         }
@@ -287,7 +346,19 @@ fn spectrum_id(surface: &Loaded, variant: &Variant) -> String {
     // a file counts by what is in it
     let illuminant = std::fs::read(illuminant)
         .map_or_else(|_| illuminant.clone(), |bytes| hex(&Sha256::digest(bytes)));
-    let inputs = json!([TOOL_VERSION, illuminant, variant.wavelengths, surface.spec.rotate_deg]);
+    let rotate_deg = surface.spec.rotate_deg;
+    let Wavelengths { min_nm, max_nm, .. } = variant.wavelengths;
+    let mut inputs = match variant.mode {
+        Mode::Full | Mode::Pq => json!([TOOL_VERSION, illuminant, variant.wavelengths, rotate_deg]),
+        Mode::Adaptive => {
+            json!([TOOL_VERSION, "adaptive", illuminant, min_nm, max_nm, rotate_deg])
+        }
+        Mode::Gems => json!([TOOL_VERSION, "gems", surface.hash]),
+    };
+    if variant.table == TableFormat::F16 {
+        // the scales of the terms are in it
+        inputs = json!([inputs, terms_id(surface, variant)]);
+    }
     format!("spectrum-{}", &hash(&inputs)[..12])
 }
 

@@ -4,6 +4,7 @@
 //! extrude a profile. Everything it did that a user should know of comes back as a note.
 
 pub mod gsf;
+pub mod inspect;
 pub mod level;
 pub mod read;
 pub mod synthetic;
@@ -38,8 +39,19 @@ pub const EXTRUDED: usize = 4;
 pub struct Surface {
     /// The heights.
     pub field: HeightField,
-    /// Notes for the user: voids filled, outliers clipped, a profile extruded, a scale overridden.
+    /// Notes for the user: heights quantised, voids filled, outliers clipped, a profile extruded, a scale overridden.
     pub notes: Vec<String>,
+}
+
+/// What a file held before it was prepared; a synthetic surface has neither steps nor voids.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Origin {
+    /// Step between neighbouring heights of an integer file, µm.
+    pub step_um: Option<f64>,
+    /// Void pixels, which were filled from their neighbours.
+    pub void_pixels: usize,
+    /// Pixels of the file.
+    pub file_pixels: usize,
 }
 
 /// Reads or synthesises a surface and prepares it: voids → level → clip → extrude.
@@ -47,6 +59,12 @@ pub struct Surface {
 /// Errors name the surface, its file, the key, its value and what to do. The rotation of the surface is not applied
 /// here: it rotates `(u, v)` exactly, later.
 pub fn load(spec: &SurfaceSpec) -> Result<Surface> {
+    load_with_origin(spec).map(|(surface, _)| surface)
+}
+
+/// Like [`load`], with what the file held.
+pub fn load_with_origin(spec: &SurfaceSpec) -> Result<(Surface, Origin)> {
+    let mut origin = Origin::default();
     let subject = subject(spec);
     level::check_clip(&subject, spec.clip_percent)?;
     let (field, mut notes) = match &spec.source {
@@ -54,13 +72,19 @@ pub fn load(spec: &SurfaceSpec) -> Result<Surface> {
             let surface = synthetic::synthesise(grating, &subject)?;
             (surface.field, surface.notes)
         }
-        SurfaceSource::File(file) => voids::fill(read::read(file, &spec.name)?, &subject)?,
+        SurfaceSource::File(file) => {
+            let reading = read::read(file, &spec.name)?;
+            origin.step_um = reading.step_um;
+            origin.void_pixels = reading.heights_um.iter().filter(|h| h.is_nan()).count();
+            origin.file_pixels = reading.heights_um.len();
+            voids::fill(reading, &subject)?
+        }
     };
     let field = level::level(field, spec.level, &subject)?;
     let (field, clipped) = level::clip(field, spec.clip_percent, &subject)?;
     notes.extend(clipped);
     if field.columns != 1 && field.rows != 1 {
-        return Ok(Surface { field, notes });
+        return Ok((Surface { field, notes }, origin));
     }
     let along = if field.rows == 1 { "x" } else { "y" };
     let extruded = field.extruded().map_err(|_| {
@@ -73,7 +97,7 @@ pub fn load(spec: &SurfaceSpec) -> Result<Surface> {
         extruded.columns,
         extruded.rows
     ));
-    Ok(Surface { field: extruded, notes })
+    Ok((Surface { field: extruded, notes }, origin))
 }
 
 /// What errors about a surface begin with: its name, and its file where it has one.

@@ -1,19 +1,24 @@
 //! What a package says about itself, as data.
 
+mod describe;
+
 use std::collections::BTreeMap;
 
 use naga::{AddressSpace, ImageClass, ImageDimension, TypeInner};
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::emit::{BindingName, EmittedFile, EntryPoint};
+use crate::basis::remainder;
+use crate::emit::{BindingName, EmittedFile, EntryPoint, Function};
 use crate::module::Module;
 use crate::optics;
-use crate::plan::{Colour, Optics, Target, Variant};
+use crate::plan::{Colour, Mode, TableFormat, Target, Variant};
 use crate::profile::{Extent, Limits, Profile, fits};
-use crate::resolve::{Cost, Resolved, window_tail};
+use crate::resolve::{Cost, REACH_SIGMAS, Resolved, replica_tail, window_tail};
 use crate::tables::Table;
 use crate::template::GENERATED;
+
+pub use describe::describe;
 
 /// Version of the manifests' layout.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -45,12 +50,14 @@ pub struct VariantManifest {
     pub uniforms: Vec<UniformBlock>,
     /// The tables, by binding.
     pub tables: Vec<TableEntry>,
+    /// The same for Rust: a file beside the manifest.
+    pub rust_bindings: &'static str,
     /// What it needs.
     pub requires: Requires,
     /// What a pixel costs.
     pub cost: Cost,
-    /// A-priori bounds of the model's approximations.
-    pub error_bound: ErrorBound,
+    /// A-priori bounds of the model's approximations; none where no error is claimed.
+    pub error_bound: Option<ErrorBound>,
 }
 
 /// The contract of `diffraction(wi, wr)`.
@@ -68,8 +75,8 @@ pub struct Core {
     pub unit: &'static str,
     /// Whether the result is clamped; it never is.
     pub clamped: bool,
-    /// Radiance relative to a white diffuser per unit of the result.
-    pub diffuser_scale: f64,
+    /// Radiance relative to a white diffuser per unit of the result; none where the unit is arbitrary.
+    pub diffuser_scale: Option<f64>,
     /// Function that returns tristimulus values instead.
     pub tristimulus_function: &'static str,
 }
@@ -81,6 +88,8 @@ pub struct FileEntry {
     pub file: String,
     /// Entry points in it.
     pub entry_points: Vec<EntryPoint>,
+    /// Functions that a function form offers; empty for whole shaders.
+    pub functions: Vec<Function>,
     /// Names it gives to the resources that it reads.
     pub bindings: Vec<BindingName>,
 }
@@ -182,6 +191,9 @@ pub struct TableDescription {
     pub axes: BTreeMap<&'static str, String>,
     /// Factor from stored to meant numbers.
     pub scale: f64,
+    /// Factors of the terms, one by one, of tables whose terms have scales of their own; the shader applies them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub term_scales: Vec<f64>,
     /// What lies outside the texture; nothing is ever read there.
     pub wrap: &'static str,
 }
@@ -204,9 +216,12 @@ pub struct ErrorBound {
     pub terms: u32,
     /// Greatest error of the phase function after the series is cut.
     pub phase_function: f64,
-    /// Bins to each side of the nearest one.
-    pub window_radius: u32,
-    /// Share of the coherence window's energy beyond them.
+    /// Greatest error of a bin's amplitude by the rounding of its terms to the table's format.
+    pub packing: f64,
+    /// Bins to each side of the nearest one; none where a corridor of four standard deviations takes their place.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub window_radius: Option<u32>,
+    /// Share of the coherence window's energy, or of the light that the replicas send between their bins, beyond them.
     pub window_tail: f64,
 }
 
@@ -232,6 +247,7 @@ pub fn manifest(subject: Subject<'_>, module: &Module, files: &[EmittedFile]) ->
         let entry = FileEntry {
             file: file.name.clone(),
             entry_points: file.entry_points.clone(),
+            functions: file.functions.clone(),
             bindings: file.bindings.clone(),
         };
         targets.entry(file.target).or_default().push(entry);
@@ -245,107 +261,80 @@ pub fn manifest(subject: Subject<'_>, module: &Module, files: &[EmittedFile]) ->
         configuration: serde_json::from_str(&variant.canonical()).unwrap_or(Value::Null),
         configuration_hash: variant.hash(),
         input_hash,
-        core: core(&variant.optics),
+        core: core(variant, resolved),
         targets,
         bindings: bindings(module, &tables),
         uniforms: uniforms(module),
+        rust_bindings: "bindings.rs",
         requires: requires(&extents),
         cost: resolved.cost,
-        error_bound: ErrorBound {
-            terms: resolved.expansion.terms,
-            phase_function: resolved.expansion.bound(),
-            window_radius: resolved.window_radius,
-            window_tail: window_tail(variant, resolved.patch_um, resolved.window_radius),
-        },
+        error_bound: error_bound(variant, resolved),
         tables: tables.into_iter().map(|(_, entry)| entry).collect(),
     }
 }
 
-/// The description of a table.
-pub fn describe(
-    table: &Table,
-    id: &str,
-    resolved: &Resolved,
-    variant: &Variant,
-) -> TableDescription {
-    let dimension = if table.layers == 0 { "2d" } else { "2d-array" };
-    let (channels, axes) = match table.name {
-        "terms" => terms_meaning(table, resolved),
-        _ => spectrum_meaning(variant),
+fn error_bound(variant: &Variant, resolved: &Resolved) -> Option<ErrorBound> {
+    let (window_radius, window_tail) = match variant.mode {
+        Mode::Full => (
+            Some(resolved.window_radius),
+            window_tail(variant, resolved.patch_um, resolved.window_radius),
+        ),
+        Mode::Pq => (
+            Some(resolved.window_radius),
+            replica_tail(resolved.periods, resolved.taps, resolved.pixels),
+        ),
+        // a Gaussian beyond four standard deviations of its square root
+        Mode::Adaptive => (None, libm::erfc(REACH_SIGMAS)),
+        Mode::Gems => return None,
     };
-    TableDescription {
-        generated_by: GENERATED,
-        schema_version: SCHEMA_VERSION,
-        id: id.to_owned(),
-        data: format!("{id}.bin"),
-        bytes: table.byte_count(),
-        format: table.format.name(),
-        endianness: "little",
-        dimension,
-        width: table.width,
-        height: table.height,
-        layers: table.layers.max(1),
-        order: "[layer][row][column][channel]",
-        channels,
-        axes,
-        scale: 1.0,
-        wrap: "none: no texel outside is read",
+    Some(ErrorBound {
+        terms: resolved.expansion.terms,
+        phase_function: resolved.expansion.bound(),
+        packing: packing_bound(variant, resolved),
+        window_radius,
+        window_tail,
+    })
+}
+
+/// Half a unit in the last place of every term at its largest, `x^n/n!` with `x = z_max·reach`.
+fn packing_bound(variant: &Variant, resolved: &Resolved) -> f64 {
+    let x = resolved.expansion.z_max * resolved.expansion.reach_um;
+    let sum: f64 = (0..resolved.expansion.terms).map(|n| remainder(x, n)).sum();
+    sum * match variant.table {
+        TableFormat::F32 => 2.0_f64.powi(-24),
+        TableFormat::F16 => 2.0_f64.powi(-11),
     }
 }
 
-fn terms_meaning(
-    table: &Table,
-    resolved: &Resolved,
-) -> (Vec<String>, BTreeMap<&'static str, String>) {
-    let paired = table.format.channels() == 4;
-    let names: &[&str] = if paired {
-        &["re, even term", "im, even term", "re, odd term", "im, odd term"]
-    } else {
-        &["re", "im"]
+fn core(variant: &Variant, resolved: &Resolved) -> Core {
+    let optics = &variant.optics;
+    let colour_space = match (variant.mode, optics.colour) {
+        (Mode::Gems, _) => "the chapter's display colours, taken as scene-linear sRGB",
+        (_, Colour::Srgb) => "scene-linear, sRGB primaries (IEC 61966-2-1), D65",
+        (_, Colour::Thesis) => "CIE RGB with D65 applied twice; for comparison with the texts only",
     };
-    let layer = if paired { "layer p holds terms 2p and 2p+1" } else { "layer n holds term n" };
-    let (x, y) = (resolved.bins.r_max, resolved.bins.s_max);
-    let bin = |axis: &str, centre: usize, l: f64| {
-        format!("bin {axis} = index - {centre}, frequency bin/{l} cycles per µm")
+    let unit = match variant.mode {
+        Mode::Gems => "arbitrary: a rainbow for every order, no radiance and no error claimed",
+        _ => {
+            "radiance of a unit directional source, relative to the peak of a mirror at normal incidence"
+        }
     };
-    let axes = BTreeMap::from([
-        ("column", bin("r", x, resolved.patch_um[0])),
-        ("row", bin("s", y, resolved.patch_um[1])),
-        (
-            "layer",
-            format!(
-                "{layer}; term n is ifft2((i z_max (h - origin))^n / n!), to be multiplied by (z/z_max)^n"
-            ),
-        ),
-    ]);
-    (names.iter().map(|s| (*s).to_owned()).collect(), axes)
-}
-
-fn spectrum_meaning(variant: &Variant) -> (Vec<String>, BTreeMap<&'static str, String>) {
-    let channels = ["X weight", "Y weight", "Z weight", "wavelength in µm"].map(str::to_owned);
-    let w = &variant.wavelengths;
-    let axes = BTreeMap::from([
-        ("column", format!("wavelength node, {} to {} nm", w.min_nm, w.max_nm)),
-        (
-            "row",
-            "0: nodes; 1: first texel holds cosine and sine of the surface's rotation".to_owned(),
-        ),
-    ]);
-    (channels.into(), axes)
-}
-
-fn core(optics: &Optics) -> Core {
+    let diffuser_scale = match variant.mode {
+        Mode::Gems => None,
+        Mode::Pq => {
+            let sides = [0, 1].map(|i| f64::from(resolved.periods[i]) * resolved.patch_um[i]);
+            Some(optics::replica_diffuser_scale(optics, sides))
+        }
+        Mode::Full | Mode::Adaptive => Some(optics::diffuser_scale(optics)),
+    };
     Core {
         function: "fn diffraction(wi: vec3f, wr: vec3f) -> vec3f",
         frame: "tangent frame: x along the tangent, y along the bitangent, z along the normal; right-handed",
         directions: "unit vectors pointing away from the surface; wi to the light, wr to the viewer",
-        colour_space: match optics.colour {
-            Colour::Srgb => "scene-linear, sRGB primaries (IEC 61966-2-1), D65",
-            Colour::Thesis => "CIE RGB with D65 applied twice; for comparison with the texts only",
-        },
-        unit: "radiance of a unit directional source, relative to the peak of a mirror at normal incidence",
+        colour_space,
+        unit,
         clamped: false,
-        diffuser_scale: optics::diffuser_scale(optics),
+        diffuser_scale,
         tristimulus_function: "fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f",
     }
 }

@@ -1,7 +1,11 @@
-//! Comparing colours: exposure, which directions count, colour differences.
+//! Comparing colours: which directions, exposure, which of them count, colour differences.
+
+mod directions;
 
 use crate::error::{Error, Result, Stage};
 use crate::spectrum::{D65_WHITE, ciede2000};
+
+pub use directions::{on_orders, standard};
 
 /// How far colours lie from a reference.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]

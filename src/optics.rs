@@ -75,6 +75,13 @@ pub fn diffuser_scale(optics: &Optics) -> f64 {
     normal_reflectance(optics.refractive_index) * ratio * ratio
 }
 
+/// The same for a surface of replicas, sides in µm, without a window: `π R0 Ax Ay/λ0²`. Both are
+/// `π R0/(λ0² ∫|P|² df)` of a mirror.
+pub fn replica_diffuser_scale(optics: &Optics, [x_um, y_um]: [f64; 2]) -> f64 {
+    let area = x_um * y_um / (REFERENCE_NM * 1e-3).powi(2);
+    std::f64::consts::PI * normal_reflectance(optics.refractive_index) * area
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

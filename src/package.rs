@@ -139,6 +139,11 @@ impl Package {
 
     /// Adds `manifest.json`: `generated_by`, the given keys in their order, and `files`, which lists all other files. Call it last.
     pub fn seal(&mut self, index: BTreeMap<String, Value>) -> Result<()> {
+        self.seal_as(GENERATED_BY, index)
+    }
+
+    /// Like [`Package::seal`], for a folder that another command writes, which `generated_by` tells.
+    pub fn seal_as(&mut self, generated_by: &str, index: BTreeMap<String, Value>) -> Result<()> {
         #[derive(Serialize)]
         struct Manifest<'a> {
             generated_by: &'a str,
@@ -154,7 +159,7 @@ impl Package {
         for (path, file) in &self.files {
             files.insert(path.as_str(), listed(file)?);
         }
-        let manifest = Manifest { generated_by: GENERATED_BY, index, files };
+        let manifest = Manifest { generated_by, index, files };
         let mut text = serde_json::to_string_pretty(&manifest)
             .map_err(|e| error("cannot be written").source(e))?;
         text.push('\n');

@@ -1,5 +1,6 @@
 //! `plan.toml` as pure data: surfaces, optics, the axes of the variants, targets.
 
+mod constraints;
 mod item;
 mod names;
 mod parse;
@@ -231,6 +232,12 @@ impl Optics {
 pub enum Mode {
     /// Window over the bins, uniform wavelengths.
     Full,
+    /// Replicas of the patch without a window, uniform wavelengths.
+    Pq,
+    /// Bins near the segment that the wavelengths walk in the frequency plane.
+    Adaptive,
+    /// The order sum of GPU Gems (2004), chapter 8: a comparator without a stated error.
+    Gems,
 }
 
 /// Expansion of the phase function.
@@ -270,6 +277,8 @@ pub struct Wavelengths {
 pub enum TableFormat {
     /// 32-bit float.
     F32,
+    /// 16-bit float, with a scale for each term.
+    F16,
 }
 
 /// How complex terms lie in texels.
@@ -297,6 +306,12 @@ pub enum Target {
     /// SPIR-V 1.0.
     #[serde(rename = "spirv")]
     Spirv,
+    /// HLSL, shader model 5.1.
+    #[serde(rename = "hlsl")]
+    Hlsl,
+    /// Metal Shading Language 2.0.
+    #[serde(rename = "msl")]
+    Msl,
 }
 
 /// One configuration of the shader, before it meets a surface.
@@ -314,6 +329,8 @@ pub struct Variant {
     pub term_error: f64,
     /// Bins to each side of the nearest one.
     pub window_radius: Auto<u32>,
+    /// Replicas of the patch along x and y; `None`: from the coherence length. Read by `pq` only.
+    pub periods: Option<[u32; 2]>,
     /// Wavelength samples.
     pub wavelengths: Wavelengths,
     /// Number format of the term table.

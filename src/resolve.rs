@@ -1,16 +1,24 @@
 //! What a variant becomes on a surface: counts that were left to the tool, sizes, static cost.
 
-use std::f64::consts::TAU;
+mod corridor;
+mod cost;
+mod period;
+mod scale;
 
-use serde::Serialize;
+use std::f64::consts::{PI, TAU};
 
 use crate::basis::Expansion;
+use crate::error::{Error, Result, Stage};
 use crate::height::HeightField;
 use crate::optics;
-use crate::plan::{Auto, Packing, Variant};
+use crate::plan::{Auto, Coherence, Mode, Packing, TableFormat, Variant};
+use crate::tables::Scale;
 use crate::transform::Bins;
 
-/// A variant with every number known.
+pub use corridor::{Corridor, LEAST_SQUARED, Lobes, REACH_SIGMAS, WHOLE_PANELS};
+pub use cost::{Cost, LOBE_NODES};
+
+/// A variant with every number known. What a mode does not read has a neutral value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Resolved {
     /// Basis laid on the surface; holds the number of terms.
@@ -23,60 +31,150 @@ pub struct Resolved {
     pub layers: u32,
     /// Patch size `(Lx, Ly)`, µm.
     pub patch_um: [f64; 2],
+    /// Pixels along x and y.
+    pub pixels: [u32; 2],
+    /// Replicas along x and y, of `pq`.
+    pub periods: [u32; 2],
+    /// Bins along x and y that `pq` interpolates from: `2·radius + 1`, and not more than there are pixels.
+    pub taps: [u32; 2],
+    /// Bounds of the loops of `adaptive`.
+    pub corridor: Corridor,
+    /// Period as a vector, µm, of `gems`.
+    pub grating_um: [f64; 2],
+    /// Scales of the terms.
+    pub scale: Scale,
     /// Static cost.
     pub cost: Cost,
 }
 
-/// What one lit pixel costs, whatever the driver.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Cost {
-    /// Evaluations of the amplitude: wavelength nodes.
-    pub evaluations: u64,
-    /// Texels read from the term table.
-    pub term_fetches: u64,
-    /// All texels read.
-    pub fetches: u64,
-    /// Bytes of all tables.
-    pub table_bytes: u64,
-}
-
 /// Share of the window's energy that `window_radius = "auto"` may leave out.
 pub const AUTO_TAIL: f64 = 1e-4;
+/// The same of `pq`, whose periodic sinc falls off like the inverse of the distance.
+pub const AUTO_TAIL_PQ: f64 = 1e-2;
+/// Above this `σf·L`, in bins, neighbouring lobes overlap, and amplitudes of neighbouring bins interfere.
+pub const ISOLATED: f64 = 0.2;
 
-/// Chooses what was left to the tool. Pure arithmetic on the surface's size and height range; no transform.
-pub fn resolve(variant: &Variant, height: &HeightField) -> Resolved {
+/// Chooses what was left to the tool. Pure arithmetic on the surface's size and height range; only `gems` looks at the
+/// heights themselves. An error is a combination of mode and surface that has no meaning, with the reason.
+pub fn resolve(variant: &Variant, height: &HeightField) -> Result<Resolved> {
     let patch_um = [height.size_x_um(), height.size_y_um()];
+    let pixels = [height.columns() as u32, height.rows() as u32];
     let min_nm = variant.wavelengths.min_nm;
+    let lobes = Lobes::new(variant, patch_um);
+    let grating_um = match variant.mode {
+        Mode::Adaptive => check_isolated(variant, &lobes).map(|()| [0.0; 2])?,
+        Mode::Gems => period::strongest_um(height).ok_or_else(|| {
+            Error::new(Stage::Compute, &variant.name, "a flat surface has no period")
+                .remedy("gems is for gratings")
+        })?,
+        Mode::Full | Mode::Pq => [0.0; 2],
+    };
     let expansion = match variant.terms {
         Auto::Value(terms) => Expansion::new(variant.basis, terms, height, min_nm),
         Auto::Auto => {
             Expansion::new(variant.basis, 1, height, min_nm).with_error(variant.term_error)
         }
     };
+    let periods = match (variant.mode, variant.periods) {
+        (Mode::Pq, Some(periods)) => periods,
+        (Mode::Pq, None) => patch_um.map(|size_um| {
+            (variant.optics.coherence_um / size_um).round().clamp(1.0, MOST_PERIODS) as u32
+        }),
+        _ => [1; 2],
+    };
+    let tail = |radius: u32| match variant.mode {
+        Mode::Pq => replica_tail(periods, taps(radius, pixels), pixels) / AUTO_TAIL_PQ,
+        _ => window_tail(variant, patch_um, radius) / AUTO_TAIL,
+    };
     let window_radius = match variant.window_radius {
         Auto::Value(radius) => radius,
-        Auto::Auto => {
-            (0..=64).find(|&r| window_tail(variant, patch_um, r) <= AUTO_TAIL).unwrap_or(64)
+        // the kernel of `pq` is no kernel without a neighbour
+        Auto::Auto => (u32::from(variant.mode == Mode::Pq)..=64)
+            .find(|&radius| tail(radius) <= 1.0)
+            .unwrap_or(64),
+    };
+    let (low_um, high_um) = height.range_um();
+    let corridor = lobes.corridor(high_um - low_um);
+    let margin = match variant.mode {
+        Mode::Adaptive => corridor.margin.map(|m| m as usize),
+        // one bin more, because a 32-bit place may round the other way
+        _ => [window_radius as usize + 1; 2],
+    };
+    // |u| and |v| reach 2
+    let [x, y] =
+        margin.map(|m| Bins::reachable(patch_um[0], patch_um[1], 2.0 / (min_nm * 1e-3), m));
+    let bins = Bins { r_max: x.r_max, s_max: y.s_max };
+    let layers = expansion.terms.div_ceil(match variant.packing {
+        Packing::Paired => 2,
+        Packing::Single => 1,
+    });
+    let scale = match variant.table {
+        TableFormat::F32 => Scale::NONE,
+        TableFormat::F16 => scale::scale(&expansion),
+    };
+    let mut resolved = Resolved {
+        expansion,
+        window_radius,
+        bins,
+        layers,
+        patch_um,
+        pixels,
+        periods,
+        taps: taps(window_radius, pixels),
+        corridor,
+        grating_um,
+        scale,
+        cost: Cost::default(),
+    };
+    resolved.cost = cost::cost(variant, &resolved, &lobes);
+    Ok(resolved)
+}
+
+/// Most replicas along an axis.
+const MOST_PERIODS: f64 = 10000.0;
+
+/// Refuses `adaptive` where amplitudes of neighbouring bins interfere: it adds intensities.
+fn check_isolated(variant: &Variant, lobes: &Lobes) -> Result<()> {
+    let [x, y] = lobes.sigma_bins();
+    let widest = x.max(y);
+    if variant.optics.coherence == Coherence::Ensemble || widest <= ISOLATED {
+        return Ok(());
+    }
+    let cause =
+        format!("neighbouring lobes overlap and interfere: σf·L = {widest:.2}, above {ISOLATED}");
+    Err(Error::new(Stage::Compute, &variant.name, cause)
+        .remedy("use coherence = \"ensemble\", or mode = \"full\""))
+}
+
+fn taps(radius: u32, pixels: [u32; 2]) -> [u32; 2] {
+    pixels.map(|count| count.min(2 * radius + 1))
+}
+
+/// Share of the light that `pq` loses by interpolating from `taps` bins: `1 - Q ∫ A(t)² Σ D(t - k)² dt` over a bin and over
+/// the bins kept, on both axes. All bins together have `Σ D² = 1`.
+pub fn replica_tail(periods: [u32; 2], taps: [u32; 2], pixels: [u32; 2]) -> f64 {
+    const STEPS: i32 = 16;
+    let kept = |axis: usize| {
+        let (q, taps, count) = (periods[axis], taps[axis], f64::from(pixels[axis]));
+        let kernel = |t: f64| sinc(t) / sinc(t / count);
+        // midpoints, fine enough for the lobes of Q replicas
+        let steps = STEPS * q.min(1000) as i32;
+        let (mut all, mut kept) = (0.0, 0.0);
+        for i in 0..steps {
+            let t = (f64::from(i) + 0.5) / f64::from(steps) - 0.5;
+            let factor = crate::replicas::replica_factor(t, q).powi(2);
+            let first = (t - 0.5 * f64::from(taps - 1) + 0.5).floor();
+            let sum: f64 = (0..taps).map(|k| kernel(t - first - f64::from(k)).powi(2)).sum();
+            all += factor;
+            kept += factor * sum.min(1.0);
         }
+        kept / all
     };
-    // |u| and |v| reach 2; one bin more, because a 32-bit place may round the other way
-    let bins = Bins::reachable(
-        patch_um[0],
-        patch_um[1],
-        2.0 / (min_nm * 1e-3),
-        window_radius as usize + 1,
-    );
-    let (per_texel, channels) = match variant.packing {
-        Packing::Paired => (2, 4),
-        Packing::Single => (1, 2),
-    };
-    let layers = expansion.terms.div_ceil(per_texel);
-    let evaluations = variant.wavelengths.nodes_nm().len() as u64;
-    let taps = u64::from(2 * window_radius + 1).pow(2);
-    let term_fetches = evaluations * taps * u64::from(layers);
-    let table_bytes = 4 * (bins.len() as u64 * u64::from(layers) * channels + 2 * 4 * evaluations);
-    let cost = Cost { evaluations, term_fetches, fetches: term_fetches + evaluations, table_bytes };
-    Resolved { expansion, window_radius, bins, layers, patch_um, cost }
+    1.0 - kept(0) * kept(1)
+}
+
+fn sinc(t: f64) -> f64 {
+    if t == 0.0 { 1.0 } else { (PI * t).sin() / (PI * t) }
 }
 
 /// Greatest share of the window's energy beyond `radius` bins of the nearest one, over all places between bins and the

@@ -13,10 +13,10 @@ pub mod gpu;
 
 use glam::DVec3;
 
-use crate::error::Result;
+use crate::error::{Error, Result, Stage};
 use crate::frame::{Frame, view_directions};
 use crate::height::HeightField;
-use crate::plan::Variant;
+use crate::plan::{Mode, Variant};
 use crate::reference::Directions;
 
 pub use cpu::{Exact, TwinRunner};
@@ -53,7 +53,7 @@ pub trait Runner {
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>>;
 
-    /// `|P|²` at one wavelength, nm, without the gain.
+    /// `|P|²` at one wavelength, nm, without the gain; an error for a variant that has no wavelengths.
     fn response(&self, directions: &[Directions], lambda_nm: f64) -> Result<Vec<f64>>;
 
     /// A BRDF map; by its own entry point where there is one.
@@ -62,6 +62,15 @@ pub trait Runner {
             view_directions(size).into_iter().map(|wr| Directions { wi: light, wr }).collect();
         Ok(Frame::from_disc(size, &self.tristimulus(&directions, progress)?))
     }
+}
+
+/// Refuses a response at one wavelength from a variant that has none.
+fn has_wavelengths(variant: &Variant) -> Result<()> {
+    if variant.mode != Mode::Gems {
+        return Ok(());
+    }
+    let cause = "has no wavelength axis: it maps the wavelength of each order to a colour";
+    Err(Error::new(Stage::Run, &variant.name, cause).remedy("ask it for colours"))
 }
 
 /// The nearest vector of 32-bit floats: what a shader receives.

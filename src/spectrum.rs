@@ -15,6 +15,10 @@ use glam::{DMat3, DVec3};
 use crate::error::{Error, Result, Stage};
 use crate::plan::{Colour, Wavelengths};
 
+/// Nodes of [`Spectrum::wavenumber_samples`]: over 380–780 nm they are 0.4 nm apart at the blue end and 1.6 nm at the red
+/// one; the illuminants' tables have nodes every 5 nm, the observer's every nm.
+pub const WAVENUMBER_NODES: usize = 512;
+
 /// First wavelength of the colour tables, nm.
 pub const TABLE_MIN_NM: f64 = 380.0;
 /// Last wavelength of the colour tables, nm.
@@ -107,6 +111,28 @@ impl Spectrum {
             xyz: self.per_nm(lambda_nm).map(|c| c * width(i)),
         };
         nodes_nm.iter().enumerate().map(sample).collect()
+    }
+
+    /// Nodes at equal steps of the wavenumber 1/λ, from the longest wavelength to the shortest; weights per 1/µm, so the
+    /// factor `λ²` of `dλ = λ² d(1/λ)` is in them. What lies between is linear. A range of one wavelength is one node
+    /// of 1 nm, as in [`Spectrum::samples`].
+    pub fn wavenumber_samples(&self, range: &Wavelengths) -> Vec<Sample> {
+        if range.max_nm <= range.min_nm {
+            return self.samples(range);
+        }
+        let (low, high) = (1e3 / range.max_nm, 1e3 / range.min_nm);
+        let node = |i: usize| {
+            let share = i as f64 / (WAVENUMBER_NODES - 1) as f64;
+            let lambda_um = match i {
+                0 => range.max_nm * 1e-3,
+                i if i == WAVENUMBER_NODES - 1 => range.min_nm * 1e-3,
+                _ => 1.0 / (low + (high - low) * share),
+            };
+            let lambda_nm = lambda_um * 1e3;
+            let xyz = self.per_nm(lambda_nm).map(|c| c * 1e3 * lambda_um * lambda_um);
+            Sample { lambda_nm, xyz }
+        };
+        (0..WAVENUMBER_NODES).map(node).collect()
     }
 
     /// Tristimulus values of a response of 1 at every wavelength: the illuminant's white, `Y = 1`.

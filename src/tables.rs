@@ -1,5 +1,7 @@
 //! Texel data of the tables that shaders read.
 
+use half::f16;
+
 use crate::plan::{Packing, TableFormat};
 use crate::spectrum::Sample;
 use crate::terms::Terms;
@@ -8,6 +10,10 @@ use crate::transform::Bins;
 /// Texel format of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TexelFormat {
+    /// Two 16-bit floats.
+    Rg16Float,
+    /// Four 16-bit floats.
+    Rgba16Float,
     /// Two 32-bit floats.
     Rg32Float,
     /// Four 32-bit floats.
@@ -18,14 +24,24 @@ impl TexelFormat {
     /// Numbers in a texel.
     pub fn channels(self) -> usize {
         match self {
-            TexelFormat::Rg32Float => 2,
-            TexelFormat::Rgba32Float => 4,
+            TexelFormat::Rg16Float | TexelFormat::Rg32Float => 2,
+            TexelFormat::Rgba16Float | TexelFormat::Rgba32Float => 4,
+        }
+    }
+
+    /// Bytes of a number.
+    pub fn number_bytes(self) -> usize {
+        match self {
+            TexelFormat::Rg16Float | TexelFormat::Rgba16Float => 2,
+            TexelFormat::Rg32Float | TexelFormat::Rgba32Float => 4,
         }
     }
 
     /// WebGPU's name of the format.
     pub fn name(self) -> &'static str {
         match self {
+            TexelFormat::Rg16Float => "rg16float",
+            TexelFormat::Rgba16Float => "rgba16float",
             TexelFormat::Rg32Float => "rg32float",
             TexelFormat::Rgba32Float => "rgba32float",
         }
@@ -37,6 +53,8 @@ impl TexelFormat {
 pub struct Table {
     /// Name of the binding in the shader: `terms`, `spectrum`.
     pub name: &'static str,
+    /// Binding in group 0; 0 is the uniform block, 3 the probe's directions.
+    pub binding: u32,
     /// Texel format.
     pub format: TexelFormat,
     /// Texels along x.
@@ -50,21 +68,42 @@ pub struct Table {
 }
 
 impl Table {
+    /// No table.
+    pub const ABSENT: Table = Table {
+        name: "",
+        binding: 0,
+        format: TexelFormat::Rgba32Float,
+        width: 0,
+        height: 0,
+        layers: 0,
+        texels: Vec::new(),
+    };
+
     /// Numbers as the shader sees them: rounded to the texel format.
     #[must_use]
     pub fn rounded(mut self) -> Table {
-        self.texels.iter_mut().for_each(|v| *v = f64::from(*v as f32));
+        match self.format.number_bytes() {
+            2 => self.texels.iter_mut().for_each(|v| *v = f16::from_f64(*v).to_f64()),
+            _ => self.texels.iter_mut().for_each(|v| *v = f64::from(*v as f32)),
+        }
         self
     }
 
     /// Little-endian bytes, as uploaded and as written to `.bin`.
     pub fn bytes(&self) -> Vec<u8> {
-        self.texels.iter().flat_map(|&v| (v as f32).to_le_bytes()).collect()
+        match self.format.number_bytes() {
+            2 => self.texels.iter().flat_map(|&v| f16::from_f64(v).to_le_bytes()).collect(),
+            _ => self.texels.iter().flat_map(|&v| (v as f32).to_le_bytes()).collect(),
+        }
     }
 
     /// Size in bytes.
     pub fn byte_count(&self) -> usize {
-        self.width * self.height * self.layers.max(1) * self.format.channels() * size_of::<f32>()
+        self.width
+            * self.height
+            * self.layers.max(1)
+            * self.format.channels()
+            * self.format.number_bytes()
     }
 
     /// A texel; missing channels are 0, as after `textureLoad` except that alpha is 0 too.
@@ -81,19 +120,49 @@ impl Table {
     }
 }
 
+/// Binding of the term table.
+pub const TERMS: u32 = 1;
+/// Binding of the spectrum table.
+pub const SPECTRUM: u32 = 2;
+/// Binding of the probe's directions.
+pub const DIRECTIONS: u32 = 3;
+
+/// Scales of the terms in a table of 16-bit floats: term `n` is stored divided by `first · ratio^n`.
+///
+/// A geometric sequence costs the shader nothing but one texel a pixel: the ratio goes into the argument of the power
+/// series, the first scale into its result. Both are 32-bit numbers, so that packer, shader and twin use the same.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale {
+    /// Scale of term 0.
+    pub first: f64,
+    /// Scale of a term over that of the term before.
+    pub ratio: f64,
+}
+
+impl Scale {
+    /// What a table of 32-bit floats has.
+    pub const NONE: Scale = Scale { first: 1.0, ratio: 1.0 };
+
+    /// Scale of a term.
+    pub fn of(&self, term: usize) -> f64 {
+        (0..term).fold(self.first, |scale, _| scale * self.ratio)
+    }
+}
+
 /// The term table, 2-D array. `paired`: texel `(r, s)` of layer `p` holds terms `2p` (red, green) and `2p+1` (blue,
 /// alpha; zero if there is none); `single`: layer `n` holds term `n`. Column 0 is bin `-r_max`, row 0 is bin `-s_max`.
-pub fn terms_table(terms: &Terms, packing: Packing, format: TableFormat) -> Table {
+pub fn terms_table(terms: &Terms, packing: Packing, format: TableFormat, scale: Scale) -> Table {
     let shape = terms_shape(terms.bins, terms.tables.len(), packing, format);
     let (format, layers) = (shape.format, shape.layers);
     let per_texel = format.channels() / 2;
     let mut texels = Vec::with_capacity(layers * terms.bins.len() * format.channels());
-    for group in terms.tables.chunks(per_texel) {
+    for (index, group) in terms.tables.chunks(per_texel).enumerate() {
+        let scales: Vec<f64> = (0..per_texel).map(|i| scale.of(index * per_texel + i)).collect();
         for bin in 0..terms.bins.len() {
-            for slot in 0..per_texel {
+            for (slot, scale) in scales.iter().enumerate() {
                 let (re, im) =
                     group.get(slot).map_or((0.0, 0.0), |table| (table[bin].re, table[bin].im));
-                texels.extend([re, im]);
+                texels.extend([re / scale, im / scale]);
             }
         }
     }
@@ -102,14 +171,16 @@ pub fn terms_table(terms: &Terms, packing: Packing, format: TableFormat) -> Tabl
 
 /// The term table without its texels.
 pub fn terms_shape(bins: Bins, terms: usize, packing: Packing, format: TableFormat) -> Table {
-    let TableFormat::F32 = format;
-    let (format, per_texel) = match packing {
-        Packing::Paired => (TexelFormat::Rgba32Float, 2),
-        Packing::Single => (TexelFormat::Rg32Float, 1),
+    let (format, per_texel) = match (packing, format) {
+        (Packing::Paired, TableFormat::F32) => (TexelFormat::Rgba32Float, 2),
+        (Packing::Single, TableFormat::F32) => (TexelFormat::Rg32Float, 1),
+        (Packing::Paired, TableFormat::F16) => (TexelFormat::Rgba16Float, 2),
+        (Packing::Single, TableFormat::F16) => (TexelFormat::Rg16Float, 1),
     };
     let layers = terms.div_ceil(per_texel);
     Table {
         name: "terms",
+        binding: TERMS,
         format,
         width: bins.width(),
         height: bins.height(),
@@ -118,18 +189,32 @@ pub fn terms_shape(bins: Bins, terms: usize, packing: Packing, format: TableForm
     }
 }
 
-/// The spectrum table, 2-D. Row 0: one texel per wavelength node, X, Y, Z weights (quadrature included) and λ in µm.
-/// Row 1, first texel: cosine and sine of the surface's rotation.
-pub fn spectrum_table(samples: &[Sample], rotate_deg: f64) -> Table {
-    let mut texels: Vec<f64> =
-        samples.iter().flat_map(|s| [s.xyz[0], s.xyz[1], s.xyz[2], s.lambda_nm * 1e-3]).collect();
+/// The spectrum table, 2-D. Row 0: one texel per node, X, Y, Z weights (quadrature included, of uniform wavelengths; per
+/// 1/µm, of wavenumbers) and λ in µm. Row 1, first texel: cosine and sine of the surface's rotation, scale of the first
+/// term, ratio of the scales.
+pub fn spectrum_table(samples: &[Sample], rotate_deg: f64, scale: Scale) -> Table {
+    let texels =
+        samples.iter().map(|s| [s.xyz[0], s.xyz[1], s.xyz[2], s.lambda_nm * 1e-3]).collect();
+    two_rows(texels, rotate_deg, scale)
+}
+
+/// The table of the order sum in place of a spectrum. Row 0, first texel: the grating's period as a vector, µm, from one
+/// groove to the next. Row 1 as in [`spectrum_table`].
+pub fn grating_table([x_um, y_um]: [f64; 2], rotate_deg: f64) -> Table {
+    two_rows(vec![[x_um, y_um, 0.0, 0.0]], rotate_deg, Scale::NONE)
+}
+
+fn two_rows(first: Vec<[f64; 4]>, rotate_deg: f64, scale: Scale) -> Table {
     let (sin, cos) = rotate_deg.to_radians().sin_cos();
-    texels.extend([cos, sin, 0.0, 0.0]);
-    texels.resize(2 * 4 * samples.len(), 0.0);
+    let width = first.len();
+    let mut texels = first.concat();
+    texels.extend([cos, sin, scale.first, scale.ratio]);
+    texels.resize(2 * 4 * width, 0.0);
     Table {
         name: "spectrum",
+        binding: SPECTRUM,
         format: TexelFormat::Rgba32Float,
-        width: samples.len(),
+        width,
         height: 2,
         layers: 0,
         texels,

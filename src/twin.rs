@@ -3,4 +3,75 @@
 //! `twin/x.rs` stands beside `templates/x.wgsl` with the same function names. What every mode shares is not written
 //! twice: the f64 form of `gain.wgsl` is [`crate::optics`], that of the map's geometry [`crate::frame`].
 
+mod adaptive;
 pub mod full;
+mod gems;
+mod nodes;
+mod pq;
+mod series;
+mod window;
+
+use glam::{DVec2, DVec3};
+
+use crate::plan::{Mode, Optics, Variant};
+use crate::reference::Directions;
+use crate::resolve::Resolved;
+use crate::tables::Table;
+
+/// Everything that one pixel of a variant reads, and the variant's algorithm on it.
+#[derive(Clone, Copy)]
+pub struct Twin<'a> {
+    /// Counts and sizes.
+    pub resolved: &'a Resolved,
+    /// Term table, rounded or not; empty where the mode has none.
+    pub terms: &'a Table,
+    /// Spectrum table, rounded or not.
+    pub spectrum: &'a Table,
+    /// The variant; only what the template's defines hold is read.
+    pub variant: &'a Variant,
+    /// Rotation of the surface, degrees.
+    pub rotate_deg: f64,
+}
+
+impl<'a> Twin<'a> {
+    /// Takes the tables by their names.
+    pub fn new(
+        resolved: &'a Resolved,
+        tables: &'a [Table],
+        variant: &'a Variant,
+        rotate_deg: f64,
+    ) -> Twin<'a> {
+        let named = |name: &str| tables.iter().find(|t| t.name == name).unwrap_or(&ABSENT);
+        Twin { resolved, terms: named("terms"), spectrum: named("spectrum"), variant, rotate_deg }
+    }
+
+    /// Relative tristimulus values of `ρ`.
+    pub fn tristimulus(&self, directions: Directions) -> [f64; 3] {
+        match self.variant.mode {
+            Mode::Full | Mode::Pq => nodes::tristimulus(self, directions),
+            Mode::Adaptive => adaptive::tristimulus(self, directions),
+            Mode::Gems => gems::tristimulus(self, directions),
+        }
+    }
+
+    /// `|P|²` of this variant at one wavelength, µm, along `path = (u, v, w)`; `None` where it has no wavelengths.
+    pub fn response(&self, path: DVec3, lambda_um: f64) -> Option<f64> {
+        match self.variant.mode {
+            Mode::Full => Some(full::response(self, path, lambda_um)),
+            Mode::Pq => Some(pq::response(self, path, lambda_um)),
+            // the segment shrinks to a point
+            Mode::Adaptive => {
+                let point = DVec2::splat(1.0 / lambda_um);
+                let add = |bin, _| [adaptive::intensity(self, bin, path, lambda_um), 0.0, 0.0];
+                Some(adaptive::corridor(self, path, point, add)[0])
+            }
+            Mode::Gems => None,
+        }
+    }
+
+    fn optics(&self) -> &Optics {
+        &self.variant.optics
+    }
+}
+
+static ABSENT: Table = Table::ABSENT;

@@ -1,7 +1,11 @@
 //! External validators over emitted files.
 //!
-//! Every tool runs on the files in place. A tool that crashes, or does not end in time, has rejected its file.
+//! Every tool runs on the files in place, function forms inside a shell that calls them. A tool that crashes, or does
+//! not end in time, has rejected its file.
 
+mod reflect;
+mod run;
+mod shell;
 mod tools;
 
 use std::{
@@ -18,7 +22,8 @@ use crate::{
     error::{Error, Result, Stage},
 };
 
-pub use tools::{External, Naga, Reads, tools};
+pub use reflect::Reflection;
+pub use tools::{External, HlslSpirv, Naga, Reads, tools};
 
 /// A validator.
 pub trait Tool: Send + Sync {
@@ -45,8 +50,8 @@ pub struct Report {
     pub tools: Vec<ToolReport>,
     /// Rejected files, in order of tools, then paths.
     pub failures: Vec<Failure>,
-    /// Shader files that none of the tools reads, relative to the folder.
-    pub unread: Vec<PathBuf>,
+    /// Shader files that none of the tools reads.
+    pub unread: Vec<Unread>,
 }
 
 impl Report {
@@ -63,6 +68,15 @@ impl Report {
         };
         self.failures.iter().map(describe).collect()
     }
+}
+
+/// A shader file that no tool has read.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct Unread {
+    /// Path relative to the folder.
+    pub file: PathBuf,
+    /// Why.
+    pub reason: String,
 }
 
 /// One line of the table of tools.
@@ -124,7 +138,13 @@ pub fn validate(folder: &Path, tools: &[Box<dyn Tool>], required: &[String]) -> 
         let before = jobs.len();
         jobs.extend(readers.filter(|(i, _)| versions[*i].is_some()).map(|(i, _)| (i, file)));
         if jobs.len() == before && is_shader(&name) {
-            unread.insert(relative(file, folder));
+            let reason = if name.ends_with(".metal") {
+                "Metal's compiler comes with macOS only".to_owned()
+            } else {
+                let named = tools.iter().filter(|tool| tool.reads(&name)).map(|tool| tool.name());
+                format!("none is installed of: {}", named.collect::<Vec<_>>().join(", "))
+            };
+            unread.insert(Unread { file: relative(file, folder), reason });
         }
     }
     jobs.sort();

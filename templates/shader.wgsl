@@ -5,7 +5,25 @@
 // where a colour lies outside the primaries.
 #constants
 #import gain
+#ifdef MODE_FULL
+#import nodes
+#import series
+#import window
 #import full
+#endif
+#ifdef MODE_PQ
+#import nodes
+#import series
+#import pq
+#endif
+#ifdef MODE_ADAPTIVE
+#import series
+#import window
+#import adaptive
+#endif
+#ifdef MODE_GEMS
+#import gems
+#endif
 #import colour
 #import map
 #import probe

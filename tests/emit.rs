@@ -7,9 +7,9 @@ use std::collections::BTreeMap;
 
 use diffraction_shaders::{
     emit::{BindingKind, EmittedFile, emit},
-    module::Stage,
+    module::{Stage, compile},
     plan::Target,
-    template::GENERATED,
+    template::{GENERATED, specialise},
 };
 
 fn text(file: &EmittedFile) -> &str {
@@ -24,15 +24,20 @@ fn files_are_named_by_target_and_stage() {
         names,
         [
             "diffraction.wgsl",
+            "diffraction.fn.wgsl",
             "diffraction.vert.glsl",
             "diffraction.frag.glsl",
             "diffraction.probe.frag.glsl",
+            "diffraction.fn.glsl",
             "diffraction.es300.vert",
             "diffraction.es300.frag",
             "diffraction.probe.es300.frag",
             "diffraction.vert.spv",
             "diffraction.frag.spv",
             "diffraction.probe.frag.spv",
+            "diffraction.hlsl",
+            "diffraction.fn.hlsl",
+            "diffraction.metal",
         ]
     );
     for file in files {
@@ -40,7 +45,8 @@ fn files_are_named_by_target_and_stage() {
         let entries: Vec<_> = entry_points.map(|e| (e.source_name.as_str(), e.stage)).collect();
         let all = [("vert", Stage::Vertex), ("map", Stage::Fragment), ("probe", Stage::Fragment)];
         let expected = match file.name.as_str() {
-            "diffraction.wgsl" => &all[..],
+            name if name.contains(".fn.") => &[],
+            "diffraction.wgsl" | "diffraction.hlsl" | "diffraction.metal" => &all[..],
             name if name.contains("probe") => &all[2..],
             name if name.contains("vert") => &all[..1],
             _ => &all[1..2],
@@ -59,12 +65,16 @@ fn texts_begin_with_their_header() {
     let header = format!("// {GENERATED}");
     for file in common::files().iter().filter(|file| file.target != Target::Spirv) {
         let lines: Vec<&str> = text(file).lines().take(2).collect();
-        let expected = match file.target {
-            Target::Wgsl => 0,
-            _ => 1,
+        let version = matches!(file.target, Target::Glsl450 | Target::GlslEs300);
+        let begin = match file.name.as_str() {
+            // begins with the function
+            "diffraction.fn.wgsl" => lines[1].trim_start(),
+            "diffraction.fn.glsl" => lines[0],
+            _ => lines[usize::from(version)],
         };
-        assert_eq!(lines[expected], header, "{}", file.name);
+        assert_eq!(begin, header, "{}", file.name);
         match file.target {
+            _ if file.name.contains(".fn.") => {}
             Target::Glsl450 => assert_eq!(lines[0], "#version 450 core"),
             Target::GlslEs300 => assert_eq!(lines[0], "#version 300 es"),
             _ => {}
@@ -84,7 +94,11 @@ fn wgsl_is_our_own_text() {
 
 #[test]
 fn es_is_high_precision_throughout() {
-    for file in common::files().iter().filter(|file| file.target == Target::GlslEs300) {
+    let function_form = |file: &EmittedFile| file.name.contains(".fn.");
+    for file in common::files()
+        .iter()
+        .filter(|file| file.target == Target::GlslEs300 && !function_form(file))
+    {
         let text = text(file);
         assert!(text.contains("precision highp float;") && text.contains("precision highp int;"));
         let samplers =
@@ -106,8 +120,14 @@ fn every_binding_is_found_under_its_emitted_name() {
             ("terms", BindingKind::Texture),
         ];
         let mut expected = BTreeMap::from(fragment);
-        if file.entry_points[0].source_name == "probe" || file.target == Target::Wgsl {
+        let entries: Vec<&str> =
+            file.entry_points.iter().map(|entry| entry.source_name.as_str()).collect();
+        if entries.contains(&"probe") {
             expected.insert("directions", BindingKind::Texture);
+        }
+        let function_form = entries.is_empty();
+        if function_form {
+            expected.remove("params");
         }
         if file.name.contains("vert") {
             expected.clear();
@@ -119,22 +139,32 @@ fn every_binding_is_found_under_its_emitted_name() {
                 .position(|name| *name == binding.source_name)
                 .unwrap() as u32;
             assert_eq!((binding.group, binding.binding), (0, number));
-            let es = file.target == Target::GlslEs300;
-            assert_eq!(binding.emitted_binding, (!es).then_some(number), "{}", file.name);
+            let unset = file.target == Target::GlslEs300 || function_form;
+            assert_eq!(binding.emitted_binding, (!unset).then_some(number), "{}", file.name);
             if file.target != Target::Spirv {
                 let names = [Some(&binding.emitted_name), binding.member_name.as_ref()];
                 for name in names.into_iter().flatten() {
                     assert!(text(&file).contains(name.as_str()), "{}: {name}", file.name);
                 }
             }
-            if file.target == Target::Glsl450 {
-                assert!(text(&file).contains(&format!("binding = {number}")), "{}", text(&file));
-            }
+            let block = binding.kind == BindingKind::UniformBlock;
+            let mark = match file.target {
+                Target::Glsl450 => format!("binding = {number}"),
+                Target::Hlsl => format!("register({}{number})", if block { 'b' } else { 't' }),
+                Target::Msl => {
+                    format!("[[{}({number})]]", if block { "buffer" } else { "texture" })
+                }
+                _ => continue,
+            };
+            assert_eq!(text(&file).contains(&mark), !unset, "{}", text(&file));
         }
         let blocks: Vec<&str> = file.uniform_blocks().collect();
         match (file.target, file.bindings.is_empty()) {
             (_, true) => assert!(blocks.is_empty()),
-            (Target::Wgsl | Target::Spirv, _) => assert_eq!(blocks, ["params"]),
+            _ if function_form => assert!(blocks.is_empty()),
+            (Target::Wgsl | Target::Spirv | Target::Hlsl | Target::Msl, _) => {
+                assert_eq!(blocks, ["params"]);
+            }
             (_, _) => assert_eq!(blocks, ["Params_block_0Fragment"]),
         }
     }
@@ -193,4 +223,108 @@ fn names_are_those_of_the_templates() {
             }
         }
     }
+}
+
+#[test]
+fn targets_that_are_kept_write_nothing_but_what_another_shares() {
+    let names = |wanted: &[Target]| {
+        let package = common::package_without(&|_, target| !wanted.contains(&target));
+        let below = format!("{}/diffraction.", common::VARIANT_FOLDER);
+        let files = package.files().keys().filter_map(|path| path.strip_prefix(&below));
+        files.map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(names(&[]), Vec::<String>::new());
+    assert_eq!(names(&[Target::Hlsl]), ["fn.hlsl", "hlsl"]);
+    let desktop = ["fn.glsl", "frag.glsl", "probe.frag.glsl", "vert.glsl"];
+    assert_eq!(names(&[Target::Glsl450]), desktop);
+    let embedded = ["es300.frag", "es300.vert", "fn.glsl", "probe.es300.frag"];
+    assert_eq!(names(&[Target::GlslEs300]), embedded);
+    assert_eq!(names(&[Target::Msl, Target::Wgsl]), ["fn.wgsl", "metal", "wgsl"]);
+}
+
+/// The function form of a language, and the signatures that it states.
+fn function_form(target: Target) -> (String, Vec<String>) {
+    let module = common::module();
+    let files = emit(&module, target).unwrap();
+    let file = files.iter().find(|file| file.name.contains(".fn.")).unwrap();
+    let signatures = file.functions.iter().map(|function| function.signature.clone());
+    (text(file).to_owned(), signatures.collect())
+}
+
+#[test]
+fn function_forms_offer_both_functions_and_nothing_else() {
+    let signatures = |target| function_form(target).1;
+    let textures = "terms: texture_2d_array<f32>, spectrum: texture_2d<f32>";
+    assert_eq!(
+        signatures(Target::Wgsl),
+        ["diffraction", "tristimulus"]
+            .map(|name| format!("fn {name}(wi: vec3f, wr: vec3f, {textures}) -> vec3f"))
+    );
+    for (target, vector) in
+        [(Target::Glsl450, "vec3"), (Target::GlslEs300, "vec3"), (Target::Hlsl, "float3")]
+    {
+        for (signature, name) in signatures(target).iter().zip(["diffraction", "tristimulus"]) {
+            assert!(signature.starts_with(&format!("{vector} {name}({vector} wi")), "{signature}");
+            assert!(signature.ends_with(')'), "{signature}");
+        }
+        assert_eq!(signatures(target).len(), 2);
+    }
+    for target in [Target::Wgsl, Target::Glsl450, Target::Hlsl] {
+        let (text, _) = function_form(target);
+        let foreign = [
+            "#version",
+            "precision ",
+            "main",
+            "layout",
+            "@group",
+            "@binding",
+            "@fragment",
+            "register",
+            "params",
+            "Params",
+            "directions",
+            "probe",
+            "map",
+            "vert",
+            "_group_",
+        ];
+        assert_eq!(foreign.iter().find(|word| text.contains(**word)), None, "{text}");
+    }
+    assert_eq!(function_form(Target::Glsl450), function_form(Target::GlslEs300));
+}
+
+#[test]
+fn the_function_form_of_wgsl_begins_with_the_function_and_keeps_comments() {
+    let (text, _) = function_form(Target::Wgsl);
+    let expected = "\
+fn diffraction(wi: vec3f, wr: vec3f, terms: texture_2d_array<f32>, spectrum: texture_2d<f32>) -> vec3f {
+    // @generated by `cargo xtask generate`; do not edit
+    // terms: Transforms, one layer each.
+    return tristimulus(wi, wr, terms, spectrum) * SCALE;
+}
+
+";
+    assert!(text.starts_with(expected), "{text}");
+    assert!(text.contains("\n\n// Sums all terms over all wavelengths.\nfn tristimulus("));
+    assert!(text.contains("\nconst WAVELENGTHS: i32 = 81;\n"));
+}
+
+#[test]
+fn a_core_function_that_reads_a_uniform_block_has_no_function_form() {
+    let mut sources = common::sources();
+    let core = sources.0.get_mut("core").unwrap();
+    *core = core.replace("* SCALE", "* SCALE * params.gain.xyz");
+    let specialised = specialise(&sources, "root", &common::defines()).unwrap();
+    let module = compile(&specialised, &sources, "test").unwrap();
+    for (target, name) in
+        [(Target::Wgsl, "wgsl"), (Target::GlslEs300, "glsl-es300"), (Target::Hlsl, "hlsl")]
+    {
+        assert_eq!(
+            emit(&module, target).unwrap_err().to_string(),
+            format!(
+                "test: {name}: function form: `diffraction` reads `params`, which is not a texture"
+            )
+        );
+    }
+    assert!(emit(&module, Target::Msl).is_ok());
 }

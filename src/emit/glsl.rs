@@ -51,6 +51,7 @@ fn emit(
                 emitted_name: "main".to_owned(),
             }],
             bindings,
+            functions: Vec::new(),
         });
     }
     Ok(files)
@@ -89,6 +90,30 @@ fn write(single: &Single, version: Version) -> Result<(String, Vec<BindingName>)
     });
     let named = named.collect();
     Ok((with_header(&text), named))
+}
+
+/// Text of a module without bindings in GLSL ES 3.00, whose entry point is a fragment shader.
+pub fn write_unbound(
+    ir: &naga::Module,
+    info: &naga::valid::ModuleInfo,
+    entry: &str,
+) -> Result<String, String> {
+    let options = glsl::Options {
+        version: Version::Embedded { version: 300, is_webgl: true },
+        writer_flags: glsl::WriterFlags::empty(),
+        binding_map: glsl::BindingMap::new(),
+        zero_initialize_workgroup_memory: false,
+    };
+    let pipeline = glsl::PipelineOptions {
+        shader_stage: naga::ShaderStage::Fragment,
+        entry_point: entry.to_owned(),
+        multiview: None,
+    };
+    let mut text = String::new();
+    glsl::Writer::new(&mut text, ir, info, &options, &pipeline, UNCHECKED)
+        .and_then(|mut writer| writer.write())
+        .map_err(|error| error.to_string())?;
+    Ok(text)
 }
 
 /// Unit of a binding: groups do not exist in GLSL, so that only the first has one.

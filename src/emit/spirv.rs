@@ -64,6 +64,7 @@ pub fn emit(module: &Module) -> Result<Vec<EmittedFile>> {
                 source_name: single.name.clone(),
                 emitted_name: single.name,
             }],
+            functions: Vec::new(),
         });
     }
     Ok(files)

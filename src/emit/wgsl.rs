@@ -17,5 +17,6 @@ pub fn emit(module: &Module) -> Result<Vec<EmittedFile>> {
         bytes: module.text().as_bytes().to_vec(),
         entry_points: entry_points.collect(),
         bindings: bindings(module.ir()).into_iter().map(|(_, binding)| binding).collect(),
+        functions: Vec::new(),
     }])
 }

@@ -69,16 +69,28 @@ pub(super) fn check_clip(subject: &str, percent: f64) -> Result<()> {
     .remedy("it is the share of pixels, in percent, clipped at each end"))
 }
 
-/// On a full grid the centred coordinates are orthogonal, so the two slopes separate and no system needs solving.
-fn plane(mut field: HeightField) -> Result<HeightField> {
+/// The least-squares plane of a field: `mean_um + per_column_um·(col - mid) + per_row_um·(row - mid)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    /// Height at the centre of the pixels, µm.
+    pub mean_um: f64,
+    /// Rise from one column to the next, µm.
+    pub per_column_um: f64,
+    /// Rise from one row to the next, downwards, µm.
+    pub per_row_um: f64,
+}
+
+/// Fits a plane. On a full grid the centred coordinates are orthogonal, so the two slopes separate and no system needs
+/// solving.
+pub fn fit_plane(field: &HeightField) -> Plane {
     let (columns, rows) = (field.columns, field.rows);
     let (mid_x, mid_y) = ((columns - 1) as f64 / 2.0, (rows - 1) as f64 / 2.0);
-    let mean = field.heights_um.iter().sum::<f64>() / field.heights_um.len() as f64;
+    let mean_um = field.heights_um.iter().sum::<f64>() / field.heights_um.len() as f64;
     let (mut moment_x, mut moment_y) = (0.0, 0.0);
     for (row, line) in field.heights_um.chunks_exact(columns).enumerate() {
         for (col, h) in line.iter().enumerate() {
-            moment_x += (col as f64 - mid_x) * (h - mean);
-            moment_y += (row as f64 - mid_y) * (h - mean);
+            moment_x += (col as f64 - mid_x) * (h - mean_um);
+            moment_y += (row as f64 - mid_y) * (h - mean_um);
         }
     }
     // Σ (i - mid)² over n places is n(n² - 1)/12
@@ -86,10 +98,20 @@ fn plane(mut field: HeightField) -> Result<HeightField> {
     let slope = |moment: f64, n: usize, across: usize| {
         if n > 1 { moment / (spread(n) * across as f64) } else { 0.0 }
     };
-    let (slope_x, slope_y) = (slope(moment_x, columns, rows), slope(moment_y, rows, columns));
-    for (row, line) in field.heights_um.chunks_exact_mut(columns).enumerate() {
+    Plane {
+        mean_um,
+        per_column_um: slope(moment_x, columns, rows),
+        per_row_um: slope(moment_y, rows, columns),
+    }
+}
+
+fn plane(mut field: HeightField) -> Result<HeightField> {
+    let Plane { mean_um, per_column_um, per_row_um } = fit_plane(&field);
+    let (mid_x, mid_y) = ((field.columns - 1) as f64 / 2.0, (field.rows - 1) as f64 / 2.0);
+    for (row, line) in field.heights_um.chunks_exact_mut(field.columns).enumerate() {
         for (col, h) in line.iter_mut().enumerate() {
-            *h -= mean + slope_x * (col as f64 - mid_x) + slope_y * (row as f64 - mid_y);
+            *h -=
+                mean_um + per_column_um * (col as f64 - mid_x) + per_row_um * (row as f64 - mid_y);
         }
     }
     Ok(field)

@@ -46,6 +46,8 @@ pub struct Reading {
     pub pitch_y_um: f64,
     /// Heights, µm, `[row][column]`, row 0 at the top; NaN where the file has none, finite elsewhere.
     pub heights_um: Vec<f64>,
+    /// Step between neighbouring heights of an integer file, µm: the coarsest that all its samples are multiples of.
+    pub step_um: Option<f64>,
     /// Notes for the user.
     pub notes: Vec<String>,
 }
@@ -110,8 +112,11 @@ fn finish(source: &FileSource, subject: &str, mut raster: Raster) -> Result<Read
     let mut notes = std::mem::take(&mut raster.notes);
     let (columns, rows) = (raster.columns, raster.rows);
     let (pitch_x_um, pitch_y_um) = units::pitch(source, &raster, subject, &mut notes)?;
+    let steps = units::steps(source, &raster.samples);
     let heights_um = units::heights(source, raster.samples, columns, subject, &mut notes)?;
-    Ok(Reading { columns, rows, pitch_x_um, pitch_y_um, heights_um, notes })
+    notes.extend(steps.as_ref().map(ToString::to_string));
+    let step_um = steps.map(|steps| steps.size_um);
+    Ok(Reading { columns, rows, pitch_x_um, pitch_y_um, heights_um, step_um, notes })
 }
 
 /// How errors name a surface that comes from a file.

@@ -13,7 +13,7 @@ pub const MAX_VOID_SHARE: f64 = 0.2;
 /// the solution of Laplace's equation with the known heights as its boundary and mirrored edges (the file need not be
 /// periodic). It never leaves the range of the known heights. Errors: all void, or more than [`MAX_VOID_SHARE`].
 pub fn fill(reading: Reading, subject: &str) -> Result<(HeightField, Vec<String>)> {
-    let Reading { columns, rows, pitch_x_um, pitch_y_um, mut heights_um, mut notes } = reading;
+    let Reading { columns, rows, pitch_x_um, pitch_y_um, mut heights_um, mut notes, .. } = reading;
     let void: Vec<usize> = (0..heights_um.len()).filter(|&i| heights_um[i].is_nan()).collect();
     if !void.is_empty() {
         let share = void.len() as f64 / heights_um.len() as f64;

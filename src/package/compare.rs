@@ -1,5 +1,6 @@
 //! Comparing a file on disk with a fresh one.
 
+use half::f16;
 use serde_json::Value;
 
 use crate::plan::TableFormat;
@@ -23,7 +24,10 @@ pub(super) fn same(compare: Compare, fresh: &[u8], disk: &[u8]) -> bool {
             }
         }
         Compare::Table { format: TableFormat::F32, tolerance, layer } => {
-            same_f32(fresh, disk, tolerance, layer)
+            same_numbers(fresh, disk, tolerance, layer, 4)
+        }
+        Compare::Table { format: TableFormat::F16, tolerance, layer } => {
+            same_numbers(fresh, disk, tolerance, layer, 2)
         }
     }
 }
@@ -57,20 +61,29 @@ fn same_json(fresh: &Value, disk: &Value, tolerance: f64, scale: f64) -> bool {
     }
 }
 
-fn same_f32(fresh: &[u8], disk: &[u8], tolerance: f64, layer: usize) -> bool {
-    if fresh.len() != disk.len() || !fresh.len().is_multiple_of(4) {
+/// `width`: bytes of a number.
+fn same_numbers(fresh: &[u8], disk: &[u8], tolerance: f64, layer: usize, width: usize) -> bool {
+    if fresh.len() != disk.len() || !fresh.len().is_multiple_of(width) {
         return false;
     }
-    let layer_bytes = if layer == 0 { fresh.len() } else { layer.saturating_mul(4) };
-    fresh.chunks(layer_bytes.max(4)).zip(disk.chunks(layer_bytes.max(4))).all(|(fresh, disk)| {
-        let largest = numbers(fresh).fold(0.0, |max: f64, x| max.max(x.abs()));
-        // Written so that a NaN on either side is a difference.
-        numbers(fresh).zip(numbers(disk)).all(|(x, y)| (x - y).abs() <= tolerance * largest)
-    })
+    let layer_bytes = if layer == 0 { fresh.len() } else { layer.saturating_mul(width) };
+    fresh.chunks(layer_bytes.max(width)).zip(disk.chunks(layer_bytes.max(width))).all(
+        |(fresh, disk)| {
+            let largest = numbers(fresh, width).fold(0.0, |max: f64, x| max.max(x.abs()));
+            // Written so that a NaN on either side is a difference.
+            numbers(fresh, width)
+                .zip(numbers(disk, width))
+                .all(|(x, y)| (x - y).abs() <= tolerance * largest)
+        },
+    )
 }
 
-fn numbers(bytes: &[u8]) -> impl Iterator<Item = f64> + '_ {
-    bytes.as_chunks::<4>().0.iter().map(|chunk| f64::from(f32::from_le_bytes(*chunk)))
+fn numbers(bytes: &[u8], width: usize) -> impl Iterator<Item = f64> + '_ {
+    bytes.chunks_exact(width).map(|chunk| match *chunk {
+        [a, b] => f16::from_le_bytes([a, b]).to_f64(),
+        [a, b, c, d] => f64::from(f32::from_le_bytes([a, b, c, d])),
+        _ => f64::NAN,
+    })
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
+use super::constraints;
 use super::variants::Draft;
 use super::{Auto, Basis, Coherence, CoherenceScaling, Colour, Mode, Optics, Packing, TableFormat};
 use super::{Variant, Wavelengths};
@@ -23,6 +24,7 @@ impl Variant {
             terms: Auto::Value(31),
             term_error: 1e-3,
             window_radius: Auto::Value(1),
+            periods: None,
             wavelengths: Wavelengths { min_nm: 380.0, max_nm: 780.0, step_nm: 5.0 },
             table: TableFormat::F32,
             packing: Packing::Single,
@@ -57,9 +59,15 @@ impl Variant {
         if self.terms == Auto::Auto {
             map.insert("term_error", json!(self.term_error));
         }
-        if waves.max_nm > waves.min_nm {
+        if waves.max_nm > waves.min_nm && self.mode != Mode::Adaptive {
             map.insert("step_nm", json!(waves.step_nm));
         }
+        match (self.mode, self.periods) {
+            (Mode::Pq, Some(periods)) => map.insert("periods", json!(periods)),
+            (Mode::Pq, None) => map.insert("periods", json!("auto")),
+            _ => None,
+        };
+        map.retain(|key, _| constraints::reads(self.mode, self.periods.is_some(), key));
         let pairs: Vec<String> =
             map.iter().map(|(key, value)| format!("\"{key}\":{value}")).collect();
         format!("{{{}}}", pairs.join(","))
@@ -99,7 +107,9 @@ pub(super) fn sha256_hex(bytes: &[u8]) -> String {
 /// It depends on nothing but the configuration, and two configurations never share one.
 pub(super) fn name_of(draft: &Draft) -> String {
     let standard = Draft::standard(Optics::standard());
-    let pq = draft.mode.0 == "pq";
+    if draft.mode.1 == Some(Mode::Gems) {
+        return draft.mode.0.to_owned();
+    }
     let mut parts =
         vec![draft.mode.0.to_owned(), draft.basis.0.to_owned(), format!("t{}", auto(draft.terms))];
     let mut add = |present: bool, part: String| {
@@ -114,7 +124,7 @@ pub(super) fn name_of(draft: &Draft) -> String {
     );
     add(draft.reconstruction != standard.reconstruction, draft.reconstruction.0.to_owned());
     add(draft.window_radius != standard.window_radius, format!("r{}", auto(draft.window_radius)));
-    if let (true, Some([x, y])) = (pq, draft.periods) {
+    if let Some([x, y]) = draft.periods {
         add(true, format!("q{x}x{y}"));
     }
     let waves = wavelengths(draft);

@@ -10,6 +10,7 @@ use toml::de::DeTable;
 
 use crate::error::{Error, Result, Stage};
 
+use super::constraints;
 use super::item::{Item, Source, Table, suggest};
 use super::names::{name_of, sha256_hex};
 use super::variants::{Draft, read_optics, read_preset, read_product};
@@ -156,7 +157,7 @@ fn product(
     };
     let mut seen: BTreeMap<String, u32> = BTreeMap::new();
     let mut variants = Vec::new();
-    for draft in drafts {
+    for draft in drafts.into_iter().map(constraints::normalised) {
         let name = name_of(&draft);
         let times = seen.entry(name.clone()).or_default();
         *times += 1;

@@ -1,5 +1,6 @@
 //! Axes of the product and keys of presets: one reader per key, one list that fixes their order.
 
+use super::constraints;
 use super::item::{Item, Table};
 use super::words::{self, unavailable};
 use super::{
@@ -134,7 +135,7 @@ pub(super) fn read_preset(table: &Table, base: &Draft) -> Option<Variant> {
     let draft = preset_values(table, &axes)
         .into_iter()
         .fold(base.clone(), |draft, (_, value)| draft.with(value));
-    match draft.build(String::new()) {
+    match constraints::normalised(draft).build(String::new()) {
         Ok(variant) => Some(variant),
         Err(refusals) => {
             for (key, reason) in refusals {
@@ -179,6 +180,10 @@ impl Draft {
         else {
             return Err(refusals);
         };
+        refusals.extend(constraints::broken(mode, self));
+        if !refusals.is_empty() {
+            return Err(refusals);
+        }
         Ok(Variant {
             name,
             mode,
@@ -186,6 +191,7 @@ impl Draft {
             terms: self.terms,
             term_error: self.term_error,
             window_radius: self.window_radius,
+            periods: self.periods,
             wavelengths: self.wavelengths,
             table,
             packing: self.packing,

@@ -9,9 +9,9 @@ pub(super) type Words<T> = &'static [(&'static str, Option<T>)];
 
 pub(super) const MODES: Words<Mode> = &[
     ("full", Some(Mode::Full)),
-    ("pq", None),
-    ("adaptive", None),
-    ("gems", None),
+    ("pq", Some(Mode::Pq)),
+    ("adaptive", Some(Mode::Adaptive)),
+    ("gems", Some(Mode::Gems)),
     ("baked", None),
 ];
 
@@ -25,7 +25,7 @@ pub(super) const BASES: Words<Basis> = &[
 pub(super) const RECONSTRUCTIONS: Words<()> = &[("window", Some(())), ("prefiltered", None)];
 
 pub(super) const TABLE_FORMATS: Words<TableFormat> =
-    &[("f32", Some(TableFormat::F32)), ("f16", None)];
+    &[("f32", Some(TableFormat::F32)), ("f16", Some(TableFormat::F16))];
 
 pub(super) const CONTAINERS: Words<()> = &[("bin", Some(())), ("ktx2", None), ("exr", None)];
 
@@ -34,8 +34,8 @@ pub(super) const TARGETS: Words<Target> = &[
     ("glsl450", Some(Target::Glsl450)),
     ("glsl-es300", Some(Target::GlslEs300)),
     ("spirv", Some(Target::Spirv)),
-    ("hlsl", None),
-    ("msl", None),
+    ("hlsl", Some(Target::Hlsl)),
+    ("msl", Some(Target::Msl)),
 ];
 
 pub(super) const PACKINGS: &[(&str, Packing)] =

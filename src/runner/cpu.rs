@@ -6,9 +6,9 @@ use crate::optics::path_difference;
 use crate::reference::{Directions, Reference, evaluate_all};
 use crate::resolve::{Resolved, resolve};
 use crate::tables::Table;
-use crate::twin::full::Twin;
+use crate::twin::Twin;
 
-use super::{Progress, Runner, Subject};
+use super::{Progress, Runner, Subject, has_wavelengths};
 
 /// The exact reference; of the variant, only the optics count.
 pub struct Exact<'a>(pub Subject<'a>);
@@ -44,29 +44,23 @@ impl Runner for Exact<'_> {
 pub struct TwinRunner<'a> {
     subject: Subject<'a>,
     resolved: Resolved,
-    terms: Table,
-    spectrum: Table,
+    tables: Vec<Table>,
 }
 
 impl<'a> TwinRunner<'a> {
     /// Computes the tables; `packed`: rounded as the shader reads them.
     pub fn new(subject: Subject<'a>, packed: bool) -> Result<TwinRunner<'a>> {
         let Subject { height, rotate_deg, variant } = subject;
-        let resolved = resolve(variant, height);
+        let resolved = resolve(variant, height)?;
         let round = |table: Table| if packed { table.rounded() } else { table };
-        let terms = round(assemble::terms(variant, &resolved, height));
-        let spectrum = round(assemble::spectrum(variant, rotate_deg)?);
-        Ok(TwinRunner { subject, resolved, terms, spectrum })
+        let tables = assemble::tables(variant, &resolved, height, rotate_deg)?;
+        let tables = tables.into_iter().map(round).collect();
+        Ok(TwinRunner { subject, resolved, tables })
     }
 
     fn twin(&self) -> Twin<'_> {
-        Twin {
-            resolved: &self.resolved,
-            terms: &self.terms,
-            spectrum: &self.spectrum,
-            variant: self.subject.variant,
-            rotate_deg: self.subject.rotate_deg,
-        }
+        let Subject { rotate_deg, variant, .. } = self.subject;
+        Twin::new(&self.resolved, &self.tables, variant, rotate_deg)
     }
 }
 
@@ -85,10 +79,11 @@ impl Runner for TwinRunner<'_> {
     }
 
     fn response(&self, directions: &[Directions], lambda_nm: f64) -> Result<Vec<f64>> {
+        has_wavelengths(self.subject.variant)?;
         let twin = self.twin();
         let response = |d: Directions, (): &mut ()| {
             let path = path_difference(d.wi, d.wr, self.subject.rotate_deg);
-            [twin.response(path, lambda_nm * 1e-3), 0.0, 0.0]
+            [twin.response(path, lambda_nm * 1e-3).unwrap_or(0.0), 0.0, 0.0]
         };
         Ok(evaluate_all(directions, &|_| (), response).into_iter().map(|r| r[0]).collect())
     }

@@ -13,10 +13,10 @@ use crate::optics::gain;
 use crate::reference::Directions;
 use crate::resolve::{Resolved, resolve};
 use crate::spectrum::from_rgb;
-use crate::tables::{Table, TexelFormat};
+use crate::tables::{DIRECTIONS, SPECTRUM, TERMS, Table, TexelFormat};
 use crate::template::Sources;
 
-use super::{Progress, Runner, Subject};
+use super::{Progress, Runner, Subject, has_wavelengths};
 
 /// Rows of a picture that are drawn at once, so that progress shows and an interrupt is heard.
 pub(super) const BAND_ROWS: u32 = 16;
@@ -64,7 +64,7 @@ pub struct Prepared<'a> {
     pub sources: Sources,
     /// The variant's numbers.
     pub resolved: Resolved,
-    /// The term table.
+    /// The term table; empty where the mode has none.
     pub terms: Table,
     /// The spectrum table.
     pub spectrum: Table,
@@ -74,9 +74,13 @@ impl<'a> Prepared<'a> {
     /// Computes the tables.
     pub fn new(subject: Subject<'a>) -> Result<Prepared<'a>> {
         let Subject { height, rotate_deg, variant } = subject;
-        let resolved = resolve(variant, height);
-        let terms = assemble::terms(variant, &resolved, height);
-        let spectrum = assemble::spectrum(variant, rotate_deg)?;
+        let resolved = resolve(variant, height)?;
+        let mut tables = assemble::tables(variant, &resolved, height, rotate_deg)?;
+        let mut take = |binding: u32| {
+            let place = tables.iter().position(|table| table.binding == binding);
+            place.map_or(Table::ABSENT, |place| tables.swap_remove(place))
+        };
+        let (terms, spectrum) = (take(TERMS), take(SPECTRUM));
         Ok(Prepared { subject, sources: Sources::builtin(), resolved, terms, spectrum })
     }
 
@@ -115,8 +119,9 @@ impl<'a, D: Driver> DriverRunner<'a, D> {
         directions: Option<&Table>,
     ) -> Result<D::Pipeline> {
         let module = self.prepared.module(spectrum.width)?;
-        let mut tables = vec![(1, &self.prepared.terms), (2, spectrum)];
-        tables.extend(directions.map(|table| (3, table)));
+        let tables = [Some(&self.prepared.terms), Some(spectrum), directions];
+        let tables: Vec<BoundTable<'_>> =
+            tables.into_iter().flatten().filter(|t| t.width > 0).map(|t| (t.binding, t)).collect();
         self.driver.pipeline(&module, entry, &tables)
     }
 
@@ -155,7 +160,8 @@ impl<D: Driver> Runner for DriverRunner<'_, D> {
     /// The shader with a single wavelength of weight 1 returns `C·|P|²`; the gain is taken off again in f64.
     fn response(&self, directions: &[Directions], lambda_nm: f64) -> Result<Vec<f64>> {
         let Subject { rotate_deg, variant, .. } = self.prepared.subject;
-        let spectrum = assemble::single_wavelength(lambda_nm, rotate_deg);
+        has_wavelengths(variant)?;
+        let spectrum = assemble::single_wavelength(&self.prepared.resolved, lambda_nm, rotate_deg);
         let rho = self.probe(&spectrum, directions, &|_| ())?;
         let gains = directions.iter().map(|d| gain(d.wi, d.wr, &variant.optics));
         Ok(rho
@@ -197,6 +203,7 @@ fn directions_table(directions: &[Directions]) -> Table {
     }
     Table {
         name: "directions",
+        binding: DIRECTIONS,
         format: TexelFormat::Rgba32Float,
         width: PROBE_WIDTH,
         height: 2 * rows,

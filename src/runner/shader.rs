@@ -66,6 +66,8 @@ fn texture(table: &Table, binding: u32) -> Texture<'static> {
         binding,
         layout: if table.layers == 0 { TextureLayout::D2 } else { TextureLayout::D2Array },
         format: match table.format {
+            TexelFormat::Rg16Float => TextureFormat::Rg16Float,
+            TexelFormat::Rgba16Float => TextureFormat::Rgba16Float,
             TexelFormat::Rg32Float => TextureFormat::Rg32Float,
             TexelFormat::Rgba32Float => TextureFormat::Rgba32Float,
         },

@@ -1,24 +1,24 @@
 //! naga in this process, and the command-line validators.
 
 use std::{
-    env, fs,
-    io::{self, Read},
+    fs,
     path::{Path, PathBuf},
-    process::{Child, Command, ExitStatus, Stdio},
-    sync::mpsc::{Receiver, channel},
-    thread,
-    time::{Duration, Instant},
+    process::Command,
+    time::Duration,
 };
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-use super::Tool;
+use crate::module::{Contract, Stage};
+
+use super::{
+    Reflection, Tool,
+    run::{on_path, run},
+    shell::{self, Input},
+};
 
 /// Time that a tool has for one file.
-const TIME_LIMIT: Duration = Duration::from_secs(60);
-
-/// Time between two looks at a running tool.
-const POLL: Duration = Duration::from_millis(2);
+pub(super) const TIME_LIMIT: Duration = Duration::from_secs(60);
 
 /// All validators, installed or not.
 pub fn tools() -> Vec<Box<dyn Tool>> {
@@ -26,16 +26,31 @@ pub fn tools() -> Vec<Box<dyn Tool>> {
         Box::new(Naga),
         // Vulkan's rules are stricter than those of SPIR-V alone
         Box::new(External::new("spirv-val", Some("spirv-tools"), Reads::Spirv, |_| {
-            vec![vec!["--target-env", "vulkan1.0"]]
+            vec![words(&["--target-env", "vulkan1.0"])]
         })),
-        Box::new(External::new("glslangValidator", Some("glslang-tools"), Reads::Glsl, |name| {
-            vec![vec!["-S", if name.contains(".vert") { "vert" } else { "frag" }]]
-        })),
+        Box::new(External::new(
+            "glslangValidator",
+            Some("glslang-tools"),
+            Reads::GlslHlsl,
+            |name| {
+                if name.ends_with(".hlsl") {
+                    // reads HLSL only to write SPIR-V
+                    let nowhere = if cfg!(windows) { "NUL" } else { "/dev/null" };
+                    return hlsl_entries(name)
+                        .into_iter()
+                        .map(|entry| hlsl_options(entry, nowhere))
+                        .collect();
+                }
+                vec![words(&["-S", if name.contains(".vert") { "vert" } else { "frag" }])]
+            },
+        )),
+        Box::new(HlslSpirv::new()),
         Box::new(External::new("spirv-cross", Some("spirv-cross"), Reads::Spirv, |_| {
-            vec![vec!["--version", "450"], vec!["--version", "300", "--es"]]
+            vec![words(&["--version", "450"]), words(&["--version", "300", "--es"])]
         })),
+        Box::new(Reflection::new()),
         // without a format it guesses one from the name of an output file, of which there is none
-        Box::new(External::new("tint", None, Reads::Wgsl, |_| vec![vec!["--format", "wgsl"]])),
+        Box::new(External::new("tint", None, Reads::Wgsl, |_| vec![words(&["--format", "wgsl"])])),
     ]
 }
 
@@ -60,33 +75,39 @@ impl Tool for Naga {
     }
 
     fn check(&self, file: &Path) -> Result<(), String> {
-        let text = fs::read_to_string(file).map_err(|error| error.to_string())?;
-        let module = naga::front::wgsl::parse_str(&text).map_err(|e| e.emit_to_string(&text))?;
-        let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
-        validator.validate(&module).map(|_| ()).map_err(|error| error.emit_to_string(&text))
+        for Input { file, .. } in shell::inputs(file)?.files {
+            let text = fs::read_to_string(file).map_err(|error| error.to_string())?;
+            let module =
+                naga::front::wgsl::parse_str(&text).map_err(|e| e.emit_to_string(&text))?;
+            let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+            validator.validate(&module).map_err(|error| error.emit_to_string(&text))?;
+        }
+        Ok(())
     }
 }
 
 /// The language that a tool reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reads {
-    /// WGSL modules, not fragments of them.
+    /// WGSL.
     Wgsl,
-    /// GLSL of both kinds, whole shaders.
-    Glsl,
+    /// GLSL of both kinds, and HLSL.
+    GlslHlsl,
+    /// HLSL.
+    Hlsl,
     /// SPIR-V.
     Spirv,
 }
 
 impl Reads {
-    fn name(self, name: &str) -> bool {
-        let function_only = name.ends_with(".fn.wgsl") || name.ends_with(".fn.glsl");
+    pub(super) fn name(self, name: &str) -> bool {
         let suffixes: &[&str] = match self {
             Reads::Wgsl => &[".wgsl"],
-            Reads::Glsl => &[".vert.glsl", ".frag.glsl", ".es300.vert", ".es300.frag"],
+            Reads::GlslHlsl => &[".glsl", ".es300.vert", ".es300.frag", ".hlsl"],
+            Reads::Hlsl => &[".hlsl"],
             Reads::Spirv => &[".spv"],
         };
-        !function_only && suffixes.iter().any(|suffix| name.ends_with(suffix))
+        suffixes.iter().any(|suffix| name.ends_with(suffix))
     }
 }
 
@@ -97,7 +118,7 @@ pub struct External {
     program: Option<PathBuf>,
     reads: Reads,
     /// Options of each run over a file of that name.
-    options: fn(&str) -> Vec<Vec<&'static str>>,
+    options: fn(&str) -> Vec<Vec<String>>,
     time_limit: Duration,
 }
 
@@ -107,7 +128,7 @@ impl External {
         name: &'static str,
         package: Option<&'static str>,
         reads: Reads,
-        options: fn(&str) -> Vec<Vec<&'static str>>,
+        options: fn(&str) -> Vec<Vec<String>>,
     ) -> External {
         External { name, package, program: on_path(name), reads, options, time_limit: TIME_LIMIT }
     }
@@ -150,76 +171,95 @@ impl Tool for External {
     }
 
     fn check(&self, file: &Path) -> Result<(), String> {
-        let name = file.file_name().unwrap_or_default().to_string_lossy();
-        for options in (self.options)(&name) {
-            let mut command = self.command().ok_or("not installed")?;
-            // an absolute path, so that no file name is taken for an option
-            let file = fs::canonicalize(file).map_err(|error| error.to_string())?;
-            command.args(&options).arg(file);
-            let (status, text) =
-                run(&mut command, self.time_limit).map_err(|error| error.to_string())?;
-            if !status.success() {
-                return Err(format!(
-                    "{} {}: {status}\n{}",
-                    self.name,
-                    options.join(" "),
-                    text.trim()
-                ));
+        for Input { name, file } in shell::inputs(file)?.files {
+            for options in (self.options)(&name) {
+                let mut command = self.command().ok_or("not installed")?;
+                accepted(command.args(&options).arg(&file), self.time_limit)?;
             }
         }
         Ok(())
     }
 }
 
-/// The program of that name in the first folder of the PATH that has it.
-fn on_path(name: &str) -> Option<PathBuf> {
-    let path = env::var_os("PATH")?;
-    let programs = env::split_paths(&path)
-        .map(|folder| folder.join(format!("{name}{}", env::consts::EXE_SUFFIX)));
-    programs.into_iter().find(|program| program.is_file())
+/// SPIR-V that glslangValidator makes of HLSL, read by spirv-val: the way from HLSL to Vulkan.
+pub struct HlslSpirv {
+    programs: Option<(PathBuf, PathBuf)>,
 }
 
-/// Exit status and all that was written, standard error first; an error after the time limit.
-fn run(command: &mut Command, limit: Duration) -> io::Result<(ExitStatus, String)> {
-    let command = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let mut child = command.spawn()?;
-    let streams = [child.stderr.take().map(drain), child.stdout.take().map(drain)];
-    let end = Instant::now() + limit;
-    let status = wait(&mut child, end, limit)?;
-    let mut text = String::new();
-    for stream in streams.into_iter().flatten() {
-        // a process that the tool left behind may hold the stream open
-        let left = end.saturating_duration_since(Instant::now());
-        let bytes = stream.recv_timeout(left).unwrap_or_default();
-        text.push_str(&String::from_utf8_lossy(&bytes));
-    }
-    Ok((status, text))
-}
-
-/// Waits until the process ends, or kills it.
-fn wait(child: &mut Child, end: Instant, limit: Duration) -> io::Result<ExitStatus> {
-    loop {
-        if let Some(status) = child.try_wait()? {
-            return Ok(status);
-        }
-        if Instant::now() >= end {
-            child.kill()?;
-            child.wait()?;
-            let message = format!("did not end within {} s", limit.as_secs_f64());
-            return Err(io::Error::new(io::ErrorKind::TimedOut, message));
-        }
-        thread::sleep(POLL);
+impl HlslSpirv {
+    /// Both programs are looked for on the PATH.
+    #[must_use]
+    #[expect(clippy::new_without_default, reason = "it looks at the machine")]
+    pub fn new() -> HlslSpirv {
+        HlslSpirv { programs: on_path("glslangValidator").zip(on_path("spirv-val")) }
     }
 }
 
-/// Reads a stream to its end on a thread of its own, so that neither stream can fill up.
-fn drain(mut stream: impl Read + Send + 'static) -> Receiver<Vec<u8>> {
-    let (sender, receiver) = channel();
-    thread::spawn(move || {
-        let mut bytes = Vec::new();
-        // what was read before an error is still worth showing
-        let _ = stream.read_to_end(&mut bytes);
-        let _ = sender.send(bytes);
-    });
-    receiver
+impl Tool for HlslSpirv {
+    fn name(&self) -> &str {
+        "hlsl-spirv-val"
+    }
+
+    fn package(&self) -> Option<&str> {
+        Some("glslang-tools spirv-tools")
+    }
+
+    fn version(&self) -> Option<String> {
+        self.programs.as_ref().map(|_| "both of the above".to_owned())
+    }
+
+    fn reads(&self, name: &str) -> bool {
+        Reads::Hlsl.name(name)
+    }
+
+    fn check(&self, file: &Path) -> Result<(), String> {
+        let (compiler, validator) = self.programs.as_ref().ok_or("not installed")?;
+        let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
+        let spirv = folder.path().join("shader.spv");
+        for Input { name, file } in shell::inputs(file)?.files {
+            for entry in hlsl_entries(&name) {
+                let mut compile = Command::new(compiler);
+                compile.args(hlsl_options(entry, &spirv.to_string_lossy())).arg(&file);
+                accepted(&mut compile, TIME_LIMIT)?;
+                let mut validate = Command::new(validator);
+                accepted(validate.args(["--target-env", "vulkan1.0"]).arg(&spirv), TIME_LIMIT)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Runs a command; what it said if it did not accept.
+pub(super) fn accepted(command: &mut Command, limit: Duration) -> Result<String, String> {
+    let (status, text) = run(command, limit).map_err(|error| error.to_string())?;
+    if status.success() {
+        return Ok(text);
+    }
+    let program = Path::new(command.get_program()).file_name().unwrap_or_default();
+    let mut words = vec![program.to_string_lossy().into_owned()];
+    // the last argument is the file, which the report names
+    let options = command.get_args().map(|argument| argument.to_string_lossy().into_owned());
+    words.extend(options);
+    words.pop();
+    Err(format!("{}: {status}\n{}", words.join(" "), text.trim()))
+}
+
+/// Entry points of a HLSL file: those of every whole shader, or the one of a shell.
+fn hlsl_entries(name: &str) -> Vec<(String, Stage)> {
+    if name.starts_with(shell::NAME) {
+        return vec![("main".to_owned(), Stage::Fragment)];
+    }
+    Contract::standard().entry_points
+}
+
+fn hlsl_options((entry, stage): (String, Stage), output: &str) -> Vec<String> {
+    let stage = match stage {
+        Stage::Vertex => "vert",
+        Stage::Fragment => "frag",
+    };
+    words(&["-D", "-V", "-e", &entry, "-S", stage, "-o", output])
+}
+
+fn words(options: &[&str]) -> Vec<String> {
+    options.iter().map(|option| (*option).to_owned()).collect()
 }

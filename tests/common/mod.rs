@@ -1,19 +1,23 @@
 //! What several tests need.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
+use std::collections::BTreeSet;
 use std::fs;
 
 use diffraction_shaders::{
     diagnostic::Diagnostic,
     emit::{EmittedFile, emit},
+    generate::{Request, generate, index},
     module::{Module, compile},
-    plan::Target,
+    package::Package,
+    plan::{Plan, Target},
     template::{Constant, Defines, Sources, Specialised, specialise},
     validate::{Report, Tool, tools, validate},
 };
 
 /// Every target.
-pub const TARGETS: [Target; 4] = [Target::Wgsl, Target::Glsl450, Target::GlslEs300, Target::Spirv];
+pub const TARGETS: [Target; 6] =
+    [Target::Wgsl, Target::Glsl450, Target::GlslEs300, Target::Spirv, Target::Hlsl, Target::Msl];
 
 /// The root of the small test shader, with resources like those of the shipped ones.
 pub const ROOT: &str = "\
@@ -23,6 +27,7 @@ struct Params {
     gain: vec4f,
 }
 @group(0) @binding(0) var<uniform> params: Params;
+// Transforms, one layer each.
 @group(0) @binding(1) var terms: texture_2d_array<f32>;
 @group(0) @binding(2) var spectrum: texture_2d<f32>;
 
@@ -46,7 +51,7 @@ fn vert(@builtin(vertex_index) index: u32) -> VertexOutput {
 @fragment
 fn map(@location(0) place: vec2f) -> @location(0) vec4f {
     let wr = vec3f(place, sqrt(max(0.0, 1.0 - dot(place, place))));
-    return vec4f(diffraction(vec3f(0.0, 0.0, 1.0), wr), 1.0);
+    return vec4f(diffraction(vec3f(0.0, 0.0, 1.0), wr) * params.gain.xyz, 1.0);
 }
 
 #import probe
@@ -54,11 +59,15 @@ fn map(@location(0) place: vec2f) -> @location(0) vec4f {
 
 /// The core function of the test shader.
 pub const CORE: &str = "\
-// Sums all terms over all wavelengths.
 fn diffraction(wi: vec3f, wr: vec3f) -> vec3f {
+    return tristimulus(wi, wr) * SCALE;
+}
+
+// Sums all terms over all wavelengths.
+fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
     let size = vec2i(textureDimensions(terms));
     let h = wi + wr;
-    let texel = (vec2i(floor(h.xy * params.scale.xy)) % size + size) % size;
+    let texel = (vec2i(floor(h.xy * 3.0)) % size + size) % size;
     var sum = vec3f(0.0);
     for (var w = 0; w < WAVELENGTHS; w += 1) {
         let weight = textureLoad(spectrum, vec2i(w, 0), 0);
@@ -75,7 +84,7 @@ fn diffraction(wi: vec3f, wr: vec3f) -> vec3f {
         }
         sum += weight.xyz * dot(amplitude, amplitude);
     }
-    return sum * params.gain.xyz * SCALE;
+    return sum;
 }
 ";
 
@@ -88,7 +97,7 @@ fn probe(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let row = i32(position.y);
     let wi = textureLoad(directions, vec2i(0, row), 0).xyz;
     let wr = textureLoad(directions, vec2i(1, row), 0).xyz;
-    return vec4f(diffraction(wi, wr), 1.0);
+    return vec4f(diffraction(wi, wr) * params.gain.xyz, 1.0);
 }
 ";
 
@@ -120,10 +129,54 @@ pub fn module() -> Module {
     compile(&specialised(), &sources(), "test").unwrap_or_else(|errors| panic!("{errors:#?}"))
 }
 
-/// All files of all targets of the test shader.
+/// All files of all targets of the test shader; the function form of GLSL once, as of its first target.
 pub fn files() -> Vec<EmittedFile> {
     let module = module();
-    TARGETS.into_iter().flat_map(|target| emit(&module, target).unwrap()).collect()
+    let mut names = BTreeSet::new();
+    let files = TARGETS.into_iter().flat_map(|target| emit(&module, target).unwrap());
+    files.filter(|file| names.insert(file.name.clone())).collect()
+}
+
+/// Where [`package`] holds its shaders.
+pub const VARIANT_FOLDER: &str = "shaders/tiny/full-taylor-t3";
+
+/// A generated package of one small surface and two variants.
+pub fn package() -> Package {
+    package_without(&|_, _| false)
+}
+
+/// The same without the files that are kept as they are.
+pub fn package_without(keep: &(dyn Fn(&str, Target) -> bool + Sync)) -> Package {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = folder.path().join("plan.toml");
+    let text = "schema = 1
+[[surface]]
+name = \"tiny\"
+grating = { kind = \"blazed\", period_um = 1.0, height_um = 0.1, pixels = 16 }
+[variants]
+mode = [\"full\"]
+terms = [3]
+[[preset]]
+name = \"one\"
+mode = \"full\"
+terms = 2
+packing = \"single\"
+hoist = false
+";
+    fs::write(&plan, text).unwrap();
+    let plan = Plan::read_all(&plan).unwrap_or_else(|errors| panic!("{errors:#?}"));
+    let request = Request {
+        surfaces: &plan.surfaces,
+        variants: &plan.variants,
+        targets: &TARGETS,
+        sources: &Sources::builtin(),
+        keep,
+        cache: None,
+    };
+    let generated = generate(&request, &|_| ()).unwrap_or_else(|errors| panic!("{errors:#?}"));
+    let mut package = generated.package;
+    package.seal(index(&request).unwrap()).unwrap();
+    package
 }
 
 /// `file:line:column: message` of every diagnostic.
@@ -140,7 +193,8 @@ pub fn lines(diagnostics: &[Diagnostic]) -> Vec<String> {
 pub fn installed_tools() -> Vec<Box<dyn Tool>> {
     let required = std::env::var("DIFFRACTION_REQUIRE_TOOLS").is_ok_and(|value| value == "1");
     let mut installed = Vec::new();
-    for tool in tools() {
+    // the comparison with manifests needs a package
+    for tool in tools().into_iter().filter(|tool| tool.name() != "reflection") {
         if tool.version().is_some() {
             installed.push(tool);
             continue;

@@ -1,13 +1,13 @@
 //! `cargo xtask list`: what a plan means, and what it costs.
 
-mod table;
+pub(crate) mod table;
 
 use std::collections::BTreeMap;
 
 use anyhow::Result;
 use diffraction_shaders::height;
 use diffraction_shaders::plan::{
-    Auto, Grating, Plan, Rejected, SurfaceSource, SurfaceSpec, Variant,
+    Auto, Grating, Mode, Plan, Rejected, SurfaceSource, SurfaceSpec, Variant,
 };
 use diffraction_shaders::resolve::{Resolved, resolve};
 use serde_json::{Value, json};
@@ -47,7 +47,10 @@ fn costs(plan: &Plan, console: &Console) -> Costs {
             Ok(surface) => {
                 for variant in &plan.variants {
                     let key = (variant.name.clone(), spec.name.clone());
-                    costs.insert(key, resolve(variant, &surface.field));
+                    match resolve(variant, &surface.field) {
+                        Ok(resolved) => drop(costs.insert(key, resolved)),
+                        Err(reason) => console.note(&format!("{}: left out: {reason}", spec.name)),
+                    }
                 }
             }
             // What the plan means is clear without it.
@@ -68,7 +71,8 @@ fn object(plan: &Plan, costs: &Costs) -> Value {
     })
 }
 
-fn surface_object(surface: &SurfaceSpec) -> Value {
+/// Name and origin of a surface.
+pub(crate) fn surface_object(surface: &SurfaceSpec) -> Value {
     match &surface.source {
         SurfaceSource::Grating(grating) => json!({ "name": surface.name, "grating": grating }),
         SurfaceSource::File(file) => {
@@ -84,10 +88,11 @@ fn variant_object(variant: &Variant, plan: &Plan, costs: &Costs) -> Value {
             "surface": surface.name,
             "terms": on.expansion.terms,
             "window_radius": on.window_radius,
-            "evaluations_mean": on.cost.evaluations,
+            "evaluations_mean": on.cost.evaluations_mean,
             "evaluations_worst": on.cost.evaluations,
             "term_fetches": on.cost.term_fetches,
             "fetches": on.cost.fetches,
+            "fetches_mean": on.cost.fetches_mean,
             "table_bytes": on.cost.table_bytes,
         });
         Some(cost)
@@ -99,7 +104,7 @@ fn variant_object(variant: &Variant, plan: &Plan, costs: &Costs) -> Value {
         "terms": auto(variant.terms),
         "window_radius": auto(variant.window_radius),
         "wavelengths": variant.wavelengths,
-        "samples": variant.wavelengths.nodes_nm().len(),
+        "samples": samples(variant),
         "table": variant.table,
         "packing": variant.packing,
         "hoist": variant.hoist,
@@ -107,6 +112,14 @@ fn variant_object(variant: &Variant, plan: &Plan, costs: &Costs) -> Value {
         "hash": variant.hash(),
         "cost": cost.collect::<Vec<_>>(),
     })
+}
+
+/// Wavelength nodes of a mode that has them.
+fn samples(variant: &Variant) -> Value {
+    match variant.mode {
+        Mode::Full | Mode::Pq => json!(variant.wavelengths.nodes_nm().len()),
+        Mode::Adaptive | Mode::Gems => Value::Null,
+    }
 }
 
 fn auto(value: Auto<u32>) -> Value {
@@ -152,8 +165,10 @@ fn cost_table(plan: &Plan, costs: &Costs) -> String {
             let numbers = [
                 on.expansion.terms.to_string(),
                 on.window_radius.to_string(),
+                format!("{:.1}", on.cost.evaluations_mean),
                 on.cost.evaluations.to_string(),
                 on.cost.term_fetches.to_string(),
+                format!("{:.1}", on.cost.fetches_mean),
                 on.cost.fetches.to_string(),
                 format!("{:.1}", on.cost.table_bytes as f64 / 1024.0),
             ];
@@ -176,15 +191,19 @@ fn cost_table(plan: &Plan, costs: &Costs) -> String {
         "on",
         "terms",
         "radius",
-        "evaluations",
-        "term fetches",
-        "fetches",
+        "evaluations, mean",
+        "worst",
+        "term fetches, worst",
+        "fetches, mean",
+        "worst",
         "tables, KiB",
     ];
-    table::text(&head, rows) + "evaluations and fetches per lit pixel; each costs the same\n\n"
+    table::text(&head, rows)
+        + "evaluations and fetches per pixel; uniform wavelengths cost every lit pixel the same\n\n"
 }
 
-fn source(surface: &SurfaceSpec) -> String {
+/// A surface in a few words.
+pub(crate) fn source(surface: &SurfaceSpec) -> String {
     match &surface.source {
         SurfaceSource::File(file) => file.path.display().to_string(),
         SurfaceSource::Grating(grating) => match grating {

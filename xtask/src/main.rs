@@ -6,8 +6,10 @@
 mod args;
 mod console;
 mod eval;
+mod explain;
 mod files;
 mod generate;
+mod inspect;
 mod interrupt;
 mod list;
 mod progress;
@@ -40,8 +42,12 @@ enum Command {
     Generate(generate::Args),
     /// Show surfaces, variants, targets, static cost, and what was rejected and why.
     List(list::Args),
+    /// Show what a user asks first about a surface, and draw it.
+    Inspect(inspect::Args),
     /// Run external validators over every emitted file.
     Validate(validate::Args),
+    /// Show generated text beside the template lines that it came from.
+    Explain(explain::Args),
     /// Print colours for given directions.
     Eval(eval::Args),
     /// Draw a BRDF map: all viewing directions under one light.
@@ -73,7 +79,9 @@ fn main() -> ExitCode {
     let outcome = match cli.command {
         Command::Generate(args) => generate::run(&args, &console).map(ExitCode::from),
         Command::List(args) => list::run(&args, &console).map(ExitCode::from),
+        Command::Inspect(args) => inspect::run(&args, &console).map(ExitCode::from),
         Command::Validate(args) => validate::run(&args, &console).map(ExitCode::from),
+        Command::Explain(args) => explain::run(&args, &console).map(ExitCode::from),
         Command::Eval(args) => eval::run(&args, &console).map(ExitCode::from),
         Command::Render(args) => render::run(&args, &console).map(ExitCode::from),
         Command::Test(args) => test::run(&args),

@@ -177,8 +177,11 @@ mod tests {
     #[test]
     fn further_arguments_go_to_cargo_test() {
         let steps = steps(&["--test".into(), "gpu".into()]);
-        let with: Vec<_> =
-            steps.iter().filter(|s| s.arguments.contains(&"gpu".into())).map(|s| s.name).collect();
+        let with: Vec<_> = steps
+            .iter()
+            .filter(|s| s.arguments.contains(&"gpu,routes".into()))
+            .map(|s| s.name)
+            .collect();
         assert_eq!(with, ["lints", "documentation", "tests"]);
         assert!(steps[4].arguments.ends_with(&["--test".into(), "gpu".into()]));
     }

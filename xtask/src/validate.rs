@@ -1,5 +1,6 @@
 //! `cargo xtask validate`: external validators over every emitted file.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -19,7 +20,7 @@ pub(crate) struct Args {
     /// The package to validate.
     #[arg(value_name = "DIR", default_value = "generated")]
     folder: PathBuf,
-    /// Tools that must be installed: naga, spirv-val, glslangValidator, spirv-cross, tint.
+    /// Tools that must be installed: naga, spirv-val, glslangValidator, hlsl-spirv-val, spirv-cross, reflection, tint.
     #[arg(long, value_name = "TOOL,…", value_delimiter = ',')]
     require: Vec<String>,
 }
@@ -41,8 +42,15 @@ fn table(report: &Report) -> String {
         let _ =
             writeln!(text, "{:<18} {:>6} {:>9}  {version}", tool.name, tool.files, tool.rejected);
     }
-    for file in &report.unread {
-        let _ = writeln!(text, "not read by any tool: {}", file.display());
+    // hundreds of files may share a reason
+    let mut reasons: BTreeMap<&str, Vec<_>> = BTreeMap::new();
+    for unread in &report.unread {
+        reasons.entry(&unread.reason).or_default().push(unread.file.display());
+    }
+    for (reason, files) in reasons {
+        let more =
+            if files.len() > 1 { format!(" and {} more", files.len() - 1) } else { String::new() };
+        let _ = writeln!(text, "not read: {}{more}: {reason}", files[0]);
     }
     text
 }

@@ -10,7 +10,7 @@ const PLAN: &str = r#"schema = 1
 name = "a"
 grating = { kind = "blazed", period_um = 2.5, height_um = 0.3, pixels = 100 }
 [variants]
-mode = ["full", "pq"]
+mode = ["full", "baked"]
 [[preset]]
 name = "as-printed"
 basis = "taylor-zero"
@@ -40,25 +40,33 @@ fn json_has_everything_in_the_order_of_the_plan() {
     assert_eq!(list["variants"][1]["name"], "as-printed");
     assert_eq!(list["variants"][1]["cost"][0]["term_fetches"], 22_599);
     assert_eq!(list["variants"][1]["cost"][0]["fetches"], 22_599 + 81);
-    assert_eq!(list["targets"], serde_json::json!(["wgsl", "glsl450", "glsl-es300", "spirv"]));
-    assert_eq!(list["rejected"][0]["name"], "pq-taylor-t31");
-    assert_eq!(list["rejected"][0]["reason"], "mode \"pq\" is not available in this version");
+    assert_eq!(
+        list["targets"],
+        serde_json::json!(["wgsl", "glsl450", "glsl-es300", "spirv", "hlsl", "msl"])
+    );
+    assert_eq!(list["rejected"][0]["name"], "baked-taylor-t31");
+    assert_eq!(list["rejected"][0]["reason"], "mode \"baked\" is not available in this version");
 }
 
 #[test]
 fn the_table_tells_costs_and_rejections() {
     let done = xtask(folder(PLAN).path(), &["list"]);
     let text = String::from_utf8(done.stdout).unwrap();
-    for part in
-        ["blazed, 2.5 µm", "as-printed", "22599", "pq-taylor-t31", "not available", "targets: wgsl"]
-    {
+    for part in [
+        "blazed, 2.5 µm",
+        "as-printed",
+        "22599",
+        "baked-taylor-t31",
+        "not available",
+        "targets: wgsl",
+    ] {
         assert!(text.contains(part), "{part} is not in\n{text}");
     }
 }
 
 #[test]
 fn every_fault_of_a_plan_is_one_line_and_the_exit_code_is_two() {
-    let broken = PLAN.replace("0.3", "-1").replace("\"full\", \"pq\"", "\"fool\"");
+    let broken = PLAN.replace("0.3", "-1").replace("\"full\", \"baked\"", "\"fool\"");
     let folder = folder(&broken);
     let done = xtask(folder.path(), &["list"]);
     let told = String::from_utf8(done.stderr).unwrap();

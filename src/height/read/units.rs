@@ -1,5 +1,7 @@
 //! The plan's keys of a file: scale and height, checked and applied.
 
+use std::fmt;
+
 use super::{Raster, Samples};
 use crate::error::{Error, Result, Stage};
 use crate::height::{MAX_HEIGHT_UM, MAX_PITCH_UM, MAX_SIDE, MIN_PITCH_UM, check_pixel, check_um};
@@ -64,6 +66,46 @@ pub(super) fn pitch(
         ));
     }
     Ok((x, y))
+}
+
+/// How an integer file quantises its heights.
+pub(super) struct Steps {
+    /// µm from one height to the next.
+    pub(super) size_um: f64,
+    bits: u8,
+    /// Grey levels per step; above 1 where fewer bits were stored in more.
+    levels: u32,
+}
+
+impl fmt::Display for Steps {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let nm = self.size_um * 1e3;
+        // three significant digits: a 16-bit step is some thousandth of a nanometre
+        let digits = (2.0 - nm.log10().floor()).clamp(0.0, 9.0) as usize;
+        write!(f, "heights come in steps of {nm:.digits$} nm ({}-bit grey", self.bits)?;
+        match self.levels {
+            1 => f.write_str(")"),
+            levels => write!(f, ", of which only every {levels}th level is used)"),
+        }
+    }
+}
+
+/// The steps of an integer file whose height is known; floats have none.
+pub(super) fn steps(source: &FileSource, samples: &Samples) -> Option<Steps> {
+    let (Samples::Grey { shares, bits }, Some(height_um)) = (samples, source.height_um) else {
+        return None;
+    };
+    let top = f64::from((1u32 << bits) - 1);
+    let mut greys = shares.iter().filter(|share| !share.is_nan()).map(|s| (s * top).round() as u32);
+    let first = greys.next()?;
+    let common = greys.map(|grey| grey.abs_diff(first)).fold(0, greatest_common_divisor);
+    // a flat surface does not tell
+    let levels = common.max(1);
+    Some(Steps { size_um: height_um * f64::from(levels) / top, bits: *bits, levels })
+}
+
+fn greatest_common_divisor(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { greatest_common_divisor(b, a % b) }
 }
 
 /// Samples to µm, with the checks that need the samples.

@@ -291,10 +291,13 @@ impl Current<'_> {
         [width, height, layers]: [i32; 3],
     ) -> Result<(), String> {
         let (internal, format, channels) = match table.format {
+            TexelFormat::Rg16Float => (glow::RG16F as i32, glow::RG, 2),
+            TexelFormat::Rgba16Float => (glow::RGBA16F as i32, glow::RGBA, 4),
             TexelFormat::Rg32Float => (glow::RG32F as i32, glow::RG, 2),
             TexelFormat::Rgba32Float => (glow::RGBA32F as i32, glow::RGBA, 4),
         };
-        let texels: Vec<f32> = table.texels.iter().map(|&v| v as f32).collect();
+        // rounded to the texel format here, so that the driver has nothing left to round
+        let texels: Vec<f32> = table.clone().rounded().texels.iter().map(|&v| v as f32).collect();
         let sides = [width, height, layers, channels].map(|n| usize::try_from(n).unwrap_or(0));
         if sides.into_iter().try_fold(1, usize::checked_mul) != Some(texels.len()) {
             return Err(format!("{} numbers do not fill it", texels.len()));

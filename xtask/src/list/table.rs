@@ -1,7 +1,7 @@
 //! Plain text tables.
 
 /// Columns as wide as their widest cell, columns of numbers to the right; every row has as many cells as the head.
-pub(super) fn text(head: &[&str], rows: Vec<Vec<String>>) -> String {
+pub(crate) fn text(head: &[&str], rows: Vec<Vec<String>>) -> String {
     let head: Vec<String> = head.iter().map(ToString::to_string).collect();
     let columns = head.len();
     let rows: Vec<Vec<String>> = std::iter::once(head).chain(rows).collect();

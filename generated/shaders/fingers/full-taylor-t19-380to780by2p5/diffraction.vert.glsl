@@ -4,12 +4,12 @@ struct FullScreen {
     vec4 position;
     vec2 place;
 };
-const int CENTRE_COLUMN = 68;
-const int CENTRE_ROW = 68;
+const int CENTRE_COLUMN = 66;
+const int CENTRE_ROW = 66;
 const float COHERENCE_UM = 65.0;
 const int LAYER_COUNT = 10;
-const float PATCH_HEIGHT_UM = 12.5;
-const float PATCH_WIDTH_UM = 12.5;
+const float PATCH_HEIGHT_UM = 12.1;
+const float PATCH_WIDTH_UM = 12.1;
 const float REFRACTIVE_INDEX = 1.5;
 const int WAVELENGTH_COUNT = 161;
 const float WAVELENGTH_MIN_UM = 0.38;

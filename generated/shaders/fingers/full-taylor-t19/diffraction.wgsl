@@ -4,12 +4,12 @@
 // Frame: x along the tangent, y along the bitangent, z along the normal. Directions are unit vectors that point away
 // from the surface. Results are relative to the peak of a mirror at normal incidence, not clamped, and may be negative
 // where a colour lies outside the primaries.
-const CENTRE_COLUMN: i32 = 68;
-const CENTRE_ROW: i32 = 68;
+const CENTRE_COLUMN: i32 = 66;
+const CENTRE_ROW: i32 = 66;
 const COHERENCE_UM: f32 = 65.0;
 const LAYER_COUNT: i32 = 10;
-const PATCH_HEIGHT_UM: f32 = 12.5;
-const PATCH_WIDTH_UM: f32 = 12.5;
+const PATCH_HEIGHT_UM: f32 = 12.1;
+const PATCH_WIDTH_UM: f32 = 12.1;
 const REFRACTIVE_INDEX: f32 = 1.5;
 const WAVELENGTH_COUNT: i32 = 81;
 const WAVELENGTH_MIN_UM: f32 = 0.38;
@@ -48,11 +48,10 @@ fn path_difference(wi: vec3f, wr: vec3f) -> vec3f {
     let path = -wi - wr;
     return path;
 }
-// The full sum: uniform wavelengths, all bins within a radius of the nearest one, a power series per bin.
+// The wavelength integral as a sum over fixed nodes.
 
-// Transforms of the terms at the bins that can be reached; the middle texel is bin (0, 0).
-@group(0) @binding(1) var terms: texture_2d_array<f32>;
-// Row 0: X, Y, Z weights and wavelength in µm of each node; row 1: cosine and sine of the surface's rotation.
+// Row 0: X, Y, Z weights and wavelength in µm of each node; row 1: cosine and sine of the surface's rotation, scale of
+// the first term, ratio of the scales.
 @group(0) @binding(2) var spectrum: texture_2d<f32>;
 
 // Relative tristimulus values for one pair of directions.
@@ -69,26 +68,18 @@ fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
     }
     return factor * xyz;
 }
+// The transform of the phase function at one bin, as a power series.
 
-// |P|² at one wavelength, in µm.
-fn response(path: vec3f, lambda_um: f32) -> f32 {
-    let place = path.xy / lambda_um * vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM);
-    let nearest = floor(place + 0.5);
-    // z over its greatest value
-    let tau = 0.5 * path.z * WAVELENGTH_MIN_UM / lambda_um;
-    let sharpness = window_sharpness(lambda_um);
-    var amplitude = vec2f(0.0);
-    for (var s = -WINDOW_RADIUS; s <= WINDOW_RADIUS; s++) {
-        for (var r = -WINDOW_RADIUS; r <= WINDOW_RADIUS; r++) {
-            let bin = nearest + vec2f(f32(r), f32(s));
-            let tap = bin_amplitude(vec2i(bin), tau) * window(place - bin, sharpness);
-            amplitude += tap;
-        }
-    }
-    return dot(amplitude, amplitude);
+// Transforms of the terms at the bins that can be reached; the middle texel is bin (0, 0).
+@group(0) @binding(1) var terms: texture_2d_array<f32>;
+
+// What the series is in: z over its greatest value.
+fn series_argument(w: f32, lambda_um: f32) -> f32 {
+    let tau = 0.5 * w * WAVELENGTH_MIN_UM / lambda_um;
+    return tau;
 }
 
-// The transform of the phase function at one bin: the sum over terms of τ^n times the table, by Horner's rule.
+// The sum over terms of τ^n times the table, by Horner's rule; of scaled tables, over the scale of the first term.
 fn bin_amplitude(bin: vec2i, tau: f32) -> vec2f {
     let texel = bin + vec2i(CENTRE_COLUMN, CENTRE_ROW);
     // even and odd powers side by side
@@ -99,6 +90,7 @@ fn bin_amplitude(bin: vec2i, tau: f32) -> vec2f {
     }
     return sum.xy + tau * sum.zw;
 }
+// The spectrum of the coherence window.
 
 // 1/(2σ²) of the window on each axis, in bins.
 fn window_sharpness(lambda_um: f32) -> vec2f {
@@ -110,6 +102,25 @@ fn window_sharpness(lambda_um: f32) -> vec2f {
 // Weight of the coherence window at an offset in bins, peak 1.
 fn window(offset: vec2f, sharpness: vec2f) -> f32 {
     return exp(-dot(offset * offset, sharpness));
+}
+// The full sum: all bins within a radius of the nearest one, under the coherence window.
+
+// |P|² at one wavelength, in µm.
+fn response(path: vec3f, lambda_um: f32) -> f32 {
+    let place = path.xy / lambda_um * vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM);
+    let nearest = floor(place + 0.5);
+    let tau = series_argument(path.z, lambda_um);
+    let sharpness = window_sharpness(lambda_um);
+    var amplitude = vec2f(0.0);
+    for (var s = -WINDOW_RADIUS; s <= WINDOW_RADIUS; s++) {
+        for (var r = -WINDOW_RADIUS; r <= WINDOW_RADIUS; r++) {
+            let bin = nearest + vec2f(f32(r), f32(s));
+            let tap = bin_amplitude(vec2i(bin), tau) * window(place - bin, sharpness);
+            amplitude += tap;
+        }
+    }
+    let squared = dot(amplitude, amplitude);
+    return squared;
 }
 // From tristimulus values to linear RGB.
 

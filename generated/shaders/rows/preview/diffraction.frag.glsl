@@ -4,20 +4,20 @@ struct Params {
     vec4 light;
     vec4 size;
 };
-const int CENTRE_COLUMN = 68;
-const int CENTRE_ROW = 68;
+const int CENTRE_COLUMN = 65;
+const int CENTRE_ROW = 65;
 const float COHERENCE_UM = 65.0;
 const int LAYER_COUNT = 6;
-const float PATCH_HEIGHT_UM = 12.5;
-const float PATCH_WIDTH_UM = 12.5;
+const float PATCH_HEIGHT_UM = 12.0;
+const float PATCH_WIDTH_UM = 12.0;
 const float REFRACTIVE_INDEX = 1.5;
 const int WAVELENGTH_COUNT = 41;
 const float WAVELENGTH_MIN_UM = 0.38;
 const int WINDOW_RADIUS = 1;
 
-layout(binding = 1) uniform sampler2DArray _group_0_binding_1_fs;
-
 layout(binding = 2) uniform sampler2D _group_0_binding_2_fs;
+
+layout(binding = 1) uniform sampler2DArray _group_0_binding_1_fs;
 
 layout(std140, binding = 0) uniform Params_block_0Fragment { Params _group_0_binding_0_fs; };
 
@@ -48,10 +48,10 @@ float gain(vec3 wi_1, vec3 wr_1) {
         return 0.0;
     }
     vec3 half_vector_1 = normalize((wi_1 + wr_1));
-    float w = (wi_1.z + wr_1.z);
+    float w_1 = (wi_1.z + wr_1.z);
     float aligned = (1.0 + dot(wi_1, wr_1));
     float _e23 = fresnel_ratio(dot(half_vector_1, wr_1));
-    factor = (((_e23 * aligned) * aligned) / ((w * w) * wr_1.z));
+    factor = (((_e23 * aligned) * aligned) / ((w_1 * w_1) * wr_1.z));
     float _e30 = factor;
     float _e31 = shadowing(wi_1, wr_1);
     factor = (_e30 * _e31);
@@ -64,17 +64,22 @@ vec3 path_difference(vec3 wi_2, vec3 wr_2) {
     return path_1;
 }
 
-vec2 window_sharpness(float lambda_um) {
+float series_argument(float w, float lambda_um) {
+    float tau_1 = (((0.5 * w) * WAVELENGTH_MIN_UM) / lambda_um);
+    return tau_1;
+}
+
+vec2 window_sharpness(float lambda_um_1) {
     float sigma_um = 16.25;
     float _e3 = sigma_um;
-    vec2 turns = (vec2((6.2831855 * _e3)) / vec2(12.5, 12.5));
+    vec2 turns = (vec2((6.2831855 * _e3)) / vec2(12.0, 12.0));
     return ((0.5 * turns) * turns);
 }
 
 vec2 bin_amplitude(ivec2 bin, float tau) {
     vec4 sum = vec4(0.0);
     int layer = 5;
-    ivec2 texel = (bin + ivec2(68, 68));
+    ivec2 texel = (bin + ivec2(65, 65));
     float tau_squared = (tau * tau);
     bool loop_init = true;
     while(true) {
@@ -104,23 +109,23 @@ float window(vec2 offset, vec2 sharpness) {
     return exp(-(dot((offset * offset), sharpness)));
 }
 
-float response(vec3 path, float lambda_um_1) {
+float response(vec3 path, float lambda_um_2) {
     vec2 amplitude = vec2(0.0);
     int s = -1;
     int r = 0;
-    vec2 place_2 = ((path.xy / vec2(lambda_um_1)) * vec2(12.5, 12.5));
+    vec2 place_2 = ((path.xy / vec2(lambda_um_2)) * vec2(12.0, 12.0));
     vec2 nearest = floor((place_2 + vec2(0.5)));
-    float tau_1 = (((0.5 * path.z) * WAVELENGTH_MIN_UM) / lambda_um_1);
-    vec2 _e25 = window_sharpness(lambda_um_1);
+    float _e20 = series_argument(path.z, lambda_um_2);
+    vec2 _e21 = window_sharpness(lambda_um_2);
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
-            int _e49 = s;
-            s = (_e49 + 1);
+            int _e45 = s;
+            s = (_e45 + 1);
         }
         loop_init_1 = false;
-        int _e26 = s;
-        if ((_e26 <= WINDOW_RADIUS)) {
+        int _e22 = s;
+        if ((_e22 <= WINDOW_RADIUS)) {
         } else {
             break;
         }
@@ -129,31 +134,32 @@ float response(vec3 path, float lambda_um_1) {
             bool loop_init_2 = true;
             while(true) {
                 if (!loop_init_2) {
-                    int _e46 = r;
-                    r = (_e46 + 1);
+                    int _e42 = r;
+                    r = (_e42 + 1);
                 }
                 loop_init_2 = false;
-                int _e30 = r;
-                if ((_e30 <= WINDOW_RADIUS)) {
+                int _e26 = r;
+                if ((_e26 <= WINDOW_RADIUS)) {
                 } else {
                     break;
                 }
                 {
-                    int _e33 = r;
-                    int _e34 = s;
-                    vec2 bin_1 = (nearest + vec2(float(_e33), float(_e34)));
-                    vec2 _e40 = bin_amplitude(ivec2(bin_1), tau_1);
-                    float _e42 = window((place_2 - bin_1), _e25);
-                    vec2 tap = (_e40 * _e42);
-                    vec2 _e44 = amplitude;
-                    amplitude = (_e44 + tap);
+                    int _e29 = r;
+                    int _e30 = s;
+                    vec2 bin_1 = (nearest + vec2(float(_e29), float(_e30)));
+                    vec2 _e36 = bin_amplitude(ivec2(bin_1), _e20);
+                    float _e38 = window((place_2 - bin_1), _e21);
+                    vec2 tap = (_e36 * _e38);
+                    vec2 _e40 = amplitude;
+                    amplitude = (_e40 + tap);
                 }
             }
         }
     }
-    vec2 _e52 = amplitude;
-    vec2 _e53 = amplitude;
-    return dot(_e52, _e53);
+    vec2 _e48 = amplitude;
+    vec2 _e49 = amplitude;
+    float squared_1 = dot(_e48, _e49);
+    return squared_1;
 }
 
 vec3 tristimulus(vec3 wi_3, vec3 wr_3) {
@@ -206,8 +212,8 @@ vec2 pixel_of(vec2 place_1) {
 vec3 view_direction(vec2 pixel) {
     vec4 _e3 = _group_0_binding_0_fs.size;
     vec2 centre = ((((2.0 * pixel) + vec2(1.0)) / _e3.xy) - vec2(1.0));
-    float squared_1 = dot(centre, centre);
-    return vec3(centre, ((squared_1 < 1.0) ? sqrt(max(0.0, (1.0 - squared_1))) : -1.0));
+    float squared_2 = dot(centre, centre);
+    return vec3(centre, ((squared_2 < 1.0) ? sqrt(max(0.0, (1.0 - squared_2))) : -1.0));
 }
 
 void main() {

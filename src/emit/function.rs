@@ -1,0 +1,94 @@
+//! Function forms: [`FUNCTIONS`](super::FUNCTIONS) and what they need, without entry points and bindings.
+//!
+//! - `.fn.wgsl` is the specialised text with its comments. Textures are parameters behind the directions, threaded
+//!   through every function that reads them, since node systems such as that of three.js know no free names. The text
+//!   begins with `fn diffraction(`, which such systems want; the generated-by line is the first of its body.
+//! - `.fn.glsl` declares its textures as uniforms of their names in the templates. It has no `#version`, no precision
+//!   statement and no `main`, and is valid behind those of GLSL ES 3.00 and of GLSL 4.50.
+//! - `.fn.hlsl` declares its textures as globals of their names in the templates, without registers.
+
+mod core;
+mod wgsl;
+
+use crate::{error::Result, module::Module, plan::Target, template::GENERATED};
+
+use super::{EmittedFile, FUNCTIONS, Function, bindings, failure, glsl, hlsl};
+
+use self::core::Core;
+
+/// The function form that belongs to a target; `None` for targets whose engines take whole shaders only.
+pub fn emit(module: &Module, target: Target) -> Result<Option<EmittedFile>> {
+    let fail = |cause: String| failure(module, target, format!("function form: {cause}"));
+    let core = || core::extract(module, &FUNCTIONS).map_err(fail);
+    let (language, core, text) = match target {
+        Target::Wgsl => {
+            let core = core()?;
+            let text = wgsl::write(module, &core);
+            ("wgsl", core, text)
+        }
+        Target::Glsl450 | Target::GlslEs300 => {
+            let core = core()?;
+            let text = glsl_text(&core);
+            ("glsl", core, text)
+        }
+        Target::Hlsl => {
+            let core = core()?;
+            let text = hlsl_text(&core);
+            ("hlsl", core, text)
+        }
+        Target::Spirv | Target::Msl => return Ok(None),
+    };
+    let text = text.map_err(fail)?;
+    let functions = core.names.iter().map(|name| {
+        let signature = signature(&text, name).ok_or(format!("`{name}` got lost"))?;
+        Ok(Function { name: name.clone(), signature })
+    });
+    let functions: Result<_, String> = functions.collect();
+    let read = bindings(&core.bound).into_iter().map(|(_, mut binding)| {
+        binding.emitted_binding = None;
+        binding
+    });
+    Ok(Some(EmittedFile {
+        name: format!("diffraction.fn.{language}"),
+        target,
+        bindings: read.collect(),
+        functions: functions.map_err(fail)?,
+        bytes: text.into_bytes(),
+        entry_points: Vec::new(),
+    }))
+}
+
+/// What naga writes for GLSL ES 3.00, whose precision qualifiers desktop GLSL reads and ignores, less its frame.
+fn glsl_text(core: &Core) -> Result<String, String> {
+    let whole = glsl::write_unbound(&core.unbound, &core.info, core::SHELL)?;
+    let mut kept = vec![format!("// {GENERATED}")];
+    let mut in_main = false;
+    for line in whole.lines() {
+        in_main |= line.starts_with("void main()");
+        let framing = line.starts_with("#version") || line.starts_with("precision ");
+        let twice_blank = line.is_empty() && kept.last().is_none_or(String::is_empty);
+        if !(in_main || framing || twice_blank) {
+            kept.push(line.to_owned());
+        }
+        in_main &= line != "}";
+    }
+    Ok(kept.join("\n").trim_end().to_owned() + "\n")
+}
+
+fn hlsl_text(core: &Core) -> Result<String, String> {
+    let (ir, info) = core.without_shell()?;
+    let (text, _) = hlsl::write(&ir, &info, naga::back::hlsl::BindingMap::new())?;
+    Ok(hlsl::with_header(&text))
+}
+
+/// The declaration of a function: its line in the text, or what is left of it before the body.
+fn signature(text: &str, name: &str) -> Option<String> {
+    let declares = |line: &&str| {
+        let before = line.split_once(&format!("{name}(")).map(|(before, _)| before);
+        before.is_some_and(|before| {
+            !before.is_empty() && before.ends_with(' ') && !before.starts_with([' ', '/'])
+        })
+    };
+    let line = text.lines().find(declares)?;
+    Some(line.trim_end().trim_end_matches('{').trim_end().to_owned())
+}

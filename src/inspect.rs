@@ -1,0 +1,147 @@
+//! What a user asks first about a surface, and two pictures of it.
+
+mod canvas;
+mod font;
+mod heights;
+mod plot;
+mod spectrum;
+mod window;
+
+use serde::Serialize;
+
+use crate::basis::Expansion;
+use crate::error::Result;
+use crate::height::inspect::{Facts, Periods, facts, periods};
+use crate::height::{self, HeightField, Origin};
+use crate::plan::{Basis, Plan, SurfaceSource, SurfaceSpec};
+use crate::resolve::{Cost, resolve};
+
+pub use heights::height_picture;
+pub use spectrum::spectrum_picture;
+pub use window::Window;
+
+/// Errors of the phase function for which terms are counted.
+pub const TERM_ERRORS: [f64; 3] = [1e-1, 1e-2, 1e-3];
+
+/// Shortest wavelength where no variant says one, nm.
+const SHORTEST_NM: f64 = 380.0;
+
+/// All that is known of a surface before anything is generated.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Inspection {
+    /// Size, relief, tilt.
+    #[serde(flatten)]
+    pub facts: Facts,
+    /// Rotation that is applied to the directions later, degrees; what is told here is the surface before it.
+    pub rotate_deg: f64,
+    /// Step between neighbouring heights of an integer file, µm.
+    pub step_um: Option<f64>,
+    /// Void pixels of the file.
+    pub void_pixels: usize,
+    /// Share of the file that was void.
+    pub void_share: f64,
+    /// Shortest wavelength of the plan's variants, nm; 380 without variants.
+    pub wanted_nm: f64,
+    /// Pitch that this wavelength needs, µm.
+    pub wanted_pitch_um: f64,
+    /// What repeats.
+    pub periods: Periods,
+    /// Terms that each basis needs.
+    pub terms: Vec<TermCounts>,
+    /// The coherence window against the patch.
+    pub window: Window,
+    /// What the plan's variants become on this surface.
+    pub variants: Vec<VariantCost>,
+    /// What was done to the heights that a user should know of.
+    pub notes: Vec<String>,
+}
+
+/// Terms of one basis for each of [`TERM_ERRORS`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TermCounts {
+    /// Which basis.
+    pub basis: Basis,
+    /// Bounds of the error of `exp(i z h)`.
+    pub errors: [f64; 3],
+    /// Terms of the surface as it is.
+    pub terms: [u32; 3],
+    /// Terms if its least-squares plane were taken off (`level = "plane"`).
+    pub levelled: [u32; 3],
+    /// Terms if moreover its outliers were clipped (`clip_percent = 0.1`).
+    pub trimmed: [u32; 3],
+}
+
+/// A variant with every number known.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct VariantCost {
+    /// The variant's name.
+    pub name: String,
+    /// Number of terms.
+    pub terms: u32,
+    /// Bins to each side of the nearest one.
+    pub window_radius: u32,
+    /// Static cost of a lit pixel.
+    #[serde(flatten)]
+    pub cost: Cost,
+}
+
+/// Reads or synthesises a surface of a plan and measures it; the field is for the pictures.
+pub fn inspect(plan: &Plan, spec: &SurfaceSpec) -> Result<(Inspection, HeightField)> {
+    let (height::Surface { field, mut notes }, origin) = height::load_with_origin(spec)?;
+    let Origin { step_um, void_pixels, file_pixels } = origin;
+    let facts = facts(&field, &format!("surface {}", spec.name))?;
+    let is_synthetic = matches!(spec.source, SurfaceSource::Grating(_));
+    let tiled = facts.joins.map(|joins| joins || is_synthetic);
+    let shortest = plan.variants.iter().map(|v| v.wavelengths.min_nm).reduce(f64::min);
+    let wanted_nm = shortest.unwrap_or(SHORTEST_NM);
+    let mut variants = Vec::new();
+    for variant in &plan.variants {
+        match resolve(variant, &field) {
+            Ok(on) => variants.push(VariantCost {
+                name: variant.name.clone(),
+                terms: on.expansion.terms,
+                window_radius: on.window_radius,
+                cost: on.cost,
+            }),
+            Err(reason) => notes.push(format!("left out: {reason}")),
+        }
+    }
+    let inspection = Inspection {
+        rotate_deg: spec.rotate_deg,
+        step_um,
+        void_pixels,
+        void_share: void_pixels as f64 / file_pixels.max(1) as f64,
+        wanted_nm,
+        wanted_pitch_um: wanted_nm / 4000.0,
+        periods: periods(&field, tiled),
+        terms: [Basis::Taylor, Basis::TaylorZero]
+            .map(|basis| term_counts(basis, &facts, &field, wanted_nm))
+            .to_vec(),
+        window: Window::new(&plan.optics, &facts, is_synthetic),
+        variants,
+        notes,
+        facts,
+    };
+    Ok((inspection, field))
+}
+
+fn term_counts(basis: Basis, facts: &Facts, field: &HeightField, min_nm: f64) -> TermCounts {
+    let expansion = Expansion::new(basis, 1, field, min_nm);
+    let counts = |peak_to_valley_um: f64| {
+        // the reach of either series is proportional to the peak-to-valley height
+        let share = if facts.peak_to_valley_um > 0.0 {
+            peak_to_valley_um / facts.peak_to_valley_um
+        } else {
+            1.0
+        };
+        let scaled = Expansion { reach_um: share * expansion.reach_um, ..expansion };
+        TERM_ERRORS.map(|error| scaled.with_error(error).terms)
+    };
+    TermCounts {
+        basis,
+        errors: TERM_ERRORS,
+        terms: counts(facts.peak_to_valley_um),
+        levelled: counts(facts.levelled_peak_to_valley_um),
+        trimmed: counts(facts.trimmed_peak_to_valley_um),
+    }
+}

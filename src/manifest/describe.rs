@@ -1,0 +1,115 @@
+//! What the numbers of a table mean.
+
+use std::collections::BTreeMap;
+
+use crate::plan::{Mode, Variant};
+use crate::resolve::Resolved;
+use crate::tables::{Scale, TERMS, Table};
+use crate::template::GENERATED;
+
+use super::{SCHEMA_VERSION, TableDescription};
+
+/// The description of a table.
+pub fn describe(
+    table: &Table,
+    id: &str,
+    resolved: &Resolved,
+    variant: &Variant,
+) -> TableDescription {
+    let dimension = if table.layers == 0 { "2d" } else { "2d-array" };
+    let (channels, axes) = match table.name {
+        "terms" => terms_meaning(table, resolved),
+        _ if variant.mode == Mode::Gems => grating_meaning(),
+        _ => spectrum_meaning(variant),
+    };
+    let has_scales = table.binding == TERMS && resolved.scale != Scale::NONE;
+    let term_scales = if has_scales {
+        (0..resolved.expansion.terms as usize).map(|n| resolved.scale.of(n)).collect()
+    } else {
+        Vec::new()
+    };
+    TableDescription {
+        generated_by: GENERATED,
+        schema_version: SCHEMA_VERSION,
+        id: id.to_owned(),
+        data: format!("{id}.bin"),
+        bytes: table.byte_count(),
+        format: table.format.name(),
+        endianness: "little",
+        dimension,
+        width: table.width,
+        height: table.height,
+        layers: table.layers.max(1),
+        order: "[layer][row][column][channel]",
+        channels,
+        axes,
+        scale: 1.0,
+        term_scales,
+        wrap: "none: no texel outside is read",
+    }
+}
+
+fn terms_meaning(
+    table: &Table,
+    resolved: &Resolved,
+) -> (Vec<String>, BTreeMap<&'static str, String>) {
+    let paired = table.format.channels() == 4;
+    let names: &[&str] = if paired {
+        &["re, even term", "im, even term", "re, odd term", "im, odd term"]
+    } else {
+        &["re", "im"]
+    };
+    let layer = if paired { "layer p holds terms 2p and 2p+1" } else { "layer n holds term n" };
+    let (x, y) = (resolved.bins.r_max, resolved.bins.s_max);
+    let bin = |axis: &str, centre: usize, l: f64| {
+        format!("bin {axis} = index - {centre}, frequency bin/{l} cycles per µm")
+    };
+    let axes = BTreeMap::from([
+        ("column", bin("r", x, resolved.patch_um[0])),
+        ("row", bin("s", y, resolved.patch_um[1])),
+        (
+            "layer",
+            format!(
+                "{layer}; term n is ifft2((i z_max (h - origin))^n / n!), to be multiplied by (z/z_max)^n"
+            ),
+        ),
+    ]);
+    (names.iter().map(|s| (*s).to_owned()).collect(), axes)
+}
+
+fn spectrum_meaning(variant: &Variant) -> (Vec<String>, BTreeMap<&'static str, String>) {
+    let w = &variant.wavelengths;
+    let adaptive = variant.mode == Mode::Adaptive && w.max_nm > w.min_nm;
+    let (weights, column) = if adaptive {
+        (
+            ["X per 1/µm", "Y per 1/µm", "Z per 1/µm"],
+            format!("equal steps of 1/wavelength, {} to {} nm, linear between", w.max_nm, w.min_nm),
+        )
+    } else {
+        (
+            ["X weight", "Y weight", "Z weight"],
+            format!("wavelength node, {} to {} nm", w.min_nm, w.max_nm),
+        )
+    };
+    let mut channels = weights.map(str::to_owned).to_vec();
+    channels.push("wavelength in µm".to_owned());
+    (channels, BTreeMap::from([("column", column), ("row", row_meaning("nodes"))]))
+}
+
+fn grating_meaning() -> (Vec<String>, BTreeMap<&'static str, String>) {
+    let channels = ["period along x in µm", "period along y in µm", "unused", "unused"];
+    let axes = BTreeMap::from([
+        ("column", "one".to_owned()),
+        (
+            "row",
+            row_meaning("the surface's strongest period as a vector, from one groove to the next"),
+        ),
+    ]);
+    (channels.map(str::to_owned).into(), axes)
+}
+
+fn row_meaning(first: &str) -> String {
+    format!(
+        "0: {first}; 1: first texel holds cosine and sine of the surface's rotation, scale of the first term, ratio of the scales of successive terms"
+    )
+}

@@ -1,0 +1,82 @@
+//! What each mode reads, and the combinations that mean nothing.
+
+use super::variants::Draft;
+use super::{Coherence, CoherenceScaling, Colour, Mode, Optics};
+
+/// Whether a mode reads a key of the canonical configuration; `pq` with given periods has no use for a coherence length.
+pub(super) fn reads(mode: Mode, periods_given: bool, key: &str) -> bool {
+    match (mode, key) {
+        (Mode::Full, _) | (_, "mode") => true,
+        (Mode::Pq, "coherence" | "coherence_scaling" | "hoist") => false,
+        (Mode::Pq, "coherence_um") => !periods_given,
+        (Mode::Adaptive, "window_radius" | "step_nm" | "hoist") => false,
+        (Mode::Pq | Mode::Adaptive, _) => true,
+        (Mode::Gems, _) => false,
+    }
+}
+
+/// The same configuration with every key that its mode does not read at its documented default, except where
+/// [`broken`] has to see it.
+pub(super) fn normalised(draft: Draft) -> Draft {
+    let standard = Draft::standard(Optics::standard());
+    match draft.mode.1 {
+        Some(Mode::Full) => Draft { periods: None, ..draft },
+        Some(Mode::Pq) if draft.periods.is_some() => {
+            let coherence_um = standard.optics.coherence_um;
+            Draft { optics: Optics { coherence_um, ..draft.optics.clone() }, ..draft }
+        }
+        Some(Mode::Adaptive) => {
+            let mut draft = Draft { periods: None, window_radius: standard.window_radius, ..draft };
+            draft.wavelengths.step_nm = standard.wavelengths.step_nm;
+            draft
+        }
+        Some(Mode::Gems) => {
+            let colour = draft.optics.colour;
+            Draft { mode: draft.mode, optics: Optics { colour, ..standard.optics }, ..standard }
+        }
+        Some(Mode::Pq) | None => draft,
+    }
+}
+
+/// The constraints that a configuration breaks: the key, and the reason.
+pub(super) fn broken(mode: Mode, draft: &Draft) -> Vec<(&'static str, String)> {
+    let optics = &draft.optics;
+    let ensemble = optics.coherence == Coherence::Ensemble;
+    let mut found = Vec::new();
+    let mut refuse = |when: bool, key: &'static str, reason: &str| {
+        if when {
+            found.push((key, reason.to_owned()));
+        }
+    };
+    match mode {
+        Mode::Full => refuse(
+            ensemble && !draft.hoist,
+            "hoist",
+            "hoist = false adds the bins of each term before anything is squared, and an ensemble adds intensities of bins",
+        ),
+        Mode::Pq => {
+            refuse(
+                ensemble,
+                "coherence",
+                "pq repeats the patch without a coherence window, so coherence = \"ensemble\" has no meaning",
+            );
+            refuse(
+                optics.coherence_scaling == CoherenceScaling::Wavelength,
+                "coherence_scaling",
+                "pq repeats the patch a whole number of times, the same for all wavelengths",
+            );
+        }
+        Mode::Adaptive => {}
+        Mode::Gems => refuse(
+            optics.colour == Colour::Thesis,
+            "colour",
+            "gems maps wavelengths to RGB without tristimulus values, which the matrices of the texts need",
+        ),
+    }
+    refuse(
+        !draft.hoist && matches!(mode, Mode::Pq | Mode::Adaptive),
+        "hoist",
+        "hoist = false is the full sum as the texts print it; no other mode has such a form",
+    );
+    found
+}

@@ -1,0 +1,103 @@
+//! What a variant costs, counted before anything runs.
+
+use serde::Serialize;
+
+use crate::plan::{Mode, Variant};
+
+use super::{Lobes, Resolved};
+
+/// What one lit pixel costs, whatever the driver. The modes with uniform wavelengths cost the same everywhere;
+/// `adaptive` costs what its direction meets, counted over [`mean_and_worst`]'s directions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Cost {
+    /// Evaluations of the amplitude, at worst: wavelength nodes, or lobes.
+    pub evaluations: u64,
+    /// The same on average.
+    pub evaluations_mean: f64,
+    /// Texels read from the term table, at worst.
+    pub term_fetches: u64,
+    /// All texels read, at worst.
+    pub fetches: u64,
+    /// The same on average.
+    pub fetches_mean: f64,
+    /// Bytes of all tables.
+    pub table_bytes: u64,
+}
+
+/// Nodes of a panel of a lobe.
+pub const LOBE_NODES: u32 = 8;
+
+/// Counts a variant's work.
+pub(super) fn cost(variant: &Variant, resolved: &Resolved, lobes: &Lobes) -> Cost {
+    let layers = u64::from(resolved.layers);
+    let nodes = match variant.mode {
+        Mode::Gems => 1,
+        Mode::Adaptive if variant.wavelengths.max_nm > variant.wavelengths.min_nm => {
+            crate::spectrum::WAVENUMBER_NODES as u64
+        }
+        _ => variant.wavelengths.nodes_nm().len() as u64,
+    };
+    let shape = crate::tables::terms_shape(
+        resolved.bins,
+        resolved.expansion.terms as usize,
+        variant.packing,
+        variant.table,
+    );
+    let spectrum_bytes = 2 * 4 * 4 * nodes;
+    let table_bytes = shape.byte_count() as u64 + spectrum_bytes;
+    let uniform = |taps: u64| Cost {
+        evaluations: nodes,
+        evaluations_mean: nodes as f64,
+        term_fetches: nodes * taps * layers,
+        fetches: nodes * (taps * layers + 1),
+        fetches_mean: (nodes * (taps * layers + 1)) as f64,
+        table_bytes,
+    };
+    match variant.mode {
+        Mode::Full => uniform(u64::from(2 * resolved.window_radius + 1).pow(2)),
+        Mode::Pq => uniform(u64::from(resolved.taps[0]) * u64::from(resolved.taps[1])),
+        Mode::Gems => {
+            Cost { fetches: 1, fetches_mean: 1.0, table_bytes: spectrum_bytes, ..Cost::default() }
+        }
+        Mode::Adaptive => {
+            let (mean, worst) = mean_and_worst(lobes, resolved.corridor.panels);
+            // two neighbouring texels of the spectrum at each node
+            let fetches = layers + 2 * u64::from(LOBE_NODES);
+            Cost {
+                evaluations: worst,
+                evaluations_mean: mean,
+                term_fetches: worst * layers,
+                fetches: worst * fetches,
+                fetches_mean: mean * fetches as f64,
+                table_bytes,
+            }
+        }
+    }
+}
+
+/// Evaluations of the bins, mean over the disc of viewing directions under a light 20° from the normal in the plane of x,
+/// and the most over that disc and its mirror direction.
+fn mean_and_worst(lobes: &Lobes, panels: u32) -> (f64, u64) {
+    const SIDE: i32 = 48;
+    /// sin 20°, rounded: configured, so that the counts are the same on every processor.
+    const SIN_LIGHT: f64 = 0.342;
+    let count = |uv: [f64; 2]| {
+        let panels = lobes.bins(uv).into_iter().map(|(_, span)| lobes.panels(span, panels));
+        panels.map(u64::from).sum::<u64>()
+    };
+    let (mut sum, mut directions) = (0, 0);
+    let mut worst = count([0.0, 0.0]);
+    for row in 0..SIDE {
+        for column in 0..SIDE {
+            let place = |i: i32| f64::from(2 * i + 1 - SIDE) / f64::from(SIDE);
+            let (x, y) = (place(column), place(row));
+            if x * x + y * y < 1.0 {
+                let found = count([-SIN_LIGHT - x, -y]);
+                sum += found;
+                directions += 1;
+                worst = worst.max(found);
+            }
+        }
+    }
+    (sum as f64 / f64::from(directions), worst)
+}

@@ -1,0 +1,67 @@
+//! Programs of this machine: found, run, stopped.
+
+use std::{
+    env,
+    io::{self, Read},
+    path::PathBuf,
+    process::{Child, Command, ExitStatus, Stdio},
+    sync::mpsc::{Receiver, channel},
+    thread,
+    time::{Duration, Instant},
+};
+
+/// Time between two looks at a running tool.
+const POLL: Duration = Duration::from_millis(2);
+
+/// The program of that name in the first folder of the PATH that has it.
+pub fn on_path(name: &str) -> Option<PathBuf> {
+    let path = env::var_os("PATH")?;
+    let programs = env::split_paths(&path)
+        .map(|folder| folder.join(format!("{name}{}", env::consts::EXE_SUFFIX)));
+    programs.into_iter().find(|program| program.is_file())
+}
+
+/// Exit status and all that was written, standard error first; an error after the time limit.
+pub fn run(command: &mut Command, limit: Duration) -> io::Result<(ExitStatus, String)> {
+    let command = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn()?;
+    let streams = [child.stderr.take().map(drain), child.stdout.take().map(drain)];
+    let end = Instant::now() + limit;
+    let status = wait(&mut child, end, limit)?;
+    let mut text = String::new();
+    for stream in streams.into_iter().flatten() {
+        // a process that the tool left behind may hold the stream open
+        let left = end.saturating_duration_since(Instant::now());
+        let bytes = stream.recv_timeout(left).unwrap_or_default();
+        text.push_str(&String::from_utf8_lossy(&bytes));
+    }
+    Ok((status, text))
+}
+
+/// Waits until the process ends, or kills it.
+fn wait(child: &mut Child, end: Instant, limit: Duration) -> io::Result<ExitStatus> {
+    loop {
+        if let Some(status) = child.try_wait()? {
+            return Ok(status);
+        }
+        if Instant::now() >= end {
+            child.kill()?;
+            child.wait()?;
+            let message = format!("did not end within {} s", limit.as_secs_f64());
+            return Err(io::Error::new(io::ErrorKind::TimedOut, message));
+        }
+        thread::sleep(POLL);
+    }
+}
+
+/// Reads a stream to its end on a thread of its own, so that neither stream can fill up.
+fn drain(mut stream: impl Read + Send + 'static) -> Receiver<Vec<u8>> {
+    let (sender, receiver) = channel();
+    thread::spawn(move || {
+        let mut bytes = Vec::new();
+        // what was read before an error is still worth showing
+        let _ = stream.read_to_end(&mut bytes);
+        let _ = sender.send(bytes);
+    });
+    receiver
+}

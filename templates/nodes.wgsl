@@ -1,0 +1,20 @@
+// The wavelength integral as a sum over fixed nodes.
+
+// Row 0: X, Y, Z weights and wavelength in µm of each node; row 1: cosine and sine of the surface's rotation, scale of
+// the first term, ratio of the scales.
+@group(0) @binding(2) var spectrum: texture_2d<f32>;
+
+// Relative tristimulus values for one pair of directions.
+fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
+    let factor = gain(wi, wr);
+    if (factor == 0.0) {
+        return vec3f(0.0);
+    }
+    let path = path_difference(wi, wr);
+    var xyz = vec3f(0.0);
+    for (var node = 0; node < WAVELENGTH_COUNT; node++) {
+        let texel = textureLoad(spectrum, vec2i(node, 0), 0);
+        xyz += texel.xyz * response(path, texel.w);
+    }
+    return factor * xyz;
+}

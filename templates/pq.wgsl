@@ -1,0 +1,54 @@
+// Replicas of the patch side by side, without a coherence window: the transform of one patch between the bins, times the
+// interference of the replicas.
+
+// |P|² at one wavelength, in µm.
+fn response(path: vec3f, lambda_um: f32) -> f32 {
+    let place = path.xy / lambda_um * vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM);
+    let first = floor(place - 0.5 * vec2f(f32(TAP_COLUMNS - 1), f32(TAP_ROWS - 1)) + 0.5);
+    let tau = series_argument(path.z, lambda_um);
+    var amplitude = vec2f(0.0);
+    for (var s = 0; s < TAP_ROWS; s++) {
+        let row = first.y + f32(s);
+        let weight = kernel(place.y - row, PIXEL_ROWS);
+        for (var r = 0; r < TAP_COLUMNS; r++) {
+            let column = first.x + f32(r);
+            let tap = complex_product(weight, kernel(place.x - column, PIXEL_COLUMNS));
+            amplitude += complex_product(tap, bin_amplitude(vec2i(vec2f(column, row)), tau));
+        }
+    }
+    let factor = replica_factor(place.x, PERIOD_COLUMNS) * replica_factor(place.y, PERIOD_ROWS);
+#ifdef HALF
+    amplitude *= series_scale();
+#endif
+    return factor * factor * dot(amplitude, amplitude);
+}
+
+// The periodic sinc at an offset in bins, with the phase of pixels that begin half a pixel before the patch's centre
+// line: e^(-iπt/N) sin πt / (N sin(πt/N)).
+fn kernel(offset: f32, pixels: f32) -> vec2f {
+    let angle = 3.1415927 * offset / pixels;
+    return sinc(offset) / sinc(offset / pixels) * vec2f(cos(angle), -sin(angle));
+}
+
+// sin(πQt) / (Q sin πt) up to its sign; 1 at whole t.
+fn replica_factor(place: f32, periods: f32) -> f32 {
+    let rest = place - floor(place + 0.5);
+    return sinc(periods * rest) / sinc(rest);
+}
+
+// sin πt / (πt), without the cancellation at whole t and the division by zero at 0.
+fn sinc(turns: f32) -> f32 {
+    let nearest = floor(turns + 0.5);
+    let angle = 3.1415927 * turns;
+    if (abs(turns) < 0.125) {
+        let squared = angle * angle;
+        return 1.0 - squared / 6.0 * (1.0 - squared / 20.0 * (1.0 - squared / 42.0));
+    }
+    let odd = nearest - 2.0 * floor(0.5 * nearest);
+    return (1.0 - 2.0 * odd) * sin(3.1415927 * (turns - nearest)) / angle;
+}
+
+// (p + iq)(r + is); its imaginary part is ps + qr.
+fn complex_product(a: vec2f, b: vec2f) -> vec2f {
+    return vec2f(a.x * b.x - a.y * b.y, a.x * b.y + a.y * b.x);
+}

@@ -1,0 +1,17 @@
+//! Measured data that is not part of the repository: tests use it where it is, and say so where it is not.
+
+use std::path::{Path, PathBuf};
+
+/// A file of the data folder: that of the environment variable `DIFFRACTION_DATA`, or `../shared/data` beside the
+/// repository. `None`, told on stderr, where neither has it; a folder that was named and lacks it is a failure.
+pub fn find(name: &str) -> Option<PathBuf> {
+    let named = std::env::var_os("DIFFRACTION_DATA").map(PathBuf::from);
+    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
+    let path = named.clone().unwrap_or_else(beside).join(name);
+    if path.is_file() {
+        return Some(path);
+    }
+    assert!(named.is_none(), "DIFFRACTION_DATA has no {name}");
+    eprintln!("not tested: {name} was not there; name its folder in DIFFRACTION_DATA");
+    None
+}

@@ -1,0 +1,104 @@
+//! The modes beside the full sum: each twin against the exact field, the combinations that have no meaning, and every
+//! shader that the constraints leave.
+#![allow(clippy::unwrap_used, reason = "a test that unwraps fails with the error")]
+
+mod common;
+
+use std::path::Path;
+
+use diffraction_shaders::assemble;
+use diffraction_shaders::emit::emit;
+use diffraction_shaders::height::load;
+use diffraction_shaders::plan::{Mode, Plan, Variant};
+use diffraction_shaders::resolve::resolve;
+use diffraction_shaders::template::Sources;
+
+const SURFACE: &str = "schema = 1\n[[surface]]\nname = \"a\"\ngrating = { kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 100 }\n";
+
+fn plan(keys: &str) -> Plan {
+    let text = format!("{SURFACE}[variants]\n{keys}\n");
+    Plan::parse(&text, Path::new("plan.toml")).unwrap_or_else(|e| panic!("{keys}: {e}"))
+}
+
+fn variant(keys: &str) -> Variant {
+    let plan = plan(keys);
+    assert_eq!(plan.variants.len(), 1, "{keys}: {:?}", plan.rejected);
+    plan.variants[0].clone()
+}
+
+#[test]
+fn every_shader_that_the_constraints_leave_compiles_for_every_target() {
+    let plan = plan(concat!(
+        "mode = [\"full\", \"pq\", \"adaptive\", \"gems\"]\nterms = 5\n",
+        "wavelengths = [{}, { min_nm = 550, max_nm = 550 }]\n",
+        "table = [\"f32\", \"f16\"]\npacking = [\"paired\", \"single\"]\nhoist = [true, false]\n",
+        "coherence = [\"single\", \"ensemble\"]\ncoherence_scaling = [\"fixed\", \"wavelength\"]\n",
+        "shadowing = [true, false]\ncolour = [\"srgb\", \"thesis\"]\n",
+    ));
+    let height = load(&plan.surfaces[0]).unwrap().field;
+    let count = |mode| plan.variants.iter().filter(|v| v.mode == mode).count();
+    // full: all but hoist = false with an ensemble; pq and adaptive: hoisted only
+    assert_eq!(count(Mode::Full), 2 * 2 * 2 * 3 * 2 * 2 * 2);
+    assert_eq!(count(Mode::Pq), 2 * 2 * 2 * 2 * 2);
+    assert_eq!(count(Mode::Adaptive), 2 * 2 * 2 * 2 * 2 * 2 * 2);
+    assert_eq!(count(Mode::Gems), 1);
+    for variant in &plan.variants {
+        let resolved = resolve(variant, &height).unwrap();
+        for rotate_deg in [0.0, 30.0] {
+            let tables = assemble::shapes(variant, &resolved, rotate_deg).unwrap();
+            let nodes = assemble::node_count(&tables);
+            let defines = assemble::defines(variant, &resolved, rotate_deg, nodes);
+            let module = assemble::shader(&Sources::builtin(), &variant.name, &defines)
+                .unwrap_or_else(|e| panic!("{}: {:?}", variant.name, common::lines(&e)));
+            for target in common::TARGETS {
+                emit(&module, target).unwrap_or_else(|e| panic!("{}: {e}", variant.name));
+            }
+        }
+    }
+}
+
+#[test]
+fn combinations_without_a_meaning_are_rejected_with_the_reason() {
+    for (keys, reason) in [
+        ("mode = \"pq\"\ncoherence = \"ensemble\"", "without a coherence window"),
+        ("mode = \"pq\"\ncoherence_scaling = \"wavelength\"", "the same for all wavelengths"),
+        ("mode = \"pq\"\nhoist = false", "no other mode has such a form"),
+        ("mode = \"adaptive\"\nhoist = false", "no other mode has such a form"),
+        ("coherence = \"ensemble\"\nhoist = false", "an ensemble adds intensities"),
+        ("mode = \"gems\"\ncolour = \"thesis\"", "without tristimulus values"),
+    ] {
+        let text = format!("{SURFACE}[variants]\n{keys}\n");
+        let told = Plan::parse(&text, Path::new("plan.toml")).expect_err(keys).to_string();
+        assert!(told.contains("no variant is left") && told.contains(reason), "{keys}: {told}");
+        let text = format!("{SURFACE}[[preset]]\nname = \"p\"\n{keys}\n");
+        let told = Plan::parse(&text, Path::new("plan.toml")).expect_err(keys).to_string();
+        assert!(told.contains("plan.toml:") && told.contains(reason), "{keys}: {told}");
+    }
+}
+
+#[test]
+fn names_and_hashes_hold_what_the_mode_reads() {
+    for (keys, name) in [
+        ("mode = \"pq\"", "pq-taylor-t31"),
+        ("mode = \"pq\"\nperiods = [3, 2]\ncoherence_um = 30", "pq-taylor-t31-q3x2"),
+        ("mode = \"pq\"\ncoherence_um = 30", "pq-taylor-t31-lc30"),
+        ("mode = \"adaptive\"\nwindow_radius = 4\nperiods = [2, 2]", "adaptive-taylor-t31"),
+        ("mode = \"adaptive\"\nwavelengths = { step_nm = 2 }", "adaptive-taylor-t31"),
+        (
+            "mode = \"adaptive\"\ncoherence = \"ensemble\"\ntable = \"f16\"",
+            "adaptive-taylor-t31-f16-ensemble",
+        ),
+        (
+            "mode = \"gems\"\nterms = 3\nbasis = \"taylor-zero\"\nhoist = false\nrefractive_index = 1.6",
+            "gems",
+        ),
+    ] {
+        assert_eq!(variant(keys).name, name, "{keys}");
+    }
+    let same = |a: &str, b: &str| variant(a).hash() == variant(b).hash();
+    assert!(same("mode = \"adaptive\"", "mode = \"adaptive\"\nwavelengths = { step_nm = 2 }"));
+    assert!(same("mode = \"gems\"", "mode = \"gems\"\ncoherence_um = 30"));
+    assert!(!same("mode = \"pq\"", "mode = \"pq\"\nperiods = [26, 650]"));
+    assert!(!same("mode = \"adaptive\"", "mode = \"full\""));
+    assert_eq!(variant("mode = \"gems\"").canonical(), "{\"mode\":\"gems\"}");
+}

@@ -1,0 +1,159 @@
+//! What 16-bit tables cost in accuracy, and packages of every mode.
+#![allow(clippy::unwrap_used, reason = "a test that unwraps fails with the error")]
+
+use std::path::Path;
+
+use diffraction_shaders::frame::view_directions;
+use diffraction_shaders::generate::{Request, generate, index};
+use diffraction_shaders::height::load;
+use diffraction_shaders::measure::{compare, on_orders};
+use diffraction_shaders::optics::direction;
+use diffraction_shaders::package::Package;
+use diffraction_shaders::plan::{Plan, TableFormat};
+use diffraction_shaders::reference::Directions;
+use diffraction_shaders::resolve::resolve;
+use diffraction_shaders::runner::{Runner, Subject, TwinRunner};
+use diffraction_shaders::tables::{Scale, terms_table};
+use diffraction_shaders::template::Sources;
+use diffraction_shaders::terms::Terms;
+use serde_json::Value;
+
+fn plan(surfaces: &str, keys: &str) -> Plan {
+    let text = format!("schema = 1\n{surfaces}[variants]\n{keys}\n");
+    Plan::parse(&text, Path::new("plan.toml")).unwrap_or_else(|e| panic!("{keys}: {e}"))
+}
+
+const BLAZED: &str = "[[surface]]\nname = \"blazed\"\ngrating = { kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 100 }\n";
+const FINGERS: &str = "[[surface]]\nname = \"fingers\"\ngrating = { kind = \"fingers\", size_um = 6, pixels = 96, pitch_um = 1.1, height_um = 0.3, seed = 1 }\n";
+const FLAT: &str =
+    "[[surface]]\nname = \"flat\"\ngrating = { kind = \"flat\", period_um = 25, pixels = 300 }\n";
+
+/// Rounded tables against the unrounded ones of the same variant.
+#[test]
+fn sixteen_bits_with_scales_keep_the_colours() {
+    let plan = plan(
+        &format!("{BLAZED}{FINGERS}"),
+        "mode = [\"full\", \"pq\", \"adaptive\"]\nterms = \"auto\"\ntable = [\"f16\", \"f32\"]\npacking = [\"paired\", \"single\"]",
+    );
+    for spec in &plan.surfaces {
+        let height = &load(spec).unwrap().field;
+        for variant in &plan.variants {
+            let wi = direction(20.0, 0.0);
+            let mut directions: Vec<Directions> =
+                view_directions(24).into_iter().map(|wr| Directions { wi, wr }).collect();
+            directions.extend(on_orders(height, &variant.optics, 0.0, wi, 200, 1));
+            let subject = Subject { height, rotate_deg: 0.0, variant };
+            let colours = |packed: bool| {
+                let twin = TwinRunner::new(subject, packed).unwrap();
+                twin.tristimulus(&directions, &|_| ()).unwrap()
+            };
+            let found = compare(&variant.name, &colours(false), &colours(true), None).unwrap();
+            println!(
+                "{} {}: max_abs {:.1e}, p95 {:.4}, max {:.4}",
+                spec.name, variant.name, found.max_abs, found.de2000.p95, found.de2000.max
+            );
+            let limit = match variant.table {
+                TableFormat::F32 => 1e-3,
+                TableFormat::F16 => 1.0,
+            };
+            assert!(found.de2000.p95 < limit, "{} {}: {found:?}", spec.name, variant.name);
+        }
+    }
+}
+
+/// Without scales the terms of a tall surface leave the range of 16 bits; with them none does.
+#[test]
+fn terms_of_a_tall_surface_overflow_without_scales() {
+    let tall = BLAZED.replace("0.3", "1.5");
+    let plan = plan(&tall, "mode = \"adaptive\"\nterms = \"auto\"\ntable = \"f16\"");
+    let (height, variant) = (&load(&plan.surfaces[0]).unwrap().field, &plan.variants[0]);
+    let resolved = resolve(variant, height).unwrap();
+    let finite = |scale: Scale| {
+        let terms = Terms::new(height, &resolved.expansion, resolved.bins);
+        let table = terms_table(&terms, variant.packing, variant.table, scale).rounded();
+        table.texels.iter().all(|v| v.is_finite())
+    };
+    assert!(finite(resolved.scale) && !finite(Scale::NONE));
+}
+
+#[test]
+fn counts_left_to_the_tool_are_sensible_in_every_mode() {
+    let plan = plan(
+        &format!("{BLAZED}{FINGERS}"),
+        "mode = [\"full\", \"pq\", \"adaptive\"]\nterms = \"auto\"\nwindow_radius = \"auto\"",
+    );
+    for spec in &plan.surfaces {
+        let height = &load(spec).unwrap().field;
+        for variant in &plan.variants {
+            let resolved = resolve(variant, height).unwrap();
+            println!(
+                "{} {}: {} terms, radius {}, {:?}",
+                spec.name,
+                variant.name,
+                resolved.expansion.terms,
+                resolved.window_radius,
+                resolved.cost
+            );
+            assert!((10..40).contains(&resolved.expansion.terms));
+            assert!(resolved.window_radius <= 3);
+            assert!(resolved.cost.fetches_mean <= resolved.cost.fetches as f64);
+        }
+    }
+}
+
+fn json(package: &Package, path: &str) -> Value {
+    let file = package.bytes(path).unwrap_or_else(|| panic!("{path}"));
+    serde_json::from_slice(file).unwrap()
+}
+
+#[test]
+fn packages_hold_every_mode_and_list_the_gaps() {
+    let plan = plan(
+        &format!("{BLAZED}{FLAT}"),
+        "mode = [\"full\", \"pq\", \"adaptive\", \"gems\"]\nterms = 9\ntable = [\"f32\", \"f16\"]",
+    );
+    let sources = Sources::builtin();
+    let request = Request {
+        surfaces: &plan.surfaces,
+        variants: &plan.variants,
+        targets: &plan.targets,
+        sources: &sources,
+        cache: None,
+        keep: &|_, _| false,
+    };
+    let generated = generate(&request, &|_| ()).unwrap_or_else(|e| panic!("{e:?}"));
+    let gaps: Vec<(&str, &str)> =
+        generated.gaps.iter().map(|g| (g.surface.as_str(), g.variant.as_str())).collect();
+    assert_eq!(
+        gaps,
+        [("flat", "adaptive-taylor-t9"), ("flat", "adaptive-taylor-t9-f16"), ("flat", "gems")]
+    );
+    assert_eq!(index(&request).unwrap()["gaps"].as_array().map(Vec::len), Some(3));
+    let manifest =
+        |name: &str| json(&generated.package, &format!("shaders/blazed/{name}/manifest.json"));
+    let gems = manifest("gems");
+    assert_eq!(
+        (&gems["error_bound"], &gems["core"]["diffuser_scale"]),
+        (&Value::Null, &Value::Null)
+    );
+    assert_eq!(gems["tables"].as_array().map(Vec::len), Some(1));
+    assert!(gems["core"]["unit"].as_str().unwrap().contains("no error claimed"));
+    let pq = manifest("pq-taylor-t9");
+    assert_eq!(pq["configuration"]["periods"], "auto");
+    // 65 µm squared against 16π σs²/16 … of the window: the ratio of the two mirrors' lobes
+    let scale = |m: &Value| m["core"]["diffuser_scale"].as_f64().unwrap();
+    let full = manifest("full-taylor-t9");
+    assert!((scale(&pq) / scale(&full) - 16.0 / (4.0 * std::f64::consts::PI)).abs() < 1e-9);
+    let half = manifest("adaptive-taylor-t9-f16");
+    assert_eq!(half["bindings"][1]["format"], "rgba16float");
+    let description = half["tables"][0]["description"].as_str().unwrap();
+    let description = description.trim_start_matches("../../../");
+    let description = json(&generated.package, description);
+    assert_eq!(description["term_scales"].as_array().map(Vec::len), Some(9));
+    let bytes = description["bytes"].as_u64().unwrap();
+    let (width, height) = (&description["width"], &description["height"]);
+    assert_eq!(bytes, 8 * 5 * width.as_u64().unwrap() * height.as_u64().unwrap());
+    let bound = |m: &Value| m["error_bound"]["packing"].as_f64().unwrap();
+    assert!((bound(&half) / bound(&full) - 8192.0).abs() < 1e-6);
+    assert!(half["cost"]["fetches_mean"].as_f64() < full["cost"]["fetches_mean"].as_f64());
+}
