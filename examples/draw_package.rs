@@ -6,7 +6,11 @@ use std::{borrow::Cow, error::Error, fs, path::Path};
 
 use diffraction_shaders::runner::gpu::*;
 
-#[allow(dead_code, reason = "an example does not need everything")]
+#[allow(
+    dead_code,
+    unused_qualifications,
+    reason = "generated for any program; this one needs a part of it"
+)]
 mod bindings {
     include!("../generated/shaders/blazed/full-taylor-t19/bindings.rs");
 }

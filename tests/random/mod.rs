@@ -16,7 +16,7 @@ impl Draft {
     }
 }
 
-/// Plans of one or two small synthetic surfaces, a product of at most four variants, a preset, optics, targets.
+/// Plans of one or two small synthetic surfaces, a product of at most eight variants, a preset, optics, targets.
 pub fn plans() -> impl Strategy<Value = Draft> {
     let surfaces = vec((gratings(), preparation()), 1..=2);
     let parts = (surfaces, section("optics", optics_values()), product(), preset(), targets());
@@ -89,13 +89,13 @@ fn optics_values() -> Vec<BoxedStrategy<String>> {
     ]
 }
 
-/// `[variants]`: at most two axes of two values, the rest single.
+/// `[variants]`: at most three axes of two values, the rest single.
 fn product() -> impl Strategy<Value = Vec<String>> {
     let short = axis("terms", &["1", "2", "5", "31", "\"auto\""]);
     let axes = vec![
-        Just("mode = [\"full\"]".to_owned()).boxed(),
+        axis("mode", &["\"full\"", "\"pq\"", "\"adaptive\"", "\"gems\""]),
         Just("term_error = 1e-2".to_owned()).boxed(),
-        Just("table = \"f32\"".to_owned()).boxed(),
+        words("table", &["f32", "f16"]),
         Just("reconstruction = [\"window\"]".to_owned()).boxed(),
         words("periods", &["auto"]),
         waves().prop_map(|waves| format!("wavelengths = [{{ {waves} }}]")).boxed(),
@@ -120,6 +120,8 @@ fn product() -> impl Strategy<Value = Vec<String>> {
 
 fn preset() -> impl Strategy<Value = Vec<String>> {
     let keys = vec![
+        words("mode", &["full", "pq", "adaptive", "gems"]),
+        words("table", &["f32", "f16"]),
         words("basis", &["taylor", "taylor-zero"]),
         (1..60u32).prop_map(|n| format!("terms = {n}")).boxed(),
         (0..4u32).prop_map(|n| format!("window_radius = {n}")).boxed(),
@@ -138,8 +140,9 @@ fn preset() -> impl Strategy<Value = Vec<String>> {
 }
 
 fn targets() -> impl Strategy<Value = Vec<String>> {
-    let words = vec!["\"wgsl\"", "\"glsl450\"", "\"glsl-es300\"", "\"spirv\""];
-    subsequence(words, 1..=4).prop_map(|words| {
+    let words =
+        vec!["\"wgsl\"", "\"glsl450\"", "\"glsl-es300\"", "\"spirv\"", "\"hlsl\"", "\"msl\""];
+    subsequence(words, 1..=6).prop_map(|words| {
         let emit = format!("emit = [{}]", words.join(", "));
         vec!["[targets]".to_owned(), emit, "tables = [\"bin\"]".to_owned()]
     })
