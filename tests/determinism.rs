@@ -46,6 +46,7 @@ fn package(surfaces: &[SurfaceSpec], variants: &[Variant], targets: &[Target]) -
         surfaces,
         variants,
         targets,
+        containers: &[],
         sources: &Sources::builtin(),
         cache: None,
         keep: &|_, _| false,

@@ -71,6 +71,7 @@ fn package(plan: &Plan) -> Result<(Package, Vec<Gap>), Vec<Diagnostic>> {
         surfaces: &plan.surfaces,
         variants: &plan.variants,
         targets: &plan.targets,
+        containers: &plan.containers,
         sources: &Sources::builtin(),
         cache: None,
         keep: &|_, _| false,
