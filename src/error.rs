@@ -23,6 +23,8 @@ pub enum Stage {
     Package,
     /// Running a shader on a driver, or an external tool.
     Run,
+    /// Writing or reading results.
+    Record,
 }
 
 impl fmt::Display for Stage {
@@ -34,6 +36,7 @@ impl fmt::Display for Stage {
             Stage::Compute => "computation",
             Stage::Shader => "shader",
             Stage::Package => "package",
+            Stage::Record => "records",
             Stage::Run => "run",
         })
     }

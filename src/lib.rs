@@ -45,6 +45,7 @@ pub mod replicas;
 pub mod terms;
 pub mod reference;
 pub mod measure;
+pub mod record;
 pub mod tables;
 pub mod resolve;
 pub mod inspect;

@@ -8,7 +8,7 @@ use crate::spectrum::{D65_WHITE, ciede2000};
 pub use directions::{on_orders, pool, standard};
 
 /// How far colours lie from a reference.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Comparison {
     /// Factor on luminance before colour differences: `0.5 / p95(Y_ref)` unless given.
     pub exposure: f64,
@@ -23,7 +23,7 @@ pub struct Comparison {
 }
 
 /// Mean and percentiles of colour differences.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Percentiles {
     /// Arithmetic mean.
     pub mean: f64,
