@@ -281,6 +281,18 @@ fn exr_tiles_are_checked_before_allocating() {
 }
 
 #[test]
+fn exr_chunks_of_another_level_are_refused() {
+    let mut bytes = include_bytes!("../fuzz/seeds/exr/tiles.exr").to_vec();
+    let mark = b"tiles\0tiledesc\0";
+    let at = bytes.windows(mark.len()).position(|window| window == mark).unwrap();
+    // length, description of 9 bytes, end of the header; then places of chunks, each with column, row, level x, level y
+    let table = at + mark.len() + 4 + 9 + 1;
+    let chunk = u64::from_le_bytes(bytes[table..table + 8].try_into().unwrap()) as usize;
+    bytes[chunk + 12..chunk + 16].copy_from_slice(&16u32.to_le_bytes());
+    assert_says(open("a.exr", &bytes), &["table of chunks leads to other layers or levels"]);
+}
+
+#[test]
 fn npy_errors() {
     assert_says(open("a.npy", &npy_of("<f8", false, "(2, 2, 2)", &[0; 64])), &["3 dimensions"]);
     assert_says(open("a.npy", &npy_of("<i4", false, "(2, 2)", &[0; 16])), &["<i4", "float32"]);

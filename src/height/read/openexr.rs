@@ -2,9 +2,11 @@
 
 use std::io::Cursor;
 
+use exr::block::chunk::CompressedBlock;
 use exr::compression::Compression;
 use exr::image::FlatSamples;
 use exr::image::read::read as reader;
+use exr::math::Vec2;
 use exr::meta::{BlockDescription, MetaData};
 use exr::prelude::{ReadChannels, ReadLayers};
 
@@ -38,6 +40,10 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
             }
         }
     }
+    check_chunks(bytes).map_err(broken)?.then_some(()).ok_or_else(|| {
+        error("the OpenEXR file's table of chunks leads to other layers or levels".into())
+            .remedy("the file is damaged")
+    })?;
     let image = reader()
         .no_deep_data()
         .largest_resolution_level()
@@ -89,4 +95,23 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
         _ => vec!["the OpenEXR file holds several layers; the first is used".to_owned()],
     };
     Ok(Raster { columns, rows, samples: Samples::float(values), scale: None, notes })
+}
+
+/// Whether every chunk that the table of the first layer's largest level leads to says that it belongs there. The crate
+/// trusts the table, and would write a smaller level's lines into the largest.
+fn check_chunks(bytes: &[u8]) -> Result<bool, exr::error::Error> {
+    let largest = Vec2(0, 0);
+    let chunks = exr::block::read(Cursor::new(bytes), false)?
+        .filter_chunks(false, |_, tile, block| block.layer == 0 && tile.level_index == largest)?;
+    for chunk in chunks {
+        let chunk = chunk?;
+        let elsewhere = match chunk.compressed_block {
+            CompressedBlock::Tile(tile) => tile.coordinates.level_index != largest,
+            _ => false,
+        };
+        if elsewhere || chunk.layer_index != 0 {
+            return Ok(false);
+        }
+    }
+    Ok(true)
 }
