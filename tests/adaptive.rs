@@ -1,7 +1,9 @@
 //! The sum over bins against the exact field.
 #![allow(clippy::unwrap_used, reason = "a test that unwraps fails with the error")]
 
-use std::path::{Path, PathBuf};
+mod data_support;
+
+use std::path::Path;
 
 use diffraction_shaders::assemble;
 use diffraction_shaders::frame::view_directions;
@@ -34,15 +36,14 @@ fn grating(grating: &str, keys: &str) -> (HeightField, Variant) {
 
 /// The measured crop, where the folder of scans is.
 fn crop(keys: &str) -> Option<(HeightField, Variant)> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    let folder = std::env::var_os("DIFFRACTION_DATA").map_or(root, PathBuf::from);
-    let file = folder.join("elaphe_crop_100px.png");
-    if !file.is_file() {
-        eprintln!("NOT RUN: {} is missing; set DIFFRACTION_DATA", file.display());
-        return None;
-    }
-    let surface = format!("file = {file:?}\npixel_um = 0.0586\nheight_um = 0.375");
-    Some(read(&surface, keys))
+    let file = data_support::find("elaphe_crop_100px.png")?;
+    Some(read(&format!("file = {file:?}\npixel_um = 0.0586\nheight_um = 0.375"), keys))
+}
+
+/// The whole scan that the crop is of.
+fn scan(keys: &str) -> Option<(HeightField, Variant)> {
+    let file = data_support::find("elaphe_65um.png")?;
+    Some(read(&format!("file = {file:?}\nsize_um = 65.0\nheight_um = 0.375"), keys))
 }
 
 /// A map of 64² under a light 20° from the normal, and a thousand directions on orders and around the mirror direction.
@@ -126,6 +127,7 @@ fn an_ensemble_is_exact_though_lobes_overlap() {
         [("crossed", grating(CROSSED, "coherence = \"ensemble\"\ncoherence_um = 2.0"))]
             .into_iter()
             .chain(crop(keys).map(|crop| ("crop", crop)))
+            .chain(scan("coherence = \"ensemble\"").map(|scan| ("scan", scan)))
     {
         let found = against_the_exact(name, &subject);
         assert!(found.de2000.p95 <= 0.5, "{name}: {found:?}");
