@@ -63,3 +63,5 @@ pub mod generate;
 pub mod readme;
 pub mod runner;
 pub mod validate;
+#[cfg(all(feature = "gpu", feature = "routes"))]
+pub mod compare;

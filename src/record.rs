@@ -16,6 +16,9 @@ use crate::measure::Percentiles;
 /// Name of the file under an output folder.
 pub const FILE: &str = "records.jsonl";
 
+/// Name of the file that a new run's predecessor is kept under.
+pub const OLD: &str = "records.old.jsonl";
+
 /// One result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
@@ -67,6 +70,9 @@ pub struct Compare {
     pub tolerance: Option<Tolerance>,
     /// Within the tolerance, or nothing to exceed.
     pub pass: bool,
+    /// Reference, route and their amplified difference as pictures, by their places under the folder; drawn once for each
+    /// variant and light, and where something disagrees.
+    pub pictures: Option<[String; 3]>,
     /// The variant's canonical configuration.
     pub settings: Value,
 }
@@ -113,9 +119,11 @@ pub struct Control {
     pub max_abs: f64,
     /// 95th percentile of CIEDE2000 against the same.
     pub de2000_p95: f64,
+    /// Greatest difference of the right shader.
+    pub right_max_abs: f64,
     /// What the right shader was allowed.
     pub tolerance: Tolerance,
-    /// Whether the tolerance was exceeded, as it must be.
+    /// Whether the wrong shader exceeded the tolerance and the right one did not.
     pub caught: bool,
 }
 
@@ -233,6 +241,24 @@ pub struct Log {
 }
 
 impl Log {
+    /// Begins a run of results of some kinds: earlier ones of these kinds leave the file, which is kept as a whole under
+    /// [`OLD`] beside it; others stay. Gives the log and what stayed.
+    pub fn begin(folder: &Path, mine: impl Fn(&Record) -> bool) -> Result<(Log, Vec<Record>)> {
+        let path = folder.join(FILE);
+        let fail = |e: std::io::Error| Error::new(Stage::Record, path.display(), e);
+        std::fs::create_dir_all(folder).map_err(fail)?;
+        let mut records = if path.exists() { read(&path)? } else { Vec::new() };
+        if records.iter().any(&mine) {
+            std::fs::copy(&path, folder.join(OLD)).map_err(fail)?;
+            records.retain(|record| !mine(record));
+            let partial = folder.join(format!("{FILE}.tmp-{}", std::process::id()));
+            let text: String = records.iter().map(line).collect();
+            std::fs::write(&partial, text).map_err(fail)?;
+            std::fs::rename(&partial, &path).map_err(fail)?;
+        }
+        Ok((Log::open(&path)?, records))
+    }
+
     /// Opens or creates the file; a last line that was cut short is taken off.
     pub fn open(path: &Path) -> Result<Log> {
         let shown = path.display().to_string();
@@ -302,6 +328,20 @@ mod tests {
         assert_eq!(read(&path).expect("reads"), [gap("one")]);
         Log::open(&path).and_then(|mut log| log.append(&gap("three"))).expect("writes");
         assert_eq!(read(&path).expect("reads"), [gap("one"), gap("three")]);
+    }
+
+    #[test]
+    fn a_new_run_replaces_its_own_kind_and_keeps_the_old_file() {
+        let folder = tempfile::tempdir().expect("folder");
+        let (mut log, none) = Log::begin(folder.path(), |_| true).expect("begins");
+        assert_eq!(none, []);
+        log.append(&gap("mine")).and_then(|()| log.append(&gap("other"))).expect("writes");
+        let mine = |record: &Record| matches!(record, Record::Gap(gap) if gap.reason == "mine");
+        let (_, left) = Log::begin(folder.path(), mine).expect("begins");
+        assert_eq!(left, [gap("other")]);
+        assert_eq!(read(&folder.path().join(FILE)).expect("reads"), left);
+        let old = read(&folder.path().join(OLD)).expect("reads");
+        assert_eq!(old, [gap("mine"), gap("other")]);
     }
 
     #[test]

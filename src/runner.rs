@@ -10,6 +10,8 @@ mod shader;
 pub mod egl;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+#[cfg(all(feature = "gpu", feature = "routes"))]
+pub mod routes;
 
 use glam::DVec3;
 

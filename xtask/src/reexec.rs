@@ -7,6 +7,10 @@ use anyhow::{Result, bail};
 
 const MESA_KEY: &str = "MESA_EXTENSION_OVERRIDE";
 const MESA_VALUE: &str = "+GL_ARB_color_buffer_float";
+/// What brings the drivers.
+#[cfg(not(feature = "gpu"))]
+pub(crate) const REMEDY: &str = "run cargo build --release -p xtask --features gpu";
+
 const MARK: &str = "XTASK_STARTED_AGAIN";
 
 /// Returns when this process has the feature `gpu` and Mesa's extension is set; else replaces it by one that has.

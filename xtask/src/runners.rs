@@ -93,7 +93,5 @@ fn shader<'a>(subject: Subject<'a>, args: &RunnerArgs) -> Result<Box<dyn Runner 
 
 #[cfg(not(feature = "gpu"))]
 fn shader<'a>(_: Subject<'a>, _: &RunnerArgs) -> Result<Box<dyn Runner + 'a>> {
-    bail!(
-        "this xtask was built without its drivers; run cargo build --release -p xtask --features gpu"
-    )
+    bail!("this xtask was built without its drivers: {}", reexec::REMEDY)
 }

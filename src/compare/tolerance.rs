@@ -1,0 +1,83 @@
+//! The one table of what comparisons may differ by.
+
+use crate::basis::remainder;
+use crate::plan::{Basis, Mode, TableFormat, Variant};
+use crate::record::{Part, Tolerance};
+use crate::resolve::{Resolved, window_tail};
+
+/// Arithmetic in 32 bits of a series about the mid-range height, over the greatest value.
+pub const CENTRED: f64 = 2e-5;
+/// Two drivers' arithmetic against each other, over the greatest value.
+pub const ACROSS: f64 = 1e-5;
+/// Rounding of tables of 32-bit floats, over the greatest value.
+const F32: f64 = 2e-6;
+/// Greatest error of the phase function of a series that counts as converged.
+const CONVERGED: f64 = 1e-2;
+
+/// Share of the window's energy beyond the bins that are read, where the window counts as whole.
+const WHOLE: f64 = 1e-3;
+
+/// What a comparison may differ by. `None` for the parts that nothing is promised about: a comparator, a series that the
+/// plan cuts short, steps of the wavelength that miss what they sum.
+pub fn tolerance(part: Part, variant: &Variant, resolved: &Resolved) -> Option<Tolerance> {
+    let values = |max_abs| Some(Tolerance { max_abs: Some(max_abs), de2000_p95: None });
+    match part {
+        Part::Arithmetic => values(CENTRED.max(cancellation(variant, resolved))),
+        Part::Across => values(ACROSS.max(2.0 * cancellation(variant, resolved))),
+        Part::Packing => values(packing(variant, resolved)),
+        Part::Model | Part::Total => model(variant, resolved)
+            .map(|de2000_p95| Tolerance { max_abs: None, de2000_p95: Some(de2000_p95) }),
+    }
+}
+
+/// Whether a measured difference is inside; what is not judged is.
+pub fn is_inside(tolerance: &Option<Tolerance>, max_abs: f64, de2000_p95: f64) -> bool {
+    tolerance.is_none_or(|t| {
+        t.max_abs.is_none_or(|most| max_abs <= most)
+            && t.de2000_p95.is_none_or(|most| de2000_p95 <= most)
+    })
+}
+
+/// Terms about the lowest height reach `x^n/n!`, `x = z_max·H`, before they cancel; each is rounded to 24 bits.
+fn cancellation(variant: &Variant, resolved: &Resolved) -> f64 {
+    match variant.basis {
+        Basis::Taylor => 0.0,
+        Basis::TaylorZero => terms_sum(resolved) * 2.0_f64.powi(-24),
+    }
+}
+
+/// An amplitude's error by rounding, half a unit in the last place of every term, shows twice in its square.
+fn packing(variant: &Variant, resolved: &Resolved) -> f64 {
+    let rounding = |bits: i32| 2.0 * terms_sum(resolved) * 2.0_f64.powi(-bits);
+    match variant.table {
+        _ if variant.mode == Mode::Gems => F32,
+        TableFormat::F32 => F32.max(rounding(24)),
+        TableFormat::F16 => rounding(11),
+    }
+}
+
+fn terms_sum(resolved: &Resolved) -> f64 {
+    let x = resolved.expansion.z_max * resolved.expansion.reach_um;
+    (0..resolved.expansion.terms).map(|n| remainder(x, n)).sum()
+}
+
+/// 95th percentile of CIEDE2000 against the exact reference.
+///
+/// * `adaptive` sees every lobe; what is left is the width of the corridor (0.13 on gratings, 0.1 on scans).
+/// * `full` depends on how much of the window it sees and how finely it samples: a step of 5 nm, the texts', misses narrow
+///   lobes; one bin to each side cuts 2 % of the window off a scan of 65 µm (2.8 by 5 and by 2.5 nm alike).
+/// * `pq` replaces the window's lobes by lines of another shape: nothing is promised about its colours.
+fn model(variant: &Variant, resolved: &Resolved) -> Option<f64> {
+    let waves = &variant.wavelengths;
+    let visible = waves.min_nm <= 380.0 && waves.max_nm >= 780.0;
+    if resolved.expansion.bound() > CONVERGED || !visible {
+        return None;
+    }
+    let whole = window_tail(variant, resolved.patch_um, resolved.window_radius) <= WHOLE;
+    match variant.mode {
+        Mode::Adaptive => Some(0.5),
+        Mode::Full if waves.step_nm <= 2.5 && whole => Some(1.0),
+        Mode::Full if waves.step_nm <= 5.0 => Some(5.0),
+        Mode::Full | Mode::Pq | Mode::Gems => None,
+    }
+}

@@ -1,0 +1,91 @@
+//! Routes to drivers by name, opened once and used for many variants.
+
+use crate::error::{Error, Result, Stage};
+
+use super::egl::{Dialect, Egl};
+use super::gpu::{Backend, Gpu};
+use super::{Driver, DriverRunner, Prepared, Runner};
+
+/// An open way to a driver.
+pub trait Route {
+    /// Its name, as records bear it.
+    fn name(&self) -> String;
+
+    /// A runner for a variant; compiles nothing yet.
+    fn runner<'a>(&self, prepared: Prepared<'a>) -> Box<dyn Runner + 'a>;
+}
+
+impl<D: Driver + Clone + 'static> Route for D {
+    fn name(&self) -> String {
+        self.route()
+    }
+
+    fn runner<'a>(&self, prepared: Prepared<'a>) -> Box<dyn Runner + 'a> {
+        Box::new(DriverRunner::with(prepared, self.clone()))
+    }
+}
+
+/// A route that was looked for.
+pub struct Found {
+    /// Its name, or its kind where it could not be opened.
+    pub name: String,
+    /// The open route, or why there is none.
+    pub route: Result<Box<dyn Route>>,
+}
+
+/// Kinds of routes to drivers, in the order in which they are tried.
+pub const KINDS: [&str; 4] = ["vulkan", "gl", "glsl450", "glsl-es300"];
+
+/// Opens every route of the kinds that are wanted, `KIND` or `KIND:ADAPTER` with a part of the adapter's name; all kinds
+/// for an empty list. A kind that has several adapters gives one route each. An unknown kind is an error.
+pub fn open(wanted: &[String]) -> Result<Vec<Found>> {
+    let mut found = Vec::new();
+    let all: Vec<String> = KINDS.iter().map(ToString::to_string).collect();
+    for wanted in if wanted.is_empty() { &all } else { wanted } {
+        let (kind, adapter) = match wanted.split_once(':') {
+            Some((kind, adapter)) => (kind, Some(adapter)),
+            None => (wanted.as_str(), None),
+        };
+        match kind {
+            "vulkan" => found.extend(on_adapters(Backend::Vulkan, wanted, adapter, |gpu| gpu)),
+            "gl" => found.extend(on_adapters(Backend::Gl, wanted, adapter, |gpu| gpu)),
+            "glsl450" => found.push(one(wanted, Egl::open(Dialect::Glsl450, adapter))),
+            "glsl-es300" => found.push(one(wanted, Egl::open(Dialect::GlslEs300, adapter))),
+            _ => {
+                return Err(Error::new(Stage::Run, format!("route {kind}"), "is not known")
+                    .remedy(format!("one of {}", KINDS.join(", "))));
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// A route for each adapter of a backend.
+fn on_adapters<R: Route + 'static>(
+    backend: Backend,
+    wanted: &str,
+    adapter: Option<&str>,
+    route: impl Fn(Gpu) -> R,
+) -> Vec<Found> {
+    let part = adapter.unwrap_or_default().to_lowercase();
+    let mut names: Vec<String> = Gpu::adapters()
+        .into_iter()
+        .filter(|info| info.backend == backend && info.name.to_lowercase().contains(&part))
+        .map(|info| info.name)
+        .collect();
+    // equal cards are equal routes
+    names.dedup();
+    if names.is_empty() {
+        // the error of opening says what there is, and what to do
+        return vec![one(wanted, Gpu::open(backend, adapter).map(route))];
+    }
+    let open = |name: &String| one(wanted, Gpu::open(backend, Some(name.as_str())).map(&route));
+    names.iter().map(open).collect()
+}
+
+fn one<R: Route + 'static>(wanted: &str, opened: Result<R>) -> Found {
+    match opened {
+        Ok(route) => Found { name: route.name(), route: Ok(Box::new(route)) },
+        Err(error) => Found { name: wanted.to_owned(), route: Err(error) },
+    }
+}

@@ -1,0 +1,97 @@
+//! The command itself, where drivers are compiled in.
+
+use anyhow::{Result, bail};
+use diffraction_shaders::compare::{Request, Sink, run as compare, steps};
+use diffraction_shaders::plan::Variant;
+use diffraction_shaders::record::{Gap, Log, Record};
+use diffraction_shaders::runner::routes::{self, Route};
+
+use crate::Outcome;
+use crate::args::Exposure;
+use crate::console::Console;
+use crate::{interrupt, progress};
+
+use super::sink::Recorder;
+use super::{Args, summary};
+
+pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    let plan = args.plan.read(console)?;
+    let variants: Vec<Variant> = plan.select(&args.variant)?;
+    let mut surfaces = plan.surfaces.clone();
+    if !args.surface.is_empty() {
+        surfaces = args
+            .surface
+            .iter()
+            .map(|name| plan.surface(name).cloned())
+            .collect::<Result<_, _>>()?;
+    }
+    if variants.is_empty() {
+        bail!(
+            "{}: the plan has no variant; add [variants] or a [[preset]]",
+            args.plan.plan.display()
+        );
+    }
+    let mine = |record: &Record| {
+        matches!(record, Record::Compare(_) | Record::Control(_) | Record::Gap(_))
+    };
+    let (log, known) = match args.resume {
+        // gaps are looked at anew: a route may be there now
+        true => Log::begin(&args.out, |record| matches!(record, Record::Gap(_)))?,
+        false => Log::begin(&args.out, mine)?,
+    };
+    interrupt::install(&args.out, None)?;
+    let mut recorder = Recorder::new(&args.out, log, known, args.json, console);
+    let routes = open(&args.route, &mut recorder)?;
+    let exposure = match args.exposure {
+        Exposure::Auto => None,
+        Exposure::Value(value) => Some(value),
+    };
+    let request = Request {
+        surfaces: &surfaces,
+        variants: &variants,
+        routes: &routes,
+        lights: &args.light.iter().map(|l| [l.theta_deg, l.phi_deg]).collect::<Vec<_>>(),
+        size: args.size as usize,
+        exposure,
+        subset: args.subset,
+    };
+    recorder.bar = progress::bar(steps(&request), "comparing");
+    let done = compare(&request, &mut recorder);
+    recorder.bar.finish_and_clear();
+    done?;
+    let (text, outcome) = summary::summary(&recorder.records);
+    if !args.json {
+        console.data(&text)?;
+    }
+    console.note(&format!(
+        "{} has the records and pictures; next: cargo xtask report {}",
+        args.out.display(),
+        args.out.display()
+    ));
+    Ok(outcome)
+}
+
+/// The routes that are there; the others become records. One that was named and is missing is an error.
+fn open(wanted: &[String], recorder: &mut Recorder<'_>) -> Result<Vec<Box<dyn Route>>> {
+    let drivers: Vec<String> = wanted.iter().filter(|name| *name != "twin").cloned().collect();
+    if drivers.is_empty() && !wanted.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut open = Vec::new();
+    for found in routes::open(&drivers)? {
+        match found.route {
+            Ok(route) => open.push(route),
+            Err(error) if drivers.is_empty() => {
+                recorder.record(Record::Gap(Gap {
+                    route: found.name,
+                    surface: None,
+                    variant: None,
+                    reason: error.to_string(),
+                    failed: false,
+                }))?;
+            }
+            Err(error) => return Err(error.into()),
+        }
+    }
+    Ok(open)
+}
