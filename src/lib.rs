@@ -61,5 +61,6 @@ pub mod package;
 pub mod probe;
 pub mod generate;
 pub mod readme;
+pub mod process;
 pub mod runner;
 pub mod validate;

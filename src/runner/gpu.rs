@@ -18,9 +18,10 @@ mod adapter;
 mod guard;
 mod program;
 mod render;
+mod spirv;
 
 pub use self::adapter::{AdapterInfo, Backend, MESA_FLOAT_TARGETS};
-pub use self::program::{Program, Texture, TextureFormat, TextureLayout, Uniform};
+pub use self::program::{Program, Shader, Texture, TextureFormat, TextureLayout, Uniform};
 pub use self::render::Pipeline;
 
 use std::sync::Arc;
@@ -59,7 +60,7 @@ impl Gpu {
     ///
     /// What the adapter cannot hold is refused by the name of the limit, before anything is created.
     pub fn program(&self, program: &Program<'_>) -> Result<Pipeline> {
-        program::check(program, &self.shared.limits)?;
+        program::check(program, &self.shared)?;
         self.shared.guarded(program.name, || program::build(&self.shared, program))
     }
 }
@@ -80,7 +81,7 @@ mod tests {
                 @fragment fn f() -> @location(0) vec4f { return vec4f(1.0); }";
             let program = Program {
                 name: "test",
-                wgsl,
+                shader: Shader::Wgsl(wgsl),
                 vertex_entry: "v",
                 fragment_entry: "f",
                 textures: vec![],
