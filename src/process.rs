@@ -12,7 +12,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-pub use glslang::{GLSLANG, GLSLANG_PACKAGE, hlsl_options};
+pub use glslang::{GLSLANG, GLSLANG_PACKAGE, hlsl_options, hlsl_to_spirv};
 
 /// Time between two looks at a running tool.
 const POLL: Duration = Duration::from_millis(2);

@@ -11,7 +11,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use crate::{
     module::{Contract, Stage},
-    process::{GLSLANG, GLSLANG_PACKAGE, accepted, hlsl_options, on_path, run},
+    process::{GLSLANG, GLSLANG_PACKAGE, accepted, hlsl_options, hlsl_to_spirv, on_path, run},
 };
 
 use super::{
@@ -215,9 +215,7 @@ impl Tool for HlslSpirv {
         let spirv = folder.path().join("shader.spv");
         for Input { name, file } in shell::inputs(file)?.files {
             for (entry, stage) in hlsl_entries(&name) {
-                let mut compile = Command::new(compiler);
-                compile.args(hlsl_options(&entry, stage, &spirv.to_string_lossy())).arg(&file);
-                accepted(&mut compile, TIME_LIMIT)?;
+                hlsl_to_spirv(compiler, &file, (&entry, stage), &spirv, TIME_LIMIT)?;
                 let mut validate = Command::new(validator);
                 accepted(validate.args(["--target-env", "vulkan1.0"]).arg(&spirv), TIME_LIMIT)?;
             }

@@ -8,7 +8,7 @@ use std::time::Duration;
 use super::Entry;
 use crate::error::{Error, Result, Stage};
 use crate::plan::Target;
-use crate::process::{accepted, hlsl_options, on_path};
+use crate::process::{accepted, hlsl_to_spirv, on_path};
 
 /// Time that a tool has for one file.
 const TIME_LIMIT: Duration = Duration::from_secs(60);
@@ -28,8 +28,8 @@ pub(super) fn words(compiler: Option<&Path>, name: &str, entry: &Entry<'_>) -> R
         (Target::Hlsl, Some(compiler)) => {
             let text = folder.path().join("shader.hlsl");
             fs::write(&text, &entry.file.bytes).map_err(unwritten)?;
-            let options = hlsl_options(entry.entry, entry.stage, &spirv.to_string_lossy());
-            accepted(Command::new(compiler).args(options).arg(&text), TIME_LIMIT).map_err(fail)?;
+            hlsl_to_spirv(compiler, &text, (entry.entry, entry.stage), &spirv, TIME_LIMIT)
+                .map_err(fail)?;
             fs::read(&spirv).map_err(unwritten)?
         }
         (target, _) => return Err(fail(format!("{} is not run by this route", target.as_str()))),
