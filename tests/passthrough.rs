@@ -25,8 +25,8 @@ use diffraction_shaders::tables::{Scale, Table};
 const CENTRED: f64 = 2e-5;
 /// Greatest difference of two routes, over the greatest value.
 const ROUTES: f64 = 1e-5;
-/// Deliberate faults have to show by at least this.
-const SEEN: f64 = 1e-3;
+/// Deliberate faults have to show by at least this, in the map and in listed directions: ten times what is let pass.
+const SEEN: f64 = 10.0 * CENTRED;
 const SIZE: usize = 48;
 
 #[test]
@@ -34,11 +34,13 @@ fn every_mode_and_form_agrees_with_its_twin() {
     if again("every_mode_and_form_agrees_with_its_twin") {
         return;
     }
-    let surfaces = [blazed(), fingers(0.25)];
+    let surfaces = [fingers(0.25), blazed()];
     let drivers = drivers();
     let mut wrong = Vec::new();
     for variant in &variants() {
-        for (height, rotate_deg) in surfaces.iter().zip([0.0, 25.0]) {
+        // the modes and the preset on both, the other forms on the one that fills the map
+        let both = ["full", "pq", "gems", "texts"].contains(&variant.name.as_str());
+        for (height, rotate_deg) in surfaces.iter().zip([25.0, 0.0]).take(1 + usize::from(both)) {
             let subject = Subject { height, rotate_deg, variant };
             let twin = Results::of(&TwinRunner::new(subject, true).unwrap());
             let bound =
@@ -64,7 +66,8 @@ fn all_routes_agree_with_each_other() {
     }
     let height = fingers(0.25);
     let mut wrong = Vec::new();
-    for variant in variants().iter().filter(|v| v.basis != Basis::TaylorZero) {
+    let compared = ["full", "full-f16-single", "full-ensemble", "pq", "adaptive", "gems"];
+    for variant in variants().iter().filter(|v| compared.contains(&v.name.as_str())) {
         let subject = Subject { height: &height, rotate_deg: 25.0, variant };
         let prepared = Prepared::new(subject).unwrap();
         let mut runners: Vec<Box<dyn Runner + '_>> = Vec::new();

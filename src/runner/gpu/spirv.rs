@@ -66,7 +66,11 @@ pub(super) fn check(
         return Err("is cut off: the last instruction ends no function".to_owned());
     }
     if !found {
-        return Err(format!("has no entry point {entry} of the stage {stage:?}").to_lowercase());
+        let stage = match stage {
+            Stage::Vertex => "vertex",
+            Stage::Fragment => "fragment",
+        };
+        return Err(format!("has no entry point {entry} of the stage {stage}"));
     }
     match places.values().find(|(set, binding)| *set != 0 || !bound.contains(binding)) {
         Some((set, binding)) => {
@@ -105,4 +109,53 @@ fn execution_model(stage: Stage) -> u32 {
 /// A string: bytes in little-endian words, up to a zero.
 fn literal(words: &[u32]) -> Vec<u8> {
     words.iter().flat_map(|word| word.to_le_bytes()).take_while(|byte| *byte != 0).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A module that only a walk through its instructions can take for one: entry point `map`, a binding, the end of a function.
+    fn words() -> Vec<u32> {
+        let name = u32::from_le_bytes(*b"map\0");
+        let instruction = |operation: u32, operands: &[u32]| {
+            [&[(operands.len() as u32 + 1) << 16 | operation], operands].concat()
+        };
+        [
+            vec![MAGIC, 0x1_0000, 0, 9, 0],
+            instruction(OP_ENTRY_POINT, &[4, 1, name]),
+            instruction(OP_DECORATE, &[7, DECORATION_DESCRIPTOR_SET, 0]),
+            instruction(OP_DECORATE, &[7, DECORATION_BINDING, 2]),
+            instruction(OP_FUNCTION_END, &[]),
+        ]
+        .concat()
+    }
+
+    #[test]
+    fn what_is_no_module_is_told() {
+        let bound = BTreeSet::from([0, 2]);
+        let says = |words: &[u32], stage, entry, bound: &BTreeSet<u32>| {
+            check(words, stage, entry, bound).err().unwrap_or_default()
+        };
+        let of = |words: &[u32]| says(words, Stage::Fragment, "map", &bound);
+        let whole = words();
+        assert_eq!(of(&whole), "");
+        assert_eq!(of(&[]), "does not begin as SPIR-V does");
+        assert_eq!(of(&whole[..5]), "does not begin as SPIR-V does");
+        let swapped: Vec<u32> = whole.iter().map(|word| word.swap_bytes()).collect();
+        assert_eq!(of(&swapped), "does not begin as SPIR-V does");
+        for end in 6..whole.len() {
+            let told = of(&whole[..end]);
+            assert!(told.contains("wrong length") || told.contains("cut off"), "{end}: {told}");
+        }
+        let mut still = whole.clone();
+        still[5] &= 0xffff;
+        assert_eq!(of(&still), "the instruction at word 5 has a wrong length");
+        let other = says(&whole, Stage::Vertex, "map", &bound);
+        assert_eq!(other, "has no entry point map of the stage vertex");
+        let other = says(&whole, Stage::Fragment, "probe", &bound);
+        assert_eq!(other, "has no entry point probe of the stage fragment");
+        let unbound = says(&whole, Stage::Fragment, "map", &BTreeSet::from([0, 1]));
+        assert_eq!(unbound, "reads binding 2 of descriptor set 0, where nothing is bound");
+    }
 }
