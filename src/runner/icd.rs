@@ -52,10 +52,10 @@ pub fn addition() -> Option<OsString> {
 fn unloaded_of(exists: &dyn Fn(&Path) -> bool) -> Vec<PathBuf> {
     let in_folder =
         |folder: &&str| Some(Path::new(*folder).join(SWIFTSHADER)).filter(|f| exists(f));
-    if SYSTEM.iter().any(|folder| in_folder(&folder).is_some()) {
+    if SYSTEM.iter().any(|folder| in_folder(folder).is_some()) {
         return Vec::new();
     }
-    BROWSERS.iter().find_map(|folder| in_folder(&folder)).into_iter().collect()
+    BROWSERS.iter().find_map(in_folder).into_iter().collect()
 }
 
 #[cfg(test)]
