@@ -12,6 +12,7 @@ use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{
     Auto, Basis, Coherence, Grating, Mode, Optics, Packing, Rough, TableFormat, Variant,
 };
+use diffraction_shaders::process::on_path;
 use diffraction_shaders::reference::Directions;
 use diffraction_shaders::runner::egl::{Dialect, Egl};
 use diffraction_shaders::runner::gpu::{Backend, Gpu};
@@ -217,6 +218,38 @@ fn wrong_files_are_errors_and_harm_nothing() {
         assert!(driver.draw(&pipeline, [3, 3], &params, &|_| ()).unwrap()[4][3] == 1.0);
         let error = driver.draw(&pipeline, [1 << 20, 1], &params, &|_| ()).unwrap_err();
         assert!(error.to_string().contains("max_texture_dimension_2d"), "{error}");
+    }
+}
+
+/// Drivers trust what they get: without `spirv-val` before them, some of these end the process.
+#[test]
+fn flipped_bits_do_not_bring_the_process_down() {
+    if on_path("spirv-val").is_none() {
+        return missing("spirv-val; apt-get install spirv-tools");
+    }
+    if again("flipped_bits_do_not_bring_the_process_down") {
+        return;
+    }
+    let (height, variant) = (blazed(), centred("v"));
+    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
+    let prepared = Prepared::new(subject).unwrap();
+    let module = prepared.module(prepared.spectrum.width).unwrap();
+    let tables = [(1, &prepared.terms), (2, &prepared.spectrum)];
+    for driver in drivers().iter().filter(|driver| driver.language() == Language::Spirv) {
+        let mut refused = 0;
+        for i in 0..80 {
+            let mut files = emit(&module, driver.language().target()).unwrap();
+            for file in files.iter_mut().filter(|file| file.name.ends_with(".frag.spv")) {
+                let at = (i * 7919) % file.bytes.len();
+                file.bytes[at] ^= 1 << (i % 8);
+            }
+            if let Err(error) = driver.compile("v", &files, "map", &tables) {
+                assert!(error.to_string().starts_with("v: "), "{error}");
+                refused += 1;
+            }
+        }
+        // the others hit names or numbers
+        assert!(refused > 40, "{refused}");
     }
 }
 
