@@ -40,7 +40,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let textures = TABLES.into_iter().map(texture).collect::<Result<_, _>>()?;
     let uniform = Some(Uniform { binding: PARAMS_BINDING, size: PARAMS_BYTES as u32 });
     let (name, vertex_entry, fragment_entry) = (VARIANT, "vert", "map");
-    let program = Program { name, wgsl: &wgsl, vertex_entry, fragment_entry, textures, uniform };
+    let shader = Shader::Wgsl(&wgsl);
+    let program = Program { name, shader, vertex_entry, fragment_entry, textures, uniform };
     let pipeline = Gpu::open(Backend::Vulkan, None)?.program(&program)?;
     let (x, z) = 20_f32.to_radians().sin_cos();
     let params = Params { light: [x, 0.0, z, 0.0], size: [SIZE as f32, SIZE as f32, 0.0, 0.0] };

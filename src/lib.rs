@@ -61,6 +61,7 @@ pub mod package;
 pub mod probe;
 pub mod generate;
 pub mod readme;
+pub mod process;
 pub mod runner;
 pub mod validate;
 #[cfg(all(feature = "gpu", feature = "routes"))]

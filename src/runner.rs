@@ -10,6 +10,9 @@ mod shader;
 pub mod egl;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+pub mod icd;
+#[cfg(feature = "gpu")]
+pub mod passthrough;
 #[cfg(all(feature = "gpu", feature = "routes"))]
 pub mod routes;
 
@@ -24,6 +27,8 @@ use crate::reference::Directions;
 pub use cpu::{Exact, TwinRunner};
 #[cfg(feature = "routes")]
 pub use egl::EglRunner;
+#[cfg(feature = "gpu")]
+pub use passthrough::PassthroughRunner;
 #[cfg(any(feature = "gpu", feature = "routes"))]
 pub use pictures::{BoundTable, Driver, DriverRunner, Prepared};
 #[cfg(feature = "gpu")]
@@ -45,7 +50,8 @@ pub type Progress<'a> = &'a (dyn Fn(usize) + Sync);
 
 /// One way to evaluate a variant.
 pub trait Runner {
-    /// Its route: `exact`, `twin`, `vulkan:ADAPTER`, `gl:ADAPTER`, `glsl450`, `glsl-es300`.
+    /// Its route: `exact`, `twin`, `vulkan:ADAPTER`, `gl:ADAPTER`, `spirv:ADAPTER`, `hlsl:ADAPTER`, `glsl450`,
+    /// `glsl-es300`.
     fn route(&self) -> String;
 
     /// Relative tristimulus values, gain included.

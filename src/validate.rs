@@ -4,7 +4,6 @@
 //! not end in time, has rejected its file.
 
 mod reflect;
-mod run;
 mod shell;
 mod tools;
 

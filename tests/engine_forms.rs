@@ -15,7 +15,7 @@ use diffraction_shaders::plan::{Plan, Target};
 use diffraction_shaders::runner::Driver;
 use diffraction_shaders::runner::egl::{Dialect, Egl};
 use diffraction_shaders::runner::gpu::{
-    Backend, Gpu, Program, Texture, TextureFormat, TextureLayout, Uniform,
+    Backend, Gpu, Program, Shader, Texture, TextureFormat, TextureLayout, Uniform,
 };
 use diffraction_shaders::tables::{DIRECTIONS, Table, TexelFormat};
 use diffraction_shaders::template::Sources;
@@ -343,7 +343,7 @@ void main() {{
         textures.push(texture(&listed));
         let program = Program {
             name: &self.folder,
-            wgsl: &wgsl,
+            shader: Shader::Wgsl(&wgsl),
             vertex_entry: "engine_vertex",
             fragment_entry: "engine_pixel",
             textures,

@@ -4,8 +4,8 @@
 use std::{borrow::Cow, ops::ControlFlow, process::Command};
 
 use diffraction_shaders::runner::gpu::{
-    Backend, Gpu, MESA_FLOAT_TARGETS, Pipeline, Program, Texture, TextureFormat, TextureLayout,
-    Uniform,
+    Backend, Gpu, MESA_FLOAT_TARGETS, Pipeline, Program, Shader, Texture, TextureFormat,
+    TextureLayout, Uniform,
 };
 
 const TRIANGLE: &str = "
@@ -30,7 +30,7 @@ fn on_both(test: impl Fn(&Gpu)) {
 fn program<'a>(wgsl: &'a str, textures: Vec<Texture<'a>>, uniform: Option<Uniform>) -> Program<'a> {
     Program {
         name: "test",
-        wgsl,
+        shader: Shader::Wgsl(wgsl),
         vertex_entry: "vertex",
         fragment_entry: "fragment",
         textures,

@@ -18,9 +18,10 @@ mod adapter;
 mod guard;
 mod program;
 mod render;
+mod spirv;
 
 pub use self::adapter::{AdapterInfo, Backend, MESA_FLOAT_TARGETS};
-pub use self::program::{Program, Texture, TextureFormat, TextureLayout, Uniform};
+pub use self::program::{Program, Shader, Texture, TextureFormat, TextureLayout, Uniform};
 pub use self::render::Pipeline;
 
 use std::sync::Arc;
@@ -59,13 +60,15 @@ impl Gpu {
     ///
     /// What the adapter cannot hold is refused by the name of the limit, before anything is created.
     pub fn program(&self, program: &Program<'_>) -> Result<Pipeline> {
-        program::check(program, &self.shared.limits)?;
+        program::check(program, &self.shared)?;
         self.shared.guarded(program.name, || program::build(&self.shared, program))
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use naga::ShaderStage;
+
     use super::*;
 
     #[test]
@@ -78,27 +81,47 @@ mod tests {
                     return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
                 }
                 @fragment fn f() -> @location(0) vec4f { return vec4f(1.0); }";
-            let program = Program {
+            let [vertex, fragment] = [("v", ShaderStage::Vertex), ("f", ShaderStage::Fragment)]
+                .map(|(entry, stage)| spirv_of(wgsl, entry, stage));
+            let with = |shader| Program {
                 name: "test",
-                wgsl,
+                shader,
                 vertex_entry: "v",
                 fragment_entry: "f",
                 textures: vec![],
                 uniform: None,
             };
-            let pipeline = gpu.program(&program).expect("valid program");
-            assert_eq!(pipeline.render(1, 1, &[]).expect("renders"), [[1.0; 4]]);
+            let wgsl = with(Shader::Wgsl(wgsl));
+            let spirv = with(Shader::Spirv { vertex: &vertex, fragment: &fragment });
+            // only Vulkan takes SPIR-V as it is
+            let programs = if backend == Backend::Vulkan { vec![wgsl, spirv] } else { vec![wgsl] };
+            let pipelines: Vec<Pipeline> =
+                programs.iter().map(|program| gpu.program(program).expect("valid")).collect();
+            for pipeline in &pipelines {
+                assert_eq!(pipeline.render(1, 1, &[]).expect("renders"), [[1.0; 4]]);
+            }
             gpu.shared.device.destroy();
-            for _ in 0..2 {
+            for (program, pipeline) in programs.iter().zip(&pipelines).cycle().take(4) {
                 for error in [
                     pipeline.render(1, 1, &[]).expect_err("lost"),
                     pipeline.time(2, 2, &[]).expect_err("lost"),
-                    gpu.program(&program).expect_err("lost"),
+                    gpu.program(program).expect_err("lost"),
                 ] {
                     assert!(error.to_string().contains("was lost"), "{error}");
                 }
             }
-            assert!(Gpu::open(backend, None).and_then(|gpu| gpu.program(&program)).is_ok());
+            assert!(Gpu::open(backend, None).and_then(|gpu| gpu.program(&programs[0])).is_ok());
         }
+    }
+
+    fn spirv_of(wgsl: &str, entry: &str, stage: ShaderStage) -> Vec<u32> {
+        use naga::valid::{Capabilities, ValidationFlags, Validator};
+        let module = naga::front::wgsl::parse_str(wgsl).expect("parses");
+        let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+        let info = validator.validate(&module).expect("valid");
+        let options =
+            naga::back::spv::PipelineOptions { shader_stage: stage, entry_point: entry.to_owned() };
+        naga::back::spv::write_vec(&module, &info, &Default::default(), Some(&options))
+            .expect("writes")
     }
 }

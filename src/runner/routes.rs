@@ -4,6 +4,7 @@ use crate::error::{Error, Result, Stage};
 
 use super::egl::{Dialect, Egl};
 use super::gpu::{Backend, Gpu};
+use super::passthrough::{Language, Passthrough};
 use super::{Driver, DriverRunner, Prepared, Runner};
 
 /// An open way to a driver.
@@ -34,7 +35,7 @@ pub struct Found {
 }
 
 /// Kinds of routes to drivers, in the order in which they are tried.
-pub const KINDS: [&str; 4] = ["vulkan", "gl", "glsl450", "glsl-es300"];
+pub const KINDS: [&str; 6] = ["vulkan", "gl", "spirv", "hlsl", "glsl450", "glsl-es300"];
 
 /// Opens every route of the kinds that are wanted, `KIND` or `KIND:ADAPTER` with a part of the adapter's name; all kinds
 /// for an empty list. A kind that has several adapters gives one route each. An unknown kind is an error.
@@ -47,8 +48,10 @@ pub fn open(wanted: &[String]) -> Result<Vec<Found>> {
             None => (wanted.as_str(), None),
         };
         match kind {
-            "vulkan" => found.extend(on_adapters(Backend::Vulkan, wanted, adapter, |gpu| gpu)),
-            "gl" => found.extend(on_adapters(Backend::Gl, wanted, adapter, |gpu| gpu)),
+            "vulkan" => found.extend(on_adapters(Backend::Vulkan, wanted, adapter, Ok)),
+            "gl" => found.extend(on_adapters(Backend::Gl, wanted, adapter, Ok)),
+            "spirv" => found.extend(untranslated(Language::Spirv, wanted, adapter)),
+            "hlsl" => found.extend(untranslated(Language::Hlsl, wanted, adapter)),
             "glsl450" => found.push(one(wanted, Egl::open(Dialect::Glsl450, adapter))),
             "glsl-es300" => found.push(one(wanted, Egl::open(Dialect::GlslEs300, adapter))),
             _ => {
@@ -60,12 +63,16 @@ pub fn open(wanted: &[String]) -> Result<Vec<Found>> {
     Ok(found)
 }
 
+fn untranslated(language: Language, wanted: &str, adapter: Option<&str>) -> Vec<Found> {
+    on_adapters(Backend::Vulkan, wanted, adapter, |gpu| Passthrough::with(language, gpu))
+}
+
 /// A route for each adapter of a backend.
 fn on_adapters<R: Route + 'static>(
     backend: Backend,
     wanted: &str,
     adapter: Option<&str>,
-    route: impl Fn(Gpu) -> R,
+    route: impl Fn(Gpu) -> Result<R>,
 ) -> Vec<Found> {
     let part = adapter.unwrap_or_default().to_lowercase();
     let mut names: Vec<String> = Gpu::adapters()
@@ -77,9 +84,10 @@ fn on_adapters<R: Route + 'static>(
     names.dedup();
     if names.is_empty() {
         // the error of opening says what there is, and what to do
-        return vec![one(wanted, Gpu::open(backend, adapter).map(route))];
+        return vec![one(wanted, Gpu::open(backend, adapter).and_then(route))];
     }
-    let open = |name: &String| one(wanted, Gpu::open(backend, Some(name.as_str())).map(&route));
+    let open =
+        |name: &String| one(wanted, Gpu::open(backend, Some(name.as_str())).and_then(&route));
     names.iter().map(open).collect()
 }
 

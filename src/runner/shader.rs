@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::module::Module;
 use crate::tables::{Table, TexelFormat};
 
-use super::gpu::{Gpu, Pipeline, Program, Texture, TextureFormat, TextureLayout, Uniform};
+use super::gpu::{Gpu, Pipeline, Program, Shader, Texture, TextureFormat, TextureLayout, Uniform};
 use super::pictures::{BAND_ROWS, BoundTable, Driver, DriverRunner, Prepared};
 use super::{Progress, Subject};
 
@@ -37,7 +37,7 @@ impl Driver for Gpu {
     ) -> Result<Pipeline> {
         self.program(&Program {
             name: module.name(),
-            wgsl: module.text(),
+            shader: Shader::Wgsl(module.text()),
             vertex_entry: "vert",
             fragment_entry: entry,
             textures: tables.iter().map(|&(binding, table)| texture(table, binding)).collect(),
@@ -61,7 +61,8 @@ impl Driver for Gpu {
     }
 }
 
-fn texture(table: &Table, binding: u32) -> Texture<'static> {
+/// A table as wgpu takes it.
+pub(super) fn texture(table: &Table, binding: u32) -> Texture<'static> {
     Texture {
         binding,
         layout: if table.layers == 0 { TextureLayout::D2 } else { TextureLayout::D2Array },

@@ -46,7 +46,7 @@ fn replica_factor(place: f64, periods: f64) -> f64 {
     sinc(periods * rest) / sinc(rest)
 }
 
-/// `sin πt/(πt)`; the template's series near 0 is that of the sine.
+/// `sin πt/(πt)`; the template's series is that of the sine, to 4e-10.
 fn sinc(turns: f64) -> f64 {
     let nearest = (turns + 0.5).floor();
     if turns.abs() < 1e-5 {

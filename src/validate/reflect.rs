@@ -12,10 +12,11 @@ use std::{
 
 use serde_json::Value;
 
+use crate::process::{accepted, on_path};
+
 use super::{
     Tool,
-    run::on_path,
-    tools::{Reads, TIME_LIMIT, accepted},
+    tools::{Reads, TIME_LIMIT},
 };
 
 /// Compares entry points, sets, bindings, dimensions and uniform offsets of SPIR-V with `manifest.json` beside it.

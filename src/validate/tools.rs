@@ -9,11 +9,13 @@ use std::{
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-use crate::module::{Contract, Stage};
+use crate::{
+    module::{Contract, Stage},
+    process::{GLSLANG, GLSLANG_PACKAGE, accepted, hlsl_options, hlsl_to_spirv, on_path, run},
+};
 
 use super::{
     Reflection, Tool,
-    run::{on_path, run},
     shell::{self, Input},
 };
 
@@ -28,22 +30,17 @@ pub fn tools() -> Vec<Box<dyn Tool>> {
         Box::new(External::new("spirv-val", Some("spirv-tools"), Reads::Spirv, |_| {
             vec![words(&["--target-env", "vulkan1.0"])]
         })),
-        Box::new(External::new(
-            "glslangValidator",
-            Some("glslang-tools"),
-            Reads::GlslHlsl,
-            |name| {
-                if name.ends_with(".hlsl") {
-                    // reads HLSL only to write SPIR-V
-                    let nowhere = if cfg!(windows) { "NUL" } else { "/dev/null" };
-                    return hlsl_entries(name)
-                        .into_iter()
-                        .map(|entry| hlsl_options(entry, nowhere))
-                        .collect();
-                }
-                vec![words(&["-S", if name.contains(".vert") { "vert" } else { "frag" }])]
-            },
-        )),
+        Box::new(External::new(GLSLANG, Some(GLSLANG_PACKAGE), Reads::GlslHlsl, |name| {
+            if name.ends_with(".hlsl") {
+                // reads HLSL only to write SPIR-V
+                let nowhere = if cfg!(windows) { "NUL" } else { "/dev/null" };
+                return hlsl_entries(name)
+                    .into_iter()
+                    .map(|(entry, stage)| hlsl_options(&entry, stage, nowhere))
+                    .collect();
+            }
+            vec![words(&["-S", if name.contains(".vert") { "vert" } else { "frag" }])]
+        })),
         Box::new(HlslSpirv::new()),
         Box::new(External::new("spirv-cross", Some("spirv-cross"), Reads::Spirv, |_| {
             vec![words(&["--version", "450"]), words(&["--version", "300", "--es"])]
@@ -191,7 +188,7 @@ impl HlslSpirv {
     #[must_use]
     #[expect(clippy::new_without_default, reason = "it looks at the machine")]
     pub fn new() -> HlslSpirv {
-        HlslSpirv { programs: on_path("glslangValidator").zip(on_path("spirv-val")) }
+        HlslSpirv { programs: on_path(GLSLANG).zip(on_path("spirv-val")) }
     }
 }
 
@@ -217,10 +214,8 @@ impl Tool for HlslSpirv {
         let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
         let spirv = folder.path().join("shader.spv");
         for Input { name, file } in shell::inputs(file)?.files {
-            for entry in hlsl_entries(&name) {
-                let mut compile = Command::new(compiler);
-                compile.args(hlsl_options(entry, &spirv.to_string_lossy())).arg(&file);
-                accepted(&mut compile, TIME_LIMIT)?;
+            for (entry, stage) in hlsl_entries(&name) {
+                hlsl_to_spirv(compiler, &file, (&entry, stage), &spirv, TIME_LIMIT)?;
                 let mut validate = Command::new(validator);
                 accepted(validate.args(["--target-env", "vulkan1.0"]).arg(&spirv), TIME_LIMIT)?;
             }
@@ -229,35 +224,12 @@ impl Tool for HlslSpirv {
     }
 }
 
-/// Runs a command; what it said if it did not accept.
-pub(super) fn accepted(command: &mut Command, limit: Duration) -> Result<String, String> {
-    let (status, text) = run(command, limit).map_err(|error| error.to_string())?;
-    if status.success() {
-        return Ok(text);
-    }
-    let program = Path::new(command.get_program()).file_name().unwrap_or_default();
-    let mut words = vec![program.to_string_lossy().into_owned()];
-    // the last argument is the file, which the report names
-    let options = command.get_args().map(|argument| argument.to_string_lossy().into_owned());
-    words.extend(options);
-    words.pop();
-    Err(format!("{}: {status}\n{}", words.join(" "), text.trim()))
-}
-
 /// Entry points of a HLSL file: those of every whole shader, or the one of a shell.
 fn hlsl_entries(name: &str) -> Vec<(String, Stage)> {
     if name.starts_with(shell::NAME) {
         return vec![("main".to_owned(), Stage::Fragment)];
     }
     Contract::standard().entry_points
-}
-
-fn hlsl_options((entry, stage): (String, Stage), output: &str) -> Vec<String> {
-    let stage = match stage {
-        Stage::Vertex => "vert",
-        Stage::Fragment => "frag",
-    };
-    words(&["-D", "-V", "-e", &entry, "-S", stage, "-o", output])
 }
 
 fn words(options: &[&str]) -> Vec<String> {

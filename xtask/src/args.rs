@@ -47,7 +47,7 @@ pub(crate) struct RunnerArgs {
     /// Let the twin read the tables before they are rounded.
     #[arg(long)]
     pub(crate) unpacked: bool,
-    /// Take the adapter whose name contains this.
+    /// Take the adapter whose name contains this, such as llvmpipe (lavapipe) or swiftshader; else graphics cards come first.
     #[arg(long, value_name = "SUBSTRING")]
     pub(crate) adapter: Option<String>,
 }
@@ -63,6 +63,10 @@ pub(crate) enum Runner {
     Vulkan,
     /// The shader on OpenGL.
     Gl,
+    /// The emitted SPIR-V on Vulkan, as it is.
+    Spirv,
+    /// The emitted HLSL on Vulkan, compiled by glslangValidator.
+    Hlsl,
     /// The emitted GLSL 4.50 text on a desktop GL context.
     #[value(name = "glsl450")]
     Glsl450,

@@ -1,9 +1,11 @@
-//! Commands that need the feature `gpu` start themselves again with it, and Mesa with 32-bit float targets.
+//! Commands that need the feature `gpu` start themselves again with it, Mesa with 32-bit float targets, and Vulkan with drivers
+//! that its loader would not find. What the user has set stays.
 
 use std::ffi::OsString;
 use std::process::Command;
 
 use anyhow::{Result, bail};
+use diffraction_shaders::runner::icd;
 
 const MESA_KEY: &str = "MESA_EXTENSION_OVERRIDE";
 const MESA_VALUE: &str = "+GL_ARB_color_buffer_float";
@@ -13,15 +15,17 @@ pub(crate) const REMEDY: &str = "run cargo build --release -p xtask --features g
 
 const MARK: &str = "XTASK_STARTED_AGAIN";
 
-/// Returns when this process has the feature `gpu` and Mesa's extension is set; else replaces it by one that has.
+/// Returns when this process has the feature `gpu`, Mesa's extension is set and no driver is left to add; else replaces it by
+/// one that has.
 /// `args` are those of the command line after the name of the program.
 pub(crate) fn with_gpu(args: Vec<OsString>) -> Result<()> {
     let lacks_feature = !cfg!(feature = "gpu");
-    if !lacks_feature && std::env::var_os(MESA_KEY).is_some() {
+    let drivers = icd::addition();
+    if !lacks_feature && std::env::var_os(MESA_KEY).is_some() && drivers.is_none() {
         return Ok(());
     }
     if std::env::var_os(MARK).is_some() {
-        bail!("xtask started itself again and still lacks the feature gpu or {MESA_KEY}");
+        bail!("xtask started itself again and still lacks the feature gpu, {MESA_KEY} or drivers");
     }
     let mut command = if lacks_feature {
         eprintln!("note: building the GPU runner: cargo run --release -p xtask --features gpu");
@@ -42,6 +46,9 @@ pub(crate) fn with_gpu(args: Vec<OsString>) -> Result<()> {
     };
     if std::env::var_os(MESA_KEY).is_none() {
         command.env(MESA_KEY, MESA_VALUE);
+    }
+    if let Some(drivers) = drivers {
+        command.env(icd::ADD_DRIVERS, drivers);
     }
     // else Mesa's Vulkan looks for a Wayland display and complains
     command.env(MARK, "1").env("NODEVICE_SELECT", "1").args(args);

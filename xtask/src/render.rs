@@ -18,7 +18,8 @@ use crate::runners::Job;
 
 const EXAMPLE: &str = "Examples:
   cargo xtask render --plan plan.toml --surface blazed --light 20,0 --size 512 --out blazed.png
-  cargo xtask render --surface fingers --variant ensemble --runner vulkan --exposure 2 --out fingers.exr";
+  cargo xtask render --surface fingers --variant ensemble --runner vulkan --exposure 2 --out fingers.exr
+  cargo xtask render --surface fingers --variant ensemble --runner spirv --adapter swiftshader --out fingers.png";
 
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = EXAMPLE)]

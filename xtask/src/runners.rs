@@ -75,13 +75,20 @@ impl Job {
 fn shader<'a>(subject: Subject<'a>, args: &RunnerArgs) -> Result<Box<dyn Runner + 'a>> {
     use diffraction_shaders::runner::egl::{Dialect, Egl};
     use diffraction_shaders::runner::gpu::{Backend, Gpu};
+    use diffraction_shaders::runner::passthrough::{Language, Passthrough};
     use diffraction_shaders::runner::{DriverRunner, Prepared, ShaderRunner};
     let adapter = args.adapter.as_deref();
     let egl = |dialect| -> Result<Box<dyn Runner + 'a>> {
         let driver = Egl::open(dialect, adapter)?;
         Ok(Box::new(DriverRunner::with(Prepared::new(subject)?, driver)))
     };
+    let passthrough = |language| -> Result<Box<dyn Runner + 'a>> {
+        let driver = Passthrough::open(language, adapter)?;
+        Ok(Box::new(DriverRunner::with(Prepared::new(subject)?, driver)))
+    };
     match args.runner {
+        Kind::Spirv => passthrough(Language::Spirv),
+        Kind::Hlsl => passthrough(Language::Hlsl),
         Kind::Glsl450 => egl(Dialect::Glsl450),
         Kind::GlslEs300 => egl(Dialect::GlslEs300),
         kind => {

@@ -115,7 +115,8 @@ pub(super) fn open(backend: Backend, wanted: Option<&str>) -> Result<Shared> {
     let limits = adapter.limits();
     let request = adapter.request_device(&wgpu::DeviceDescriptor {
         label: None,
-        required_features: wgpu::Features::empty(),
+        // on Vulkan, and changes nothing for shaders that wgpu translates
+        required_features: adapter.features() & wgpu::Features::PASSTHROUGH_SHADERS,
         required_limits: limits.clone(),
         experimental_features: wgpu::ExperimentalFeatures::disabled(),
         memory_hints: wgpu::MemoryHints::MemoryUsage,
@@ -127,7 +128,7 @@ pub(super) fn open(backend: Backend, wanted: Option<&str>) -> Result<Shared> {
     Ok(Shared::new(instance, device, queue, info, limits))
 }
 
-/// The adapters of one backend, graphics cards before software, else in the driver's order.
+/// The adapters of one backend, graphics cards before software, SwiftShader last, else in the driver's order.
 fn enumerate(backend: Backend) -> (wgpu::Instance, Vec<(AdapterInfo, wgpu::Adapter)>) {
     let backends = wgpu::Backends::from(backend.wgpu());
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
@@ -150,7 +151,9 @@ fn enumerate(backend: Backend) -> (wgpu::Instance, Vec<(AdapterInfo, wgpu::Adapt
                 wgpu::DeviceType::IntegratedGpu => 1,
                 wgpu::DeviceType::VirtualGpu => 2,
                 wgpu::DeviceType::Other => 3,
-                wgpu::DeviceType::Cpu => 4,
+                wgpu::DeviceType::Cpu if !info.name.contains("SwiftShader") => 4,
+                // the slower of the two that machines without a graphics card have
+                wgpu::DeviceType::Cpu => 5,
             };
             (rank, AdapterInfo { backend, name: info.name, driver }, adapter)
         })

@@ -1,17 +1,18 @@
 //! What is run: a shader, its textures, its uniform block.
 
-use std::{borrow::Cow, sync::Arc};
+use std::{borrow::Cow, collections::BTreeSet, sync::Arc};
 
-use super::{Backend, guard::Shared, render::Pipeline, render::TARGET};
-use crate::error::{Error, Result, Stage};
+use super::{Backend, guard::Shared, render::Pipeline, render::TARGET, spirv};
+use crate::error::{self, Error, Result};
+use crate::module::Stage;
 
 /// A shader with everything it reads.
 #[derive(Clone, Debug)]
 pub struct Program<'a> {
     /// Names it in errors: the variant.
     pub name: &'a str,
-    /// The text.
-    pub wgsl: &'a str,
+    /// What is compiled.
+    pub shader: Shader<'a>,
     /// An entry point that takes `vertex_index` 0, 1, 2 and spans the target with that triangle.
     pub vertex_entry: &'a str,
     /// An entry point that returns one `vec4f` at location 0.
@@ -20,6 +21,23 @@ pub struct Program<'a> {
     pub textures: Vec<Texture<'a>>,
     /// The uniform block of group 0, if any. Its bytes come with each frame.
     pub uniform: Option<Uniform>,
+}
+
+/// What a program is compiled from.
+#[derive(Clone, Copy, Debug)]
+pub enum Shader<'a> {
+    /// A text with both entry points, which wgpu translates.
+    Wgsl(&'a str),
+    /// Words that Vulkan's driver gets as they are: one module per stage.
+    ///
+    /// Wrong words are refused as far as their form tells; what is formally right and breaks the rules of SPIR-V can bring the driver
+    /// down: they must come from a compiler, or have passed `spirv-val`.
+    Spirv {
+        /// The module of the vertex entry point.
+        vertex: &'a [u32],
+        /// The module of the fragment entry point.
+        fragment: &'a [u32],
+    },
 }
 
 /// A texture that shaders read by `textureLoad` at level 0.
@@ -96,11 +114,28 @@ pub struct Uniform {
 }
 
 /// Refuses what is inconsistent or above the adapter's limits.
-pub(super) fn check(program: &Program<'_>, limits: &wgpu::Limits) -> Result<()> {
+pub(super) fn check(program: &Program<'_>, shared: &Shared) -> Result<()> {
+    let limits = &shared.limits;
+    if let Shader::Spirv { vertex, fragment } = program.shader {
+        spirv::supported(shared)?;
+        let bound: BTreeSet<u32> = bindings(program).collect();
+        for (stage, entry, words) in [
+            (Stage::Vertex, program.vertex_entry, vertex),
+            (Stage::Fragment, program.fragment_entry, fragment),
+        ] {
+            spirv::check(words, stage, entry, &bound).map_err(|cause| {
+                Error::new(error::Stage::Run, format!("{}: {entry}", program.name), cause)
+            })?;
+        }
+    }
     for texture in &program.textures {
         let Texture { binding, layout, format, width, height, layers, ref bytes } = *texture;
         let fail = |cause: String| {
-            Error::new(Stage::Run, format!("{}: texture at binding {binding}", program.name), cause)
+            Error::new(
+                error::Stage::Run,
+                format!("{}: texture at binding {binding}", program.name),
+                cause,
+            )
         };
         if width == 0 || height == 0 || layers == 0 {
             return Err(fail(format!("{width} × {height} × {layers} texels, which is none")));
@@ -135,13 +170,13 @@ pub(super) fn check(program: &Program<'_>, limits: &wgpu::Limits) -> Result<()> 
         let subject = format!("{}: uniform block at binding {binding}", program.name);
         if u64::from(size) > most {
             return Err(Error::new(
-                Stage::Run,
+                error::Stage::Run,
                 subject,
                 format!("{size} bytes, above max_uniform_buffer_binding_size = {most}"),
             ));
         }
         if size == 0 || size % 16 != 0 {
-            return Err(Error::new(Stage::Run, subject, format!("a size of {size} bytes"))
+            return Err(Error::new(error::Stage::Run, subject, format!("a size of {size} bytes"))
                 .remedy("pad it to a multiple of 16"));
         }
     }
@@ -153,7 +188,11 @@ pub(super) fn build(shared: &Arc<Shared>, program: &Program<'_>) -> Result<Pipel
     let device = &shared.device;
     let mut layouts = Vec::new();
     let mut views = Vec::new();
-    for texture in &program.textures {
+    let fillers = match program.shader {
+        Shader::Wgsl(_) => Vec::new(),
+        Shader::Spirv { .. } => fillers(program),
+    };
+    for texture in program.textures.iter().chain(&fillers) {
         layouts.push(layout_entry(
             texture.binding,
             wgpu::BindingType::Texture {
@@ -197,10 +236,19 @@ pub(super) fn build(shared: &Arc<Shared>, program: &Program<'_>) -> Result<Pipel
         layout: &layout,
         entries: &entries,
     });
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(program.name),
-        source: wgpu::ShaderSource::Wgsl(program.wgsl.into()),
-    });
+    let (vertex, fragment) = match program.shader {
+        Shader::Wgsl(text) => {
+            let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(program.name),
+                source: wgpu::ShaderSource::Wgsl(text.into()),
+            });
+            (module.clone(), module)
+        }
+        Shader::Spirv { vertex, fragment } => (
+            spirv::module(device, program.vertex_entry, vertex),
+            spirv::module(device, program.fragment_entry, fragment),
+        ),
+    };
     let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some(program.name),
         bind_group_layouts: &[Some(&layout)],
@@ -210,7 +258,7 @@ pub(super) fn build(shared: &Arc<Shared>, program: &Program<'_>) -> Result<Pipel
         label: Some(program.name),
         layout: Some(&pipeline_layout),
         vertex: wgpu::VertexState {
-            module: &module,
+            module: &vertex,
             entry_point: Some(program.vertex_entry),
             compilation_options: Default::default(),
             buffers: &[],
@@ -219,7 +267,7 @@ pub(super) fn build(shared: &Arc<Shared>, program: &Program<'_>) -> Result<Pipel
         depth_stencil: None,
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {
-            module: &module,
+            module: &fragment,
             entry_point: Some(program.fragment_entry),
             compilation_options: Default::default(),
             targets: &[Some(TARGET.into())],
@@ -229,6 +277,31 @@ pub(super) fn build(shared: &Arc<Shared>, program: &Program<'_>) -> Result<Pipel
     });
     let uniform = buffer.zip(program.uniform).map(|(buffer, uniform)| (buffer, uniform.size));
     Ok(Pipeline::new(Arc::clone(shared), program.name, pipeline, group, uniform))
+}
+
+/// The least textures at the bindings below the last that the program does not use.
+///
+/// wgpu numbers the bindings of a layout anew, without gaps, and rewrites the shaders that it translates accordingly; words
+/// that stay as they are need a layout without gaps.
+fn fillers(program: &Program<'_>) -> Vec<Texture<'static>> {
+    let used: BTreeSet<u32> = bindings(program).collect();
+    let last = used.last().copied().unwrap_or(0);
+    let filler = |binding| Texture {
+        binding,
+        layout: TextureLayout::D2,
+        format: TextureFormat::Rgba32Float,
+        width: 1,
+        height: 1,
+        layers: 1,
+        bytes: Cow::Owned(vec![0; 16]),
+    };
+    (0..last).filter(|binding| !used.contains(binding)).map(filler).collect()
+}
+
+/// The bindings of group 0 that the program fills.
+fn bindings(program: &Program<'_>) -> impl Iterator<Item = u32> {
+    let textures = program.textures.iter().map(|texture| texture.binding);
+    textures.chain(program.uniform.map(|uniform| uniform.binding))
 }
 
 fn layout_entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {

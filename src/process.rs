@@ -1,14 +1,18 @@
 //! Programs of this machine: found, run, stopped.
 
+mod glslang;
+
 use std::{
     env,
     io::{self, Read},
-    path::PathBuf,
+    path::{Path, PathBuf},
     process::{Child, Command, ExitStatus, Stdio},
     sync::mpsc::{Receiver, channel},
     thread,
     time::{Duration, Instant},
 };
+
+pub use glslang::{GLSLANG, GLSLANG_PACKAGE, hlsl_options, hlsl_to_spirv};
 
 /// Time between two looks at a running tool.
 const POLL: Duration = Duration::from_millis(2);
@@ -36,6 +40,21 @@ pub fn run(command: &mut Command, limit: Duration) -> io::Result<(ExitStatus, St
         text.push_str(&String::from_utf8_lossy(&bytes));
     }
     Ok((status, text))
+}
+
+/// Runs a command whose last argument is a file; what it said, as an error if it did not succeed.
+pub fn accepted(command: &mut Command, limit: Duration) -> Result<String, String> {
+    let (status, text) = run(command, limit).map_err(|error| error.to_string())?;
+    if status.success() {
+        return Ok(text);
+    }
+    let program = Path::new(command.get_program()).file_name().unwrap_or_default();
+    let mut words = vec![program.to_string_lossy().into_owned()];
+    // whoever reads this names the file
+    let options = command.get_args().map(|argument| argument.to_string_lossy().into_owned());
+    words.extend(options);
+    words.pop();
+    Err(format!("{}: {status}\n{}", words.join(" "), text.trim()))
 }
 
 /// Waits until the process ends, or kills it.
