@@ -17,6 +17,7 @@ use diffraction_shaders::runner::egl::{Dialect, Egl};
 use diffraction_shaders::runner::gpu::{
     Backend, Gpu, Program, Shader, Texture, TextureFormat, TextureLayout, Uniform,
 };
+use diffraction_shaders::runner::passthrough::{Language, Passthrough};
 use diffraction_shaders::tables::{DIRECTIONS, Table, TexelFormat};
 use diffraction_shaders::template::Sources;
 use serde_json::Value;
@@ -82,7 +83,7 @@ struct Variant<'a> {
 #[test]
 fn function_forms_pass_the_probes_on_real_drivers() {
     let package = package();
-    let (gl, vulkan) = (egl(), gpu());
+    let (gl, vulkan, hlsl) = (egl(), gpu(), hlsl());
     let mut runs = 0;
     for variant in variants(&package) {
         let probes = variant.probes();
@@ -113,8 +114,19 @@ fn function_forms_pass_the_probes_on_real_drivers() {
             runs += 1;
         }
     }
+    for driver in &hlsl {
+        for variant in variants(&package) {
+            let probes = variant.probes();
+            let got = variant.by_hlsl(driver, &probes.directions);
+            probes.check(&got).unwrap_or_else(|e| panic!("{} hlsl: {e}", variant.folder));
+            let (_, wrong) = FAULTS[2];
+            let wrong: Vec<Pair> = probes.directions.iter().copied().map(wrong).collect();
+            assert!(probes.check(&variant.by_hlsl(driver, &wrong)).is_err(), "{}", variant.folder);
+            runs += 1;
+        }
+    }
     println!("{runs} runs of function forms");
-    let drivers = gl.len() + vulkan.len();
+    let drivers = gl.len() + vulkan.len() + hlsl.len();
     assert!(runs >= 12 * drivers, "{runs} runs on {drivers} drivers");
 }
 
@@ -145,6 +157,10 @@ fn egl() -> Vec<Egl> {
 
 fn gpu() -> Vec<Gpu> {
     required(vec![Gpu::open(Backend::Vulkan, None)])
+}
+
+fn hlsl() -> Vec<Passthrough> {
+    required(vec![Passthrough::open(Language::Hlsl, None)])
 }
 
 fn variants(package: &Package) -> Vec<Variant<'_>> {
@@ -299,6 +315,59 @@ void main() {{
         // rows come from the top, so the first is RGB
         let picture = egl.draw(&pipeline, size, &params, &|_| ()).unwrap();
         pairs(&picture, directions.len(), [1, 0])
+    }
+
+    /// The same by `.fn.hlsl`, whose textures the engine puts on registers.
+    fn by_hlsl(&self, driver: &Passthrough, directions: &[Pair]) -> Vec<Pair> {
+        let (tables, listed) = (self.tables(), listed(directions));
+        let mut text = self.text("hlsl");
+        for (name, table) in &tables {
+            let declared = format!(" {name};");
+            assert_eq!(text.matches(&declared).count(), 1, "{text}");
+            text = text.replace(&declared, &format!(" {name} : register(t{});", table.binding));
+        }
+        let text = format!(
+            "{text}
+Texture2D<float4> engine_directions : register(t{DIRECTIONS});
+cbuffer Engine : register(b0) {{ float4 unused_light; float4 opaque; }}
+float4 engine_vertex(uint i : SV_VertexID) : SV_Position {{
+    return float4(float(i & 1u) * 4.0 - 1.0, float(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+}}
+float4 engine_pixel(float4 place : SV_Position) : SV_Target0 {{
+    int2 at = int2(place.xy);
+    float3 wi = engine_directions.Load(int3(at.x, 0, 0)).xyz;
+    float3 wr = engine_directions.Load(int3(at.x, 1, 0)).xyz;
+    if (at.y == 0) {{ return float4(tristimulus(wi, wr), opaque.x); }}
+    return float4(diffraction(wi, wr), opaque.x);
+}}\n"
+        );
+        let point = |stage, name: &str| EntryPoint {
+            stage,
+            source_name: name.to_owned(),
+            emitted_name: name.to_owned(),
+        };
+        let mut bindings: Vec<BindingName> =
+            tables.iter().map(|(n, t)| bound(n, t.binding, BindingKind::Texture)).collect();
+        bindings.push(bound("engine_directions", DIRECTIONS, BindingKind::Texture));
+        bindings.push(bound("Engine", 0, BindingKind::UniformBlock));
+        let file = EmittedFile {
+            name: "engine.hlsl".to_owned(),
+            target: Target::Hlsl,
+            bytes: text.into_bytes(),
+            entry_points: vec![
+                point(Stage::Vertex, "engine_vertex"),
+                point(Stage::Fragment, "engine_pixel"),
+            ],
+            bindings,
+            functions: Vec::new(),
+        };
+        let mut uploads: Vec<(u32, &Table)> = tables.iter().map(|(_, t)| (t.binding, t)).collect();
+        uploads.push((DIRECTIONS, &listed));
+        let pipeline = driver.compile(&self.folder, &[file], "engine_pixel", &uploads).unwrap();
+        let params = [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];
+        let picture =
+            driver.draw(&pipeline, [directions.len() as u32, 2], &params, &|_| ()).unwrap();
+        pairs(&picture, directions.len(), [0, 1])
     }
 
     /// The same by `.fn.wgsl`, whose textures are parameters.
