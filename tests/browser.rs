@@ -1,0 +1,379 @@
+//! Emitted WGSL in a browser's WebGPU and emitted GLSL ES in its WebGL2, exactly as emitted, against the f64 twin.
+#![cfg(feature = "routes")]
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use diffraction_shaders::emit::emit;
+use diffraction_shaders::frame::view_direction;
+use diffraction_shaders::height::{HeightField, synthetic::synthesise};
+use diffraction_shaders::optics::direction;
+use diffraction_shaders::plan::{
+    Auto, Basis, Coherence, Grating, Mode, Optics, Packing, TableFormat, Variant,
+};
+use diffraction_shaders::reference::Directions;
+use diffraction_shaders::runner::browser::{Api, Browser, Web};
+use diffraction_shaders::runner::{
+    Driver, DriverRunner, Prepared, Runner, Subject, TwinRunner, rounded,
+};
+use diffraction_shaders::tables::Table;
+
+/// Greatest difference from the twin over the greatest value: arithmetic in 32 bits, centred bases.
+const CENTRED: f64 = 2e-5;
+/// Greatest difference between the two routes, over the greatest value.
+const APART: f64 = 1e-5;
+/// Deliberate faults have to show by at least this.
+const SEEN: f64 = 100.0 * CENTRED;
+const SIZE: usize = 48;
+
+#[test]
+fn every_mode_agrees_with_its_twin_and_both_routes_with_each_other() {
+    let Some(browser) = browser() else { return };
+    let height = blazed();
+    let mut worst = [0.0_f64; 3];
+    for variant in &variants() {
+        let subject = Subject { height: &height, rotate_deg: 25.0, variant };
+        let twin = map(&TwinRunner::new(subject, true).unwrap());
+        let maps = Api::ALL.map(|api| {
+            let web = browser.api(api).unwrap();
+            let runner = DriverRunner::with(Prepared::new(subject).unwrap(), web);
+            assert_eq!(runner.route(), api.route());
+            map(&runner)
+        });
+        let [gpu, gl] = [&maps[0], &maps[1]].map(|map| difference(map, &twin));
+        let apart = difference(&maps[0], &maps[1]);
+        println!("{}: webgpu {gpu:.2e}, webgl2 {gl:.2e}, apart {apart:.2e}", variant.name);
+        assert!(gpu <= CENTRED && gl <= CENTRED, "{}: {gpu} {gl}", variant.name);
+        assert!(apart <= APART, "{}: {apart}", variant.name);
+        worst.iter_mut().zip([gpu, gl, apart]).for_each(|(most, now)| *most = most.max(now));
+    }
+    println!("worst: {worst:?}");
+}
+
+#[test]
+fn texts_agrees_within_its_own_bound() {
+    let Some(browser) = browser() else { return };
+    let height = blazed();
+    let variant = Variant::texts(&Optics::standard());
+    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
+    let twin = map(&TwinRunner::new(subject, true).unwrap());
+    // terms of a series about the lowest height cancel from exp(z H) down to 1, each rounded to 24 bits
+    let (low_um, high_um) = height.range_um();
+    let z_max = diffraction_shaders::basis::greatest_z(380.0);
+    let bound = (z_max * (high_um - low_um)).exp() * 2.0_f64.powi(-24);
+    for api in Api::ALL {
+        let web = browser.api(api).unwrap();
+        let got = map(&DriverRunner::with(Prepared::new(subject).unwrap(), web));
+        let error = difference(&got, &twin);
+        println!("texts {api}: {error:.2e} within {bound:.2e}");
+        assert!(error <= bound, "{api}: {error} is above {bound}");
+    }
+}
+
+#[test]
+fn listed_directions_and_single_wavelengths_agree_too() {
+    let Some(browser) = browser() else { return };
+    let height = blazed();
+    let variant = centred("centred");
+    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
+    // more than one row of the probe's picture
+    let pair = |i: u32| Directions {
+        wi: rounded(direction(30.0, 0.0)),
+        wr: rounded(direction(0.1 * f64::from(i % 650), if i < 650 { 180.0 } else { 0.0 })),
+    };
+    let pairs: Vec<Directions> = (0..1000).map(pair).collect();
+    let twin = TwinRunner::new(subject, true).unwrap();
+    let colours = twin.tristimulus(&pairs, &|_| ()).unwrap();
+    let responses = twin.response(&pairs, 550.0).unwrap();
+    assert!(responses.iter().any(|p2| *p2 > 0.1), "no order is met");
+    for api in Api::ALL {
+        let web = browser.api(api).unwrap();
+        let runner = DriverRunner::with(Prepared::new(subject).unwrap(), web);
+        let error = difference(&runner.tristimulus(&pairs, &|_| ()).unwrap(), &colours);
+        assert!(error <= CENTRED, "{api}: {error}");
+        for (got, wanted) in runner.response(&pairs, 550.0).unwrap().iter().zip(&responses) {
+            assert!((got - wanted).abs() <= CENTRED, "{api}: {got} against {wanted}");
+        }
+    }
+}
+
+/// A deliberately wrong shader, table or light must show.
+#[test]
+fn what_is_wrong_is_seen() {
+    type Spoil = fn(&mut Prepared<'_>);
+    let spoils: [(&str, TableFormat, Spoil); 5] = [
+        ("black spectrum", TableFormat::F32, |prepared| {
+            let nodes = prepared.spectrum.width * 4;
+            prepared.spectrum.texels[..nodes].fill(0.0);
+        }),
+        ("largest term but the constant dropped", TableFormat::F32, |prepared| {
+            drop_largest_term(&mut prepared.terms);
+        }),
+        ("f16 not scaled", TableFormat::F16, |prepared| {
+            let scale = prepared.resolved.scale;
+            let layer = prepared.terms.width * prepared.terms.height * 4;
+            for (i, v) in prepared.terms.texels.iter_mut().enumerate() {
+                // two complex terms in a texel
+                let term = 2 * (i / layer) + i % 4 / 2;
+                *v = half::f16::from_f64(*v * scale.of(term)).to_f64() / scale.of(term);
+            }
+            // as exact as that was: not rounded again
+            prepared.terms.format = diffraction_shaders::tables::TexelFormat::Rgba32Float;
+        }),
+        ("top for bottom", TableFormat::F32, |prepared| {
+            let Table { width, height, texels, .. } = &mut prepared.terms;
+            let row = *width * 4;
+            for layer in texels.chunks_mut(row * *height) {
+                let turned: Vec<f64> = layer.chunks(row).rev().flatten().copied().collect();
+                layer.copy_from_slice(&turned);
+            }
+        }),
+        ("X for Z", TableFormat::F32, |prepared| {
+            let nodes = prepared.spectrum.width * 4;
+            prepared.spectrum.texels[..nodes].chunks_mut(4).for_each(|texel| texel.swap(0, 2));
+        }),
+    ];
+    let Some(browser) = browser() else { return };
+    // unlike its mirror image on both axes
+    let height = fingers();
+    for (what, table, spoil) in spoils {
+        let variant = Variant { table, ..centred("wrong") };
+        let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
+        let twin = map(&TwinRunner::new(subject, true).unwrap());
+        let mut prepared = Prepared::new(subject).unwrap();
+        spoil(&mut prepared);
+        for api in Api::ALL {
+            let web = browser.api(api).unwrap();
+            let error = difference(&map(&DriverRunner::with(prepared.clone(), web)), &twin);
+            println!("{what}, {api}: {error:.2e}");
+            assert!(error > SEEN, "{what}, {api}: {error}");
+        }
+    }
+    let variant = centred("mirrored");
+    let height = blazed();
+    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
+    let twin = map(&TwinRunner::new(subject, true).unwrap());
+    let light = rounded(direction(20.0, 190.0));
+    for api in Api::ALL {
+        let web = browser.api(api).unwrap();
+        let runner = DriverRunner::with(Prepared::new(subject).unwrap(), web);
+        let error = difference(&runner.map(light, SIZE, &|_| ()).unwrap().disc(), &twin);
+        assert!(error > SEEN, "mirrored u, {api}: {error}");
+    }
+}
+
+/// Independent of any optics: each pixel says where it is, in several bands.
+#[test]
+fn row_zero_is_at_the_top() {
+    let Some(browser) = browser() else { return };
+    let (variant, height) = (centred("places"), blazed());
+    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
+    let mut prepared = Prepared::new(subject).unwrap();
+    let colour = prepared.sources.0.get_mut("colour").unwrap();
+    let line = "return to_rgb(tristimulus(wi, wr));";
+    assert!(colour.contains(line));
+    // what is added is lost in rounding, and keeps every binding alive
+    *colour = colour.replace(line, "return wr + 1e-30 * to_rgb(tristimulus(wi, wr));");
+    let module = prepared.module(prepared.spectrum.width).unwrap();
+    let tables = [(1, &prepared.terms), (2, &prepared.spectrum)];
+    for api in Api::ALL {
+        let web = browser.api(api).unwrap();
+        let pipeline = web.pipeline(&module, "map", &tables).unwrap();
+        // not a multiple of the bands, other sizes before and after
+        for size in [5_u32, 37, 5] {
+            let done = AtomicUsize::new(0);
+            let count = |n: usize| {
+                done.fetch_add(n, Ordering::Relaxed);
+            };
+            let pixels = web.draw(&pipeline, [size; 2], &params(size), &count).unwrap();
+            assert_eq!(done.into_inner(), (size * size) as usize);
+            for (i, pixel) in pixels.iter().enumerate() {
+                let (column, row) = (i % size as usize, i / size as usize);
+                let wanted = view_direction(column, row, size as usize);
+                let wanted = wanted.map_or([0.0; 4], |v| {
+                    let v = v.as_vec3();
+                    [v.x, v.y, v.z, 1.0]
+                });
+                for (got, wanted) in pixel.iter().zip(wanted) {
+                    assert!((got - wanted).abs() < 1e-5, "{api} {size}: {column},{row}: {pixel:?}");
+                }
+            }
+        }
+        assert!(web.draw(&pipeline, [1, 0], &params(1), &|_| ()).unwrap().is_empty());
+    }
+}
+
+#[test]
+fn what_the_browser_refuses_is_an_error_and_the_next_job_works() {
+    let Some(browser) = browser() else { return };
+    let (variant, height) = (centred("v"), blazed());
+    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
+    let prepared = Prepared::new(subject).unwrap();
+    let module = prepared.module(prepared.spectrum.width).unwrap();
+    let tables = [(1, &prepared.terms), (2, &prepared.spectrum)];
+    let wide = Table { width: 100_000, height: 1, layers: 1, ..prepared.terms.clone() };
+    let wide = Table { texels: vec![0.0; 100_000 * 4], ..wide };
+    let short = Table { texels: vec![1.0; 6], ..prepared.terms.clone() };
+    for api in Api::ALL {
+        let web = browser.api(api).unwrap();
+        let files = emit(&module, api.target()).unwrap();
+        let compile = |from: &str, to: &str, tables: &[(u32, &Table)]| {
+            let mut files = files.clone();
+            for file in files.iter_mut().filter(|file| file.functions.is_empty()) {
+                let text = String::from_utf8(file.bytes.clone()).unwrap();
+                file.bytes = text.replace(from, to).into_bytes();
+            }
+            web.compile("v", &files, "map", tables)
+        };
+        let (syntax, table, side) = match api {
+            Api::WebGpu => ("diffraction.wgsl:", "2", "8192"),
+            Api::WebGl2 => ("diffraction.es300.frag", "no table for", "MAX_TEXTURE_SIZE"),
+        };
+        for (spoiled, words) in [
+            (compile("sqrt(", "sqrrt(", &tables), [syntax, "sqrrt"]),
+            (compile("x", "x", &tables[..1]), [table, "2"]),
+            (compile("x", "x", &[(1, &wide), tables[1]]), ["100000", side]),
+            (compile("x", "x", &[(1, &short), tables[1]]), ["6 numbers", "fill"]),
+        ] {
+            let error = spoiled.unwrap_err().to_string();
+            println!("{api}: {error}");
+            assert!(error.starts_with("v: "), "{error}");
+            assert!(words.iter().all(|word| error.contains(word)), "{error}: {words:?}");
+        }
+        let error = web.compile("v", &files, "mesh", &tables).unwrap_err().to_string();
+        assert!(error.contains("no emitted file has mesh"), "{error}");
+        let pipeline = compile("x", "x", &tables).unwrap();
+        let error = web.draw(&pipeline, [1 << 20, 1], &params(1), &|_| ()).unwrap_err();
+        println!("{api}: {error}");
+        assert!(error.to_string().contains("1048576"), "{error}");
+        assert_eq!(web.draw(&pipeline, [3, 3], &params(3), &|_| ()).unwrap()[4][3], 1.0);
+    }
+}
+
+#[test]
+fn a_browser_that_dies_is_an_error_and_leaves_nothing() {
+    let Some(browser) = browser() else { return };
+    let (variant, height) = (centred("v"), blazed());
+    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
+    let runner =
+        DriverRunner::with(Prepared::new(subject).unwrap(), browser.api(Api::WebGl2).unwrap());
+    let light = direction(20.0, 0.0);
+    runner.map(light, 8, &|_| ()).unwrap();
+    let process = browser.process();
+    let killed = std::process::Command::new("kill").args(["-9", &process.to_string()]).status();
+    assert!(killed.unwrap().success());
+    let begun = Instant::now();
+    let errors = [0, 1].map(|_| runner.map(light, 8, &|_| ()).unwrap_err().to_string());
+    assert!(begun.elapsed() < Duration::from_secs(20), "it took {:?}", begun.elapsed());
+    for error in errors {
+        assert!(error.starts_with("chromium: ended with signal: 9"), "{error}");
+    }
+}
+
+#[test]
+fn what_cannot_be_started_says_what_to_install() {
+    let missing = Path::new("no-such-browser");
+    let error = Browser::open_program(missing).unwrap_err().to_string();
+    assert!(error.contains("there is no no-such-browser"), "{error}");
+    assert!(error.contains("apt-get install chromium"), "{error}");
+    if cfg!(unix) {
+        let error = Browser::open_program(Path::new("false")).unwrap_err().to_string();
+        assert!(error.contains("ended with exit status: 1"), "{error}");
+    }
+    let Some(_) = browser() else { return };
+    let error = Web::open(Api::WebGl2, Some("no such adapter")).unwrap_err().to_string();
+    assert!(error.contains("the browser chose"), "{error}");
+}
+
+/// The machine's browser. A missing one is a failure where the tools are required, else it is said.
+fn browser() -> Option<Browser> {
+    match Browser::open() {
+        Ok(browser) => Some(browser),
+        Err(e) if std::env::var_os("DIFFRACTION_REQUIRE_TOOLS").is_some_and(|v| v == "1") => {
+            panic!("{e}")
+        }
+        Err(e) => {
+            println!("NOT RUN: {e}");
+            None
+        }
+    }
+}
+
+/// 19 terms about the mid-range height, 3 × 3 bins, paired.
+fn centred(name: &str) -> Variant {
+    Variant {
+        name: name.to_owned(),
+        basis: Basis::Taylor,
+        terms: Auto::Value(19),
+        packing: Packing::Paired,
+        hoist: true,
+        ..Variant::texts(&Optics::standard())
+    }
+}
+
+/// All modes, both formats and packings, both readings of coherence.
+fn variants() -> Vec<Variant> {
+    let ensemble = Optics { coherence: Coherence::Ensemble, ..Optics::standard() };
+    let f16 = TableFormat::F16;
+    let single = Packing::Single;
+    vec![
+        centred("full"),
+        Variant { packing: single, ..centred("full single") },
+        Variant { table: f16, ..centred("full f16") },
+        Variant { optics: ensemble.clone(), ..centred("full ensemble") },
+        Variant { mode: Mode::Pq, window_radius: Auto::Value(3), ..centred("pq") },
+        Variant { mode: Mode::Pq, table: f16, packing: single, ..centred("pq f16 single") },
+        Variant { mode: Mode::Adaptive, ..centred("adaptive") },
+        Variant { mode: Mode::Adaptive, optics: ensemble, ..centred("adaptive ensemble") },
+        Variant { mode: Mode::Adaptive, table: f16, packing: single, ..centred("adaptive f16") },
+        Variant { mode: Mode::Gems, ..centred("gems") },
+    ]
+}
+
+fn blazed() -> HeightField {
+    let grating = Grating::Blazed { period_um: 2.5, height_um: 0.25, pixels: 60 };
+    synthesise(&grating, "blazed").unwrap().field
+}
+
+fn fingers() -> HeightField {
+    let text = r#"{ "kind": "fingers", "size_um": 5, "pixels": 64, "pitch_um": 1.1, "height_um": 0.3, "seed": 3 }"#;
+    synthesise(&serde_json::from_str(text).unwrap(), "fingers").unwrap().field
+}
+
+fn map(runner: &dyn Runner) -> Vec<[f64; 3]> {
+    runner.map(rounded(direction(20.0, 10.0)), SIZE, &|_| ()).unwrap().disc()
+}
+
+/// Light from the normal, a square picture.
+fn params(size: u32) -> [f32; 8] {
+    [0.0, 0.0, 1.0, 0.0, size as f32, size as f32, 0.0, 0.0]
+}
+
+/// Sets the term to zero, but for the first, whose numbers are the largest as the shader sees them.
+fn drop_largest_term(terms: &mut Table) {
+    let layer = terms.width * terms.height * 4;
+    let term = |i: usize| 2 * (i / layer) + i % 4 / 2;
+    let most = |wanted: usize| {
+        let numbers = terms.texels.iter().enumerate().filter(|(i, _)| term(*i) == wanted);
+        numbers.fold(0.0_f64, |most, (_, v)| most.max(v.abs()))
+    };
+    let largest = (1..2 * terms.layers).max_by(|a, b| most(*a).total_cmp(&most(*b))).unwrap();
+    for (i, v) in terms.texels.iter_mut().enumerate() {
+        if term(i) == largest {
+            *v = 0.0;
+        }
+    }
+}
+
+/// Greatest difference over the greatest expected value.
+fn difference(got: &[[f64; 3]], expected: &[[f64; 3]]) -> f64 {
+    assert_eq!(got.len(), expected.len());
+    let (got, expected) = (got.as_flattened(), expected.as_flattened());
+    let most = expected.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    assert!(most > 0.0);
+    let differences = got.iter().zip(expected).map(|(a, b)| (a - b).abs() / most);
+    // what is not a number is as wrong as can be
+    differences.fold(0.0, |most, d| if d <= most { most } else { d })
+}
