@@ -6,6 +6,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
+use diffraction_shaders::basis;
 use diffraction_shaders::emit::emit;
 use diffraction_shaders::frame::view_direction;
 use diffraction_shaders::height::{HeightField, synthetic::synthesise};
@@ -18,10 +19,13 @@ use diffraction_shaders::runner::browser::{Api, Browser, Web};
 use diffraction_shaders::runner::{
     Driver, DriverRunner, Prepared, Runner, Subject, TwinRunner, rounded,
 };
-use diffraction_shaders::tables::Table;
+use diffraction_shaders::tables::{Table, TexelFormat};
 
 /// Greatest difference from the twin over the greatest value: arithmetic in 32 bits, centred bases.
 const CENTRED: f64 = 2e-5;
+/// The same where the shader needs sines, as `pq` does, on SwiftShader: its sine and cosine are off by up to 1.9e-4, and
+/// Vulkan allows twice that.
+const ROUGH_SINES: f64 = 2e-4;
 /// Greatest difference between the two routes, over the greatest value.
 const APART: f64 = 1e-5;
 /// Deliberate faults have to show by at least this.
@@ -44,9 +48,15 @@ fn every_mode_agrees_with_its_twin_and_both_routes_with_each_other() {
         });
         let [gpu, gl] = [&maps[0], &maps[1]].map(|map| difference(map, &twin));
         let apart = difference(&maps[0], &maps[1]);
+        let rough = |api| {
+            let web = browser.api(api).unwrap();
+            variant.mode == Mode::Pq && web.driver().to_lowercase().contains("swiftshader")
+        };
+        let [gpu_bound, gl_bound] = Api::ALL.map(|a| if rough(a) { ROUGH_SINES } else { CENTRED });
+        let apart_bound = if gpu_bound > gl_bound { ROUGH_SINES } else { APART };
         println!("{}: webgpu {gpu:.2e}, webgl2 {gl:.2e}, apart {apart:.2e}", variant.name);
-        assert!(gpu <= CENTRED && gl <= CENTRED, "{}: {gpu} {gl}", variant.name);
-        assert!(apart <= APART, "{}: {apart}", variant.name);
+        assert!(gpu <= gpu_bound && gl <= gl_bound, "{}: {gpu} {gl}", variant.name);
+        assert!(apart <= apart_bound, "{}: {apart}", variant.name);
         worst.iter_mut().zip([gpu, gl, apart]).for_each(|(most, now)| *most = most.max(now));
     }
     println!("worst: {worst:?}");
@@ -61,7 +71,7 @@ fn texts_agrees_within_its_own_bound() {
     let twin = map(&TwinRunner::new(subject, true).unwrap());
     // terms of a series about the lowest height cancel from exp(z H) down to 1, each rounded to 24 bits
     let (low_um, high_um) = height.range_um();
-    let z_max = diffraction_shaders::basis::greatest_z(380.0);
+    let z_max = basis::greatest_z(380.0);
     let bound = (z_max * (high_um - low_um)).exp() * 2.0_f64.powi(-24);
     for api in Api::ALL {
         let web = browser.api(api).unwrap();
@@ -106,21 +116,24 @@ fn what_is_wrong_is_seen() {
     let spoils: [(&str, TableFormat, Spoil); 5] = [
         ("black spectrum", TableFormat::F32, |prepared| {
             let nodes = prepared.spectrum.width * 4;
-            prepared.spectrum.texels[..nodes].fill(0.0);
+            let nodes = prepared.spectrum.texels[..nodes].chunks_mut(4);
+            nodes.for_each(|texel| texel[..3].fill(0.0));
         }),
         ("largest term but the constant dropped", TableFormat::F32, |prepared| {
             drop_largest_term(&mut prepared.terms);
         }),
         ("f16 not scaled", TableFormat::F16, |prepared| {
-            let scale = prepared.resolved.scale;
+            // powers of heights in µm, without the factor z^n/n! that terms have here, and without the scales of the format
+            let (scale, z) = (prepared.resolved.scale, basis::greatest_z(380.0));
+            let factor = |term: usize| (1..=term).fold(1.0, |f, n| f * z / n as f64);
             let layer = prepared.terms.width * prepared.terms.height * 4;
             for (i, v) in prepared.terms.texels.iter_mut().enumerate() {
-                // two complex terms in a texel
-                let term = 2 * (i / layer) + i % 4 / 2;
-                *v = half::f16::from_f64(*v * scale.of(term)).to_f64() / scale.of(term);
+                let term = term(i, layer);
+                let unit = factor(term) / scale.of(term);
+                *v = half::f16::from_f64(*v / unit).to_f64() * unit;
             }
             // as exact as that was: not rounded again
-            prepared.terms.format = diffraction_shaders::tables::TexelFormat::Rgba32Float;
+            prepared.terms.format = TexelFormat::Rgba32Float;
         }),
         ("top for bottom", TableFormat::F32, |prepared| {
             let Table { width, height, texels, .. } = &mut prepared.terms;
@@ -351,17 +364,21 @@ fn params(size: u32) -> [f32; 8] {
     [0.0, 0.0, 1.0, 0.0, size as f32, size as f32, 0.0, 0.0]
 }
 
+/// The term of a number in a table of two complex terms per texel; `layer` is the numbers of a layer.
+fn term(number: usize, layer: usize) -> usize {
+    2 * (number / layer) + number % 4 / 2
+}
+
 /// Sets the term to zero, but for the first, whose numbers are the largest as the shader sees them.
 fn drop_largest_term(terms: &mut Table) {
     let layer = terms.width * terms.height * 4;
-    let term = |i: usize| 2 * (i / layer) + i % 4 / 2;
     let most = |wanted: usize| {
-        let numbers = terms.texels.iter().enumerate().filter(|(i, _)| term(*i) == wanted);
+        let numbers = terms.texels.iter().enumerate().filter(|(i, _)| term(*i, layer) == wanted);
         numbers.fold(0.0_f64, |most, (_, v)| most.max(v.abs()))
     };
     let largest = (1..2 * terms.layers).max_by(|a, b| most(*a).total_cmp(&most(*b))).unwrap();
     for (i, v) in terms.texels.iter_mut().enumerate() {
-        if term(i) == largest {
+        if term(i, layer) == largest {
             *v = 0.0;
         }
     }
