@@ -15,7 +15,7 @@ use diffraction_shaders::plan::{
     Auto, Basis, Coherence, Grating, Mode, Optics, Packing, TableFormat, Variant,
 };
 use diffraction_shaders::reference::Directions;
-use diffraction_shaders::runner::browser::{Api, Browser, Web};
+use diffraction_shaders::runner::browser::{Api, Browser, Web, check_page};
 use diffraction_shaders::runner::{
     Driver, DriverRunner, Prepared, Runner, Subject, TwinRunner, rounded,
 };
@@ -274,7 +274,8 @@ fn a_browser_that_dies_is_an_error_and_leaves_nothing() {
         DriverRunner::with(Prepared::new(subject).unwrap(), browser.api(Api::WebGl2).unwrap());
     let light = direction(20.0, 0.0);
     runner.map(light, 8, &|_| ()).unwrap();
-    let process = browser.process();
+    let (process, profile) = (browser.process(), browser.profile());
+    assert!(profile.join("stderr.log").is_file());
     let killed = std::process::Command::new("kill").args(["-9", &process.to_string()]).status();
     assert!(killed.unwrap().success());
     let begun = Instant::now();
@@ -283,6 +284,8 @@ fn a_browser_that_dies_is_an_error_and_leaves_nothing() {
     for error in errors {
         assert!(error.starts_with("chromium: ended with signal: 9"), "{error}");
     }
+    drop((runner, browser));
+    assert!(!profile.exists(), "{} is left", profile.display());
 }
 
 #[test]
@@ -298,6 +301,33 @@ fn what_cannot_be_started_says_what_to_install() {
     let Some(_) = browser() else { return };
     let error = Web::open(Api::WebGl2, Some("no such adapter")).unwrap_err().to_string();
     assert!(error.contains("the browser chose"), "{error}");
+}
+
+#[test]
+fn a_page_is_measured_listened_to_and_seen() {
+    if browser().is_none() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    // an address has to quote this name
+    let page = folder.path().join("a page #1.html");
+    let body = "<body style='margin: 0; background: #f00'><div style='width: 700px'>wide</div>";
+    std::fs::write(&page, format!("<!doctype html>{body}<script>noSuchName()</script>")).unwrap();
+    let picture = folder.path().join("picture.png");
+    let found = check_page(&page, [390, 300], Some(&picture)).unwrap();
+    assert_eq!((found.width, found.scroll_width, found.scroll_height), (390, 700, 300));
+    assert_eq!(found.console, ["Uncaught ReferenceError: noSuchName is not defined"]);
+    let image = image::open(&picture).unwrap().to_rgb8();
+    assert!(image.width() >= 390 && image.height() >= 200, "{:?}", image.dimensions());
+    assert_eq!(image.get_pixel(389, 150).0, [255, 0, 0]);
+
+    std::fs::write(&page, "<!doctype html><p>narrow").unwrap();
+    let found = check_page(&page, [1280, 720], None).unwrap();
+    assert_eq!((found.width, found.scroll_width), (1280, 1280));
+    assert!(found.console.is_empty(), "{:?}", found.console);
+
+    let error = check_page(&folder.path().join("none.html"), [390, 300], None).unwrap_err();
+    assert!(error.to_string().contains("none.html: cannot be opened"), "{error}");
 }
 
 /// The machine's browser. A missing one is a failure where the tools are required, else it is said.

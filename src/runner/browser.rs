@@ -7,17 +7,19 @@
 //!
 //! * One [`Browser`], a program with a profile of its own, serves any number of pipelines of both routes. Its end, also
 //!   where an error or a panic brings it, ends its processes and removes its profile. Where this process is killed, the
-//!   page finds its server gone and closes the browser; the profile then stays in the folder for temporary files.
+//!   page finds its server gone and closes the browser; the profile goes with the next one that is started.
 //! * Every failure is an [`Error`]: the compiler's message with its line, a lost device or context, a browser that crashed
 //!   or does not answer.
 //! * Pictures are handed out row by row from the top: row 0 is next to y = +1.
 
 mod chromium;
 mod link;
+mod page_check;
 mod pipeline;
+mod profile;
 
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use serde_json::{Value, json};
@@ -32,6 +34,7 @@ use super::stages::stages;
 use super::{Progress, Subject};
 
 use link::{Link, Message};
+pub use page_check::{PageCheck, check_page};
 pub use pipeline::Pipeline;
 
 /// A variant's emitted text in a browser.
@@ -111,6 +114,11 @@ impl Browser {
     /// Number of its first process.
     pub fn process(&self) -> u32 {
         self.shared.process
+    }
+
+    /// The folder with its profile, which goes with it.
+    pub fn profile(&self) -> PathBuf {
+        lock(&self.shared.link).profile().to_owned()
     }
 
     /// Its interface `api` on whatever adapter the browser takes; an error where it has none.

@@ -4,10 +4,9 @@ use std::fs::{self, File};
 use std::io;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use tempfile::TempDir;
-
+use super::profile::Profile;
 use crate::error::{Error, Result, Stage};
 
 /// Names under which distributions install it.
@@ -46,14 +45,13 @@ const FLAGS: &[&str] = &[
 #[derive(Debug)]
 pub(super) struct Chromium {
     child: Child,
-    profile: TempDir,
+    profile: Profile,
 }
 
 impl Chromium {
     /// Starts `program`, or the first of the usual names, on a page.
     pub(super) fn start(program: Option<&Path>, flags: &[&str], address: &str) -> Result<Chromium> {
-        let profile = tempfile::Builder::new().prefix("diffraction-browser-").tempdir();
-        let profile = profile.map_err(|e| failure("there is no place for a profile").source(e))?;
+        let profile = Profile::new()?;
         let usual = PROGRAMS.map(Path::new);
         for candidate in program.as_ref().map_or(usual.as_slice(), std::slice::from_ref) {
             match spawn(candidate, flags, address, profile.path()) {
@@ -81,12 +79,33 @@ impl Chromium {
         }
     }
 
+    /// Waits until it ended well, and returns what it said.
+    pub(super) fn finish(mut self, limit: Duration) -> Result<String> {
+        let begun = Instant::now();
+        loop {
+            match self.child.try_wait() {
+                Ok(Some(status)) if status.success() => return Ok(self.said()),
+                Ok(None) if begun.elapsed() > limit => {
+                    let words = self.last_words();
+                    return Err(failure(format!("did not end in {} s{words}", limit.as_secs())));
+                }
+                Ok(None) => std::thread::sleep(Duration::from_millis(20)),
+                _ => return Err(self.ended().unwrap_or_else(|| failure("cannot be watched"))),
+            }
+        }
+    }
+
+    /// What it said on stderr.
+    fn said(&self) -> String {
+        let log = fs::read(self.profile.path().join(LOG)).unwrap_or_default();
+        String::from_utf8_lossy(&log).into_owned()
+    }
+
     /// The end of what it said, as the end of a sentence.
     pub(super) fn last_words(&self) -> String {
         const LINES: usize = 5;
         const LENGTH: usize = 300;
-        let log = fs::read(self.profile.path().join(LOG)).unwrap_or_default();
-        let log = String::from_utf8_lossy(&log);
+        let log = self.said();
         let told = log.lines().filter(|line| !line.contains("dbus") && !line.trim().is_empty());
         let lines: Vec<String> =
             told.map(|line| line.chars().take(LENGTH).collect::<String>()).collect();
@@ -94,6 +113,11 @@ impl Chromium {
             [] => String::new(),
             last => format!("; its last words: {}", last.join(" | ")),
         }
+    }
+
+    /// The folder with its profile.
+    pub(super) fn profile(&self) -> &Path {
+        self.profile.path()
     }
 
     /// Number of its first process.
@@ -105,13 +129,7 @@ impl Chromium {
 impl Drop for Chromium {
     fn drop(&mut self) {
         end(&mut self.child);
-        // processes that are just ending may still write
-        for _ in 0..20 {
-            if fs::remove_dir_all(self.profile.path()).is_ok() {
-                break;
-            }
-            std::thread::sleep(Duration::from_millis(50));
-        }
+        self.profile.remove();
     }
 }
 

@@ -84,6 +84,11 @@ impl Link {
         self.chromium.id()
     }
 
+    /// The folder with the browser's profile.
+    pub(super) fn profile(&self) -> &Path {
+        self.chromium.profile()
+    }
+
     /// Answers requests until the page posts a message.
     fn receive(&mut self, silence: Duration, limit: Duration) -> Result<Message> {
         let begun = Instant::now();
