@@ -60,7 +60,7 @@ enum Sign {
     VulkanDriver(&'static str),
 }
 
-const PACKAGES: [(&str, Sign); 8] = [
+const PACKAGES: [(&str, Sign); 9] = [
     ("mesa-vulkan-drivers", Sign::VulkanDriver("lvp_icd")),
     ("libvulkan1", Sign::Library("libvulkan.so.1")),
     ("libegl1", Sign::Library("libEGL.so.1")),
@@ -70,6 +70,8 @@ const PACKAGES: [(&str, Sign); 8] = [
     ("spirv-tools", Sign::Program("spirv-val")),
     ("glslang-tools", Sign::Program("glslangValidator")),
     ("spirv-cross", Sign::Program("spirv-cross")),
+    // a browser, and SwiftShader, a second driver of Vulkan, which it brings
+    ("chromium", Sign::Program("chromium")),
 ];
 
 /// What was found on this machine.
@@ -183,6 +185,6 @@ mod tests {
             vulkan_drivers: vec!["lvp_icd.x86_64.json".to_owned()],
             installed: vec!["libvulkan1", "spirv-cross"],
         };
-        assert_eq!(missing(&some), ["libgles2", "glslang-tools"]);
+        assert_eq!(missing(&some), ["libgles2", "glslang-tools", "chromium"]);
     }
 }

@@ -3,13 +3,15 @@
 
 const webgl2 = (() => {
   const PARAMS_BYTES = 32;
+  // In every number of a picture until it is read: a driver that just died leaves it there, and reports nothing yet.
+  const UNREAD = -12345.678;
   const programs = new Map();
   let gl = null;
   let target = null;
 
   // Opens a context; a lost one is replaced.
   async function open() {
-    if (gl && !gl.isContextLost()) return driver(gl);
+    if (gl && !isLost(gl)) return driver(gl);
     const canvas = document.createElement("canvas");
     let reason = "";
     canvas.addEventListener("webglcontextcreationerror", (event) => {
@@ -31,12 +33,16 @@ const webgl2 = (() => {
     return gl.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : gl.RENDERER);
   }
 
+  function isLost(gl) {
+    return gl.died || gl.isContextLost();
+  }
+
   // An error where GL recorded one since the last call.
   function check(gl, what) {
     const code = gl.getError();
     // others stay recorded until they are asked for, and would be blamed on what comes next
-    while (code !== gl.NO_ERROR && !gl.isContextLost() && gl.getError() !== gl.NO_ERROR);
-    if (code === gl.CONTEXT_LOST_WEBGL || gl.isContextLost()) {
+    while (code !== gl.NO_ERROR && !isLost(gl) && gl.getError() !== gl.NO_ERROR);
+    if (code === gl.CONTEXT_LOST_WEBGL || isLost(gl)) {
       throw new Error("the WebGL2 context was lost");
     }
     if (code === gl.NO_ERROR) return;
@@ -169,8 +175,9 @@ const webgl2 = (() => {
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
-    const pixels = new Float32Array(width * rows * 4);
+    const pixels = new Float32Array(width * rows * 4).fill(UNREAD);
     gl.readPixels(0, height - bottom, width, rows, gl.RGBA, gl.FLOAT, pixels);
+    gl.died ||= pixels[0] === Math.fround(UNREAD) && pixels.every((v) => v === pixels[0]);
     check(gl, "drawing");
     return pixels;
   }
