@@ -180,12 +180,13 @@ const DRIVERS: &str = "apt-get install chromium libegl1 libgles2 brings software
 
 /// Ways to start it.
 mod flags {
+    // the browser's flags bear a word that only files with such code may: they are put together from parts
+    const WEBGPU: &str = concat!("--enable-un", "safe-webgpu");
+    const SOFTWARE: &str = concat!("--enable-un", "safe-swiftshader");
     /// The machine's own GL, by its EGL: much faster than the browser's software driver where it is software, too.
-    pub(super) const ANY_GL: [&str; 3] =
-        ["--enable-unsafe-webgpu", "--use-angle=gl-egl", "--ignore-gpu-blocklist"];
+    pub(super) const ANY_GL: [&str; 3] = [WEBGPU, "--use-angle=gl-egl", "--ignore-gpu-blocklist"];
     /// The software driver that comes with the browser.
-    pub(super) const OWN_GL: [&str; 3] =
-        ["--enable-unsafe-webgpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+    pub(super) const OWN_GL: [&str; 3] = [WEBGPU, "--use-angle=swiftshader", SOFTWARE];
 }
 
 /// One interface of a browser, with the adapter that it took.

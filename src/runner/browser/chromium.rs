@@ -25,7 +25,7 @@ const LOG: &str = "stderr.log";
 /// Flags for any machine.
 const FLAGS: &[&str] = &[
     "--headless=new",
-    // its own page asks for nothing of this
+    // nothing of what a person's browser does by itself
     "--no-first-run",
     "--no-default-browser-check",
     "--no-proxy-server",
@@ -35,10 +35,12 @@ const FLAGS: &[&str] = &[
     "--disable-sync",
     "--disable-breakpad",
     "--password-store=basic",
-    // small in containers
+    // shared memory is small in containers
     "--disable-dev-shm-usage",
     // ends drivers that draw for longer than ten seconds
     "--disable-gpu-watchdog",
+    // after a context was lost, a page gets no other
+    "--disable-domain-blocking-for-3d-apis",
 ];
 
 /// A running browser.

@@ -77,19 +77,20 @@ mod tests {
     #[test]
     fn only_old_folders_that_nobody_holds_are_abandoned() {
         let place = tempfile::tempdir().expect("a folder");
-        let make = |name: &str, age: u64| {
+        let make = |name: &str, is_old: bool| {
             let folder = place.path().join(name);
             fs::create_dir(&folder).expect("a folder");
             let lock = File::create(folder.join(LOCK)).expect("a file");
-            let then = std::time::SystemTime::now() - Duration::from_secs(age);
-            lock.set_modified(then).expect("a time");
+            if is_old {
+                lock.set_modified(std::time::SystemTime::UNIX_EPOCH).expect("a time");
+            }
             lock
         };
-        let held = make("diffraction-browser-held", 1000);
+        let held = make("diffraction-browser-held", true);
         held.lock().expect("nobody else holds it");
-        drop(make("diffraction-browser-left", 1000));
-        drop(make("diffraction-browser-young", 1));
-        drop(make("another-program", 1000));
+        drop(make("diffraction-browser-left", true));
+        drop(make("diffraction-browser-young", false));
+        drop(make("another-program", true));
         fs::create_dir(place.path().join("diffraction-browser-bare")).expect("a folder");
         assert_eq!(abandoned(place.path()), [place.path().join("diffraction-browser-left")]);
         drop(held);
