@@ -5,7 +5,11 @@ mod cpu;
 mod pictures;
 #[cfg(feature = "gpu")]
 mod shader;
+#[cfg(feature = "routes")]
+mod stages;
 
+#[cfg(feature = "routes")]
+pub mod browser;
 #[cfg(feature = "routes")]
 pub mod egl;
 #[cfg(feature = "gpu")]
@@ -24,6 +28,8 @@ use crate::height::HeightField;
 use crate::plan::{Mode, Variant};
 use crate::reference::Directions;
 
+#[cfg(feature = "routes")]
+pub use browser::BrowserRunner;
 pub use cpu::{Exact, TwinRunner};
 #[cfg(feature = "routes")]
 pub use egl::EglRunner;
@@ -51,7 +57,7 @@ pub type Progress<'a> = &'a (dyn Fn(usize) + Sync);
 /// One way to evaluate a variant.
 pub trait Runner {
     /// Its route: `exact`, `twin`, `vulkan:ADAPTER`, `gl:ADAPTER`, `spirv:ADAPTER`, `hlsl:ADAPTER`, `glsl450`,
-    /// `glsl-es300`.
+    /// `glsl-es300`, `webgpu`, `webgl2`.
     fn route(&self) -> String;
 
     /// Relative tristimulus values, gain included.

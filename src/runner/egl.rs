@@ -17,11 +17,12 @@ mod pipeline;
 use std::fmt;
 
 use crate::emit::{EmittedFile, emit};
-use crate::error::{Error, Result, Stage};
-use crate::module::{self, Module};
+use crate::error::Result;
+use crate::module::Module;
 use crate::plan::Target;
 
 use super::pictures::{BAND_ROWS, BoundTable, Driver, DriverRunner, Prepared};
+use super::stages::stages;
 use super::{Progress, Subject};
 
 use device::Device;
@@ -108,19 +109,7 @@ impl Egl {
         entry: &str,
         tables: &[BoundTable<'_>],
     ) -> Result<Pipeline> {
-        let find = |stage: module::Stage, wanted: Option<&str>| {
-            let matches = |file: &&EmittedFile| {
-                file.entry_points.iter().any(|point| {
-                    point.stage == stage && wanted.is_none_or(|name| name == point.source_name)
-                })
-            };
-            files.iter().find(matches).ok_or_else(|| {
-                let cause = format!("no emitted file has {}", wanted.unwrap_or("a vertex stage"));
-                Error::new(Stage::Run, name, cause)
-            })
-        };
-        let (vertex, fragment) =
-            (find(module::Stage::Vertex, None)?, find(module::Stage::Fragment, Some(entry))?);
+        let [(vertex, _), (fragment, _)] = stages(name, files, entry)?;
         Pipeline::new(&self.device, name, [vertex, fragment], tables)
     }
 }

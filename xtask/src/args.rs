@@ -73,6 +73,12 @@ pub(crate) enum Runner {
     /// The emitted GLSL ES 3.00 text on a GL ES context.
     #[value(name = "glsl-es300")]
     GlslEs300,
+    /// The emitted WGSL in a headless Chromium's WebGPU.
+    #[value(name = "webgpu")]
+    WebGpu,
+    /// The emitted GLSL ES 3.00 text in a headless Chromium's WebGL2.
+    #[value(name = "webgl2")]
+    WebGl2,
 }
 
 impl Runner {

@@ -73,6 +73,7 @@ impl Job {
 
 #[cfg(feature = "gpu")]
 fn shader<'a>(subject: Subject<'a>, args: &RunnerArgs) -> Result<Box<dyn Runner + 'a>> {
+    use diffraction_shaders::runner::browser::{Api, Web};
     use diffraction_shaders::runner::egl::{Dialect, Egl};
     use diffraction_shaders::runner::gpu::{Backend, Gpu};
     use diffraction_shaders::runner::passthrough::{Language, Passthrough};
@@ -86,9 +87,15 @@ fn shader<'a>(subject: Subject<'a>, args: &RunnerArgs) -> Result<Box<dyn Runner 
         let driver = Passthrough::open(language, adapter)?;
         Ok(Box::new(DriverRunner::with(Prepared::new(subject)?, driver)))
     };
+    let web = |api| -> Result<Box<dyn Runner + 'a>> {
+        let driver = Web::open(api, adapter)?;
+        Ok(Box::new(DriverRunner::with(Prepared::new(subject)?, driver)))
+    };
     match args.runner {
         Kind::Spirv => passthrough(Language::Spirv),
         Kind::Hlsl => passthrough(Language::Hlsl),
+        Kind::WebGpu => web(Api::WebGpu),
+        Kind::WebGl2 => web(Api::WebGl2),
         Kind::Glsl450 => egl(Dialect::Glsl450),
         Kind::GlslEs300 => egl(Dialect::GlslEs300),
         kind => {
