@@ -17,6 +17,7 @@ mod reexec;
 mod render;
 mod runners;
 mod test;
+mod testbench;
 mod unchanged;
 mod validate;
 
@@ -53,6 +54,8 @@ enum Command {
     Eval(eval::Args),
     /// Draw a BRDF map: all viewing directions under one light.
     Render(render::Args),
+    /// Measure a surface's period from the response over wavelength and viewing angle.
+    Testbench(testbench::Args),
     Test(test::Args),
 }
 
@@ -85,6 +88,7 @@ fn main() -> ExitCode {
         Command::Explain(args) => explain::run(&args, &console).map(ExitCode::from),
         Command::Eval(args) => eval::run(&args, &console).map(ExitCode::from),
         Command::Render(args) => render::run(&args, &console).map(ExitCode::from),
+        Command::Testbench(args) => testbench::run(&args, &console).map(ExitCode::from),
         Command::Test(args) => test::run(&args),
     };
     match outcome {
