@@ -61,7 +61,7 @@ fn draw(root: &Area<'_>, m: &Measurement, protocol: &Protocol, picture: Picture<
     let (periods, scale) = rest.split_horizontally(SPLIT[1] - SPLIT[0]);
     draw_map(&map, m, protocol)?;
     draw_periods(&periods, m, protocol, picture.yardstick)?;
-    draw_scale(&scale)
+    draw_scale(&scale, picture.yardstick.is_some())
 }
 
 /// Lower and upper end of a wavelength's row, nm.
@@ -224,7 +224,7 @@ fn draw_periods(
     Ok(())
 }
 
-fn draw_scale(area: &Area<'_>) -> Drawn {
+fn draw_scale(area: &Area<'_>, has_closed_form: bool) -> Drawn {
     let style = |size: u32| ("sans-serif", size).into_font().color(&INK);
     let text = |words: &str, size: u32, x: i32, y: i32| {
         area.draw_text(words, &style(size), (x, y)).map_err(|e| e.to_string())
@@ -247,17 +247,19 @@ fn draw_scale(area: &Area<'_>) -> Drawn {
         let path = PathElement::new([(0, y), (14, y)], colour.stroke_width(2));
         area.draw(&path).map_err(|e| e.to_string())
     };
-    line(legend + 31, CLOSED)?;
-    text("closed form", 13, 20, legend + 24)?;
+    if has_closed_form {
+        line(legend + 79, CLOSED)?;
+        text("closed form", 13, 20, legend + 72)?;
+    }
     for x in [0, 8] {
         let path = PathElement::new(
-            [(x, legend + 55), (x + 5, legend + 55)],
+            [(x, legend + 31), (x + 5, legend + 31)],
             RGBColor(0x80, 0x88, 0x90).stroke_width(2),
         );
         area.draw(&path).map_err(|e| e.to_string())?;
     }
-    text("grating", 13, 20, legend + 48)?;
-    text("equation", 13, 20, legend + 64)
+    text("grating", 13, 20, legend + 24)?;
+    text("equation", 13, 20, legend + 40)
 }
 
 #[cfg(test)]

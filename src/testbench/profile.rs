@@ -76,8 +76,7 @@ impl Profile {
                     + Complex64::cis(TAU * place * duty) * ramp(0.0, place, 1.0 - duty)
             }
             Shape::Triangle { apex } => {
-                ramp(psi, place, apex)
-                    + Complex64::cis(TAU * place) * ramp(psi, -place, 1.0 - apex)
+                ramp(psi, place, apex) + Complex64::cis(TAU * place) * ramp(psi, -place, 1.0 - apex)
             }
             // Jacobi–Anger: exp(iζ cos φ) = Σ iⁿ J_n(ζ) exp(inφ)
             Shape::Sinusoidal => {

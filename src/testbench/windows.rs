@@ -36,7 +36,12 @@ impl Crop {
 
 /// At least `count` square windows of a side in µm, evenly spread over the surface in as square a grid as its shape
 /// allows, row by row from the top left; they overlap where there is not room enough.
-pub fn layout(height: &HeightField, count: usize, side_um: f64, subject: &str) -> Result<Vec<Crop>> {
+pub fn layout(
+    height: &HeightField,
+    count: usize,
+    side_um: f64,
+    subject: &str,
+) -> Result<Vec<Crop>> {
     let size = [height.size_x_um(), height.size_y_um()];
     let pitch = [height.pitch_x_um(), height.pitch_y_um()];
     let all = [height.columns(), height.rows()];

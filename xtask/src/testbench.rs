@@ -21,7 +21,7 @@ use crate::progress;
 use crate::reexec;
 
 pub(crate) use args::Args;
-use task::{Found, gap};
+use task::{Found, Task, gap};
 
 pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     if args.runner().is_driver() {
@@ -42,8 +42,17 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     for task in &tasks {
         let mut found = Vec::new();
         for (number, crop) in crops.iter().enumerate() {
-            let one = task.measure(spec, &surface, *crop, &protocol)?;
+            let field = Task::field(&surface, *crop)?;
             bar.inc(1);
+            if let Some(reason) = task.refusal(&field) {
+                if args.variant.is_some() {
+                    bail!("variant {}: {reason}", task.name);
+                }
+                // windows are alike in what decides it
+                gaps.push(gap(&spec.name, &task.name, args.runner_name(), reason));
+                break;
+            }
+            let one = task.measure(spec, field, crop.is_none(), &protocol)?;
             if one.measurement.points == 0 {
                 gaps.push(gap(&spec.name, &task.name, one.route.clone(), nothing(&one)));
                 continue;
@@ -68,7 +77,10 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     };
     console.data(&text)?;
     if results.is_empty() {
-        bail!("{}: no period was found (say where to search with --period-nm)", height::subject(spec));
+        bail!(
+            "{}: no period was found (say where to search with --period-nm)",
+            height::subject(spec)
+        );
     }
     Ok(Outcome::Done)
 }

@@ -5,6 +5,7 @@ use diffraction_shaders::height::inspect::facts;
 use diffraction_shaders::height::{HeightField, Surface, subject};
 use diffraction_shaders::plan::{Mode, Plan, SurfaceSource, SurfaceSpec, Variant, Wavelengths};
 use diffraction_shaders::record::{Gap, Testbench};
+use diffraction_shaders::resolve::resolve;
 use diffraction_shaders::testbench::{self, Crop, Measurement, Protocol};
 
 use super::Args;
@@ -89,18 +90,29 @@ pub(super) fn tiled(spec: &SurfaceSpec, field: &HeightField) -> Result<[bool; 2]
 }
 
 impl Task {
+    /// Why the variant has no meaning on the heights, if it has none.
+    pub(super) fn refusal(&self, field: &HeightField) -> Option<String> {
+        let applies = self.runner.runner != Runner::Exact;
+        let refused = applies.then(|| resolve(&self.variant, field).err()).flatten();
+        refused.map(|error| format!("not applicable: {error}"))
+    }
+
+    /// The heights of the whole surface, or of a window.
+    pub(super) fn field(surface: &Surface, crop: Option<Crop>) -> Result<HeightField> {
+        Ok(match crop {
+            Some(crop) => crop.of(&surface.field)?,
+            None => surface.field.clone(),
+        })
+    }
+
     /// Measures the surface or a window of it.
     pub(super) fn measure(
         &self,
         spec: &SurfaceSpec,
-        surface: &Surface,
-        crop: Option<Crop>,
+        field: HeightField,
+        is_whole: bool,
         protocol: &Protocol,
     ) -> Result<Found> {
-        let field = match crop {
-            Some(crop) => crop.of(&surface.field)?,
-            None => surface.field.clone(),
-        };
         let surface = Surface { field, notes: vec![] };
         let job = Job { spec: spec.clone(), surface, variant: self.variant.clone() };
         let (subject, protocol) = (job.subject(), *protocol);
@@ -112,8 +124,8 @@ impl Task {
             let respond = testbench::runner(runner.as_ref(), protocol);
             testbench::measure(&protocol, extent_um, respond)?
         };
-        let yardstick = match (&spec.source, crop) {
-            (SurfaceSource::Grating(grating), None) => {
+        let yardstick = match (&spec.source, is_whole) {
+            (SurfaceSource::Grating(grating), true) => {
                 testbench::yardstick(grating, subject, &protocol)?
             }
             _ => None,
@@ -125,7 +137,12 @@ impl Task {
 
 impl Found {
     /// As a line of results.
-    pub(super) fn record(&self, surface: &str, crop: Option<Crop>, svg: Option<String>) -> Testbench {
+    pub(super) fn record(
+        &self,
+        surface: &str,
+        crop: Option<Crop>,
+        svg: Option<String>,
+    ) -> Testbench {
         let m = &self.measurement;
         let closed = self.yardstick.as_ref().filter(|closed| closed.points > 0);
         Testbench {
