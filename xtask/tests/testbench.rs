@@ -16,7 +16,7 @@ name = "flat"
 grating = { kind = "flat", period_um = 2.5, pixels = 40 }
 [[surface]]
 name = "rough"
-grating = { kind = "fingers", size_um = 12.1, pixels = 200, pitch_um = 1.1, height_um = 0.2, seed = 1 }
+grating = { kind = "fingers", size_um = 24.2, pixels = 400, pitch_um = 1.1, height_um = 0.2, seed = 1 }
 [variants]
 mode = ["full", "adaptive", "gems"]
 terms = [19]
@@ -96,7 +96,7 @@ fn windows_are_told_one_by_one_and_together() {
     let places: Vec<&Value> = lines.iter().map(|line| &line["window"]).collect();
     assert_eq!(lines.len(), 5);
     assert_eq!(places[0], &serde_json::json!([0, 0, 99, 99]));
-    assert_eq!(places[3], &serde_json::json!([101, 101, 99, 99]));
+    assert_eq!(places[3], &serde_json::json!([301, 301, 99, 99]));
     assert_eq!((places[4], &lines[4]["windows"][0]), (&Value::Null, &4.into()));
     let periods: Vec<f64> = lines.iter().map(|line| line["period_nm"].as_f64().unwrap()).collect();
     let ends = periods[..4].iter().fold((f64::MAX, 0.0_f64), |e, p| (e.0.min(*p), e.1.max(*p)));
