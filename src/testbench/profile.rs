@@ -120,7 +120,10 @@ fn sinc(t: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn all() -> [(Profile, fn(f64) -> f64); 4] {
+    /// Height over the period's share, of `H`.
+    type Height = fn(f64) -> f64;
+
+    fn all() -> [(Profile, Height); 4] {
         let of = |shape| Profile { shape, period_um: 2.5, height_um: 0.3 };
         [
             (of(Shape::Sinusoidal), |t| 0.5 + 0.5 * (TAU * t).cos()),
