@@ -15,6 +15,8 @@ const PER_LOBE: f64 = 8.0;
 /// Coarse maxima below this share of the largest cannot hold the maximum. At the worst place, midway, an isolated lobe
 /// of a Gaussian window or of replicas is 2 % down.
 const NEAR_LARGEST: f64 = 0.9;
+/// What is weaker is rounding, not light: the exact field, 1 at its peak, is right to 1e-9.
+const LEAST_RESPONSE: f64 = 1e-18;
 /// Greatest grid index on either side: the horizon is left out.
 const LAST: i32 = 8999;
 /// Where the first order is searched, in units of its expected distance from the mirror direction.
@@ -100,7 +102,8 @@ fn vertex(responses: [f64; 3]) -> f64 {
 /// own ends are none: what rises towards them belongs to the mirror direction or to another order.
 fn maxima(samples: &Samples, (first, last): (i32, i32)) -> Vec<([i32; 3], f64)> {
     let inside: Vec<(i32, f64)> = samples.range(first..=last).map(|(i, r)| (*i, *r)).collect();
-    let is_maximum = |w: &&[(i32, f64)]| w[1].1 > 0.0 && w[1].1 >= w[0].1 && w[1].1 > w[2].1;
+    let is_maximum =
+        |w: &&[(i32, f64)]| w[1].1 > LEAST_RESPONSE && w[1].1 >= w[0].1 && w[1].1 > w[2].1;
     let found = inside.windows(3).filter(is_maximum);
     found.map(|w| ([w[0].0, w[1].0, w[2].0], w[1].1)).collect()
 }
