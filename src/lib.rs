@@ -63,6 +63,7 @@ pub mod generate;
 pub mod readme;
 pub mod process;
 pub mod runner;
+pub mod testbench;
 pub mod validate;
 #[cfg(all(feature = "gpu", feature = "routes"))]
 pub mod compare;

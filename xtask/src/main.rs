@@ -18,6 +18,7 @@ mod reexec;
 mod render;
 mod runners;
 mod test;
+mod testbench;
 mod unchanged;
 mod validate;
 
@@ -56,6 +57,8 @@ enum Command {
     Render(render::Args),
     /// Compare every variant by every route with the exact reference, its twin and the other routes.
     Compare(compare::Args),
+    /// Measure a surface's period from the response over wavelength and viewing angle.
+    Testbench(testbench::Args),
     Test(test::Args),
 }
 
@@ -89,6 +92,7 @@ fn main() -> ExitCode {
         Command::Eval(args) => eval::run(&args, &console).map(ExitCode::from),
         Command::Render(args) => render::run(&args, &console).map(ExitCode::from),
         Command::Compare(args) => compare::run(&args, &console).map(ExitCode::from),
+        Command::Testbench(args) => testbench::run(&args, &console).map(ExitCode::from),
         Command::Test(args) => test::run(&args),
     };
     match outcome {

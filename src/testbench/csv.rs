@@ -1,0 +1,18 @@
+//! Every sample as a line of text.
+
+use std::fmt::Write;
+
+use super::Measurement;
+
+/// `wavelength_nm,theta_r_deg,response`, one line for each sample that was evaluated, by wavelength, then angle; numbers
+/// read back as they were. The angles are a subset of the grid, dense around peaks.
+pub fn csv(measurement: &Measurement) -> String {
+    let mut text = "wavelength_nm,theta_r_deg,response\n".to_owned();
+    for row in &measurement.rows {
+        for (theta_deg, response) in &row.samples {
+            // writing to a string cannot fail
+            let _ = writeln!(text, "{:?},{theta_deg:?},{response:?}", row.lambda_nm);
+        }
+    }
+    text
+}
