@@ -62,4 +62,5 @@ pub mod probe;
 pub mod generate;
 pub mod readme;
 pub mod runner;
+pub mod bench;
 pub mod validate;

@@ -23,7 +23,7 @@ pub use cpu::{Exact, TwinRunner};
 #[cfg(feature = "routes")]
 pub use egl::EglRunner;
 #[cfg(any(feature = "gpu", feature = "routes"))]
-pub use pictures::{BoundTable, Driver, DriverRunner, Prepared};
+pub use pictures::{BoundTable, Driver, DriverRunner, Prepared, params};
 #[cfg(feature = "gpu")]
 pub use shader::ShaderRunner;
 

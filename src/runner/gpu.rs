@@ -18,10 +18,12 @@ mod adapter;
 mod guard;
 mod program;
 mod render;
+mod time;
 
 pub use self::adapter::{AdapterInfo, Backend, MESA_FLOAT_TARGETS};
 pub use self::program::{Program, Texture, TextureFormat, TextureLayout, Uniform};
 pub use self::render::Pipeline;
+pub use self::time::FrameTimes;
 
 use std::sync::Arc;
 
