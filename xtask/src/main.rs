@@ -4,6 +4,7 @@
 //! into an exit code: 0 done, 1 findings, 2 usage, configuration, input or internal error.
 
 mod args;
+mod bench;
 mod console;
 mod eval;
 mod explain;
@@ -53,6 +54,8 @@ enum Command {
     Eval(eval::Args),
     /// Draw a BRDF map: all viewing directions under one light.
     Render(render::Args),
+    /// Measure the time of every variant on every adapter.
+    Bench(bench::Args),
     Test(test::Args),
 }
 
@@ -85,6 +88,7 @@ fn main() -> ExitCode {
         Command::Explain(args) => explain::run(&args, &console).map(ExitCode::from),
         Command::Eval(args) => eval::run(&args, &console).map(ExitCode::from),
         Command::Render(args) => render::run(&args, &console).map(ExitCode::from),
+        Command::Bench(args) => bench::run(&args, &console).map(ExitCode::from),
         Command::Test(args) => test::run(&args),
     };
     match outcome {

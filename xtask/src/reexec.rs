@@ -12,8 +12,14 @@ const MARK: &str = "XTASK_STARTED_AGAIN";
 /// Returns when this process has the feature `gpu` and Mesa's extension is set; else replaces it by one that has.
 /// `args` are those of the command line after the name of the program.
 pub(crate) fn with_gpu(args: Vec<OsString>) -> Result<()> {
+    with_gpu_and(args, &[])
+}
+
+/// The same with more variables of the environment, where they are not set to something else.
+pub(crate) fn with_gpu_and(args: Vec<OsString>, more: &[(&str, &str)]) -> Result<()> {
     let lacks_feature = !cfg!(feature = "gpu");
-    if !lacks_feature && std::env::var_os(MESA_KEY).is_some() {
+    let is_set = |key: &str| std::env::var_os(key).is_some();
+    if !lacks_feature && is_set(MESA_KEY) && more.iter().all(|(key, _)| is_set(key)) {
         return Ok(());
     }
     if std::env::var_os(MARK).is_some() {
@@ -36,8 +42,9 @@ pub(crate) fn with_gpu(args: Vec<OsString>) -> Result<()> {
     } else {
         Command::new(std::env::current_exe()?)
     };
-    if std::env::var_os(MESA_KEY).is_none() {
-        command.env(MESA_KEY, MESA_VALUE);
+    for (key, value) in [(MESA_KEY, MESA_VALUE)].iter().chain(more).filter(|(key, _)| !is_set(key))
+    {
+        command.env(key, value);
     }
     // else Mesa's Vulkan looks for a Wayland display and complains
     command.env(MARK, "1").env("NODEVICE_SELECT", "1").args(args);

@@ -67,6 +67,7 @@ where
     (measured, frames.map(|cell| cell.get()))
 }
 
+/// Strict rules below have a negative precision: no interval is narrow enough.
 fn rules(seconds: u64) -> Rules {
     Rules::standard(Duration::from_secs(seconds))
 }
@@ -79,7 +80,7 @@ fn ok(measured: &Measured, index: usize) -> &Samples {
 fn a_machine_that_slows_down_changes_times_and_not_ratios() {
     // four times slower after ten seconds
     let drift = |t: f64| 1.0 + 3.0 * (t / 10_000.0).min(1.0);
-    let strict = Rules { precision: 0.0, ..rules(10) };
+    let strict = Rules { precision: -1.0, ..rules(10) };
     let (measured, _) =
         pair(|_, t| Some(300.0 * drift(t)), |_, t| Some(100.0 * drift(t)), None, &strict);
     let ratios = ratios(ok(&measured, 0), ok(&measured, 1));
@@ -91,7 +92,7 @@ fn a_machine_that_slows_down_changes_times_and_not_ratios() {
 
 #[test]
 fn one_slow_round_in_seven_is_an_outlier_and_moves_nothing() {
-    let strict = Rules { precision: 0.0, ..rules(20) };
+    let strict = Rules { precision: -1.0, ..rules(20) };
     let hit = |draw: usize, _: f64| Some(if draw % 7 == 6 { 900.0 } else { 100.0 });
     let (measured, _) = pair(|_, _| Some(250.0), hit, None, &strict);
     let samples = ok(&measured, 1);
@@ -125,7 +126,7 @@ fn rounds_go_on_until_the_interval_is_narrow_or_the_time_is_spent() {
     let rounds = ok(&measured, 1).rounds.len();
     assert!(rounds > LEAST_VALUES, "{rounds}");
     // the same with 3 s for each: 3 s for both are 6 s, and a round takes about 0.15 s
-    let strict = Rules { precision: 0.0, most_rounds: 1000, ..rules(3) };
+    let strict = Rules { precision: -1.0, most_rounds: 1000, ..rules(3) };
     let (measured, _) = pair(|_, _| Some(100.0), noisy, None, &strict);
     assert!((38..=41).contains(&ok(&measured, 1).rounds.len()), "{:?}", ok(&measured, 1).rounds);
     // nothing left, and still the fewest rounds
