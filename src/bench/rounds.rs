@@ -85,8 +85,11 @@ pub struct Measured {
     pub samples: Vec<Result<Samples>>,
 }
 
-/// Frames that a round needs to be longer than this are drawn together: 2 ms twenty times.
+/// In a round, a subject is drawn for this long at least, ms: frames of 2 ms twenty times …
 const ROUND_MS: f64 = 40.0;
+/// … and for this share of the longest frame: a short glance meets the machine busy or idle, a long one both.
+const LEAST_SHARE: f64 = 0.25;
+/// … but no more frames than these.
 const MOST_FRAMES: f64 = 20.0;
 /// Time stamps that differ by more from the wall are not believed …
 const AGREEMENT: f64 = 0.05;
@@ -95,8 +98,8 @@ const SUBMISSION_MS: f64 = 0.5;
 
 /// Measures a group. The first subject is what ratios are formed with: it is drawn as long as any other still is.
 ///
-/// Each subject is drawn once to learn how long it takes, and once more to warm up and to compare clocks; a frame below
-/// 40 ms is then drawn several times in a round, one below 2 ms twenty times. The order within a round changes from round
+/// Each subject is drawn once to learn how long it takes, and once more to warm up and to compare clocks. A frame below
+/// 40 ms, or much shorter than the longest, is then drawn several times in a round, one below 2 ms twenty times. The order within a round changes from round
 /// to round. A subject leaves when the interval of its ratio is narrow enough; one that fails leaves with its error.
 /// `stop` is asked before every draw, and what whole rounds have measured is kept. `progress` is told the share of the
 /// time allowed that is spent.
@@ -160,15 +163,15 @@ fn warm_up(
     subjects: &mut [Box<dyn Executor + '_>],
     stop: &dyn Fn() -> bool,
 ) -> (Timing, Vec<Result<Samples>>) {
+    let lengths: Vec<Result<f64>> = subjects.iter_mut().map(|s| length(&mut **s, stop)).collect();
+    let longest = lengths.iter().flatten().copied().fold(0.0, f64::max);
     let mut agree = true;
-    let mut warm = |subject: &mut Box<dyn Executor + '_>| {
+    let mut warm = |subject: &mut dyn Executor, once: f64| {
+        let frames = (ROUND_MS.max(LEAST_SHARE * longest) / once.max(1e-3)).ceil();
+        let frames = frames.clamp(1.0, MOST_FRAMES) as usize;
         if stop() {
-            return Ok(Samples { frames: 1, ..Samples::default() });
+            return Ok(Samples { frames, ..Samples::default() });
         }
-        let first = ms(subject.draw(1)?.wall);
-        // a first frame may be slow: ask again where it is cheap
-        let once = if first < ROUND_MS { ms(subject.draw(2)?.wall) / 2.0 } else { first };
-        let frames = (ROUND_MS / once.max(1e-3)).ceil().clamp(1.0, MOST_FRAMES) as usize;
         let drawn = subject.draw(frames)?;
         let wall = ms(drawn.wall);
         let apart = drawn.stamps.map(|stamps| (ms(stamps) - wall).abs());
@@ -176,8 +179,18 @@ fn warm_up(
         let disagreement = apart.map(|apart| apart / wall.max(1e-6));
         Ok(Samples { frames, disagreement, ..Samples::default() })
     };
-    let samples = subjects.iter_mut().map(&mut warm).collect();
+    let samples = subjects.iter_mut().zip(lengths);
+    let samples = samples.map(|(subject, once)| warm(&mut **subject, once?)).collect();
     (if agree { Timing::Stamps } else { Timing::Wall }, samples)
+}
+
+/// How long a frame takes, ms. A first frame may be slow: where frames are cheap, later ones are asked.
+fn length(subject: &mut dyn Executor, stop: &dyn Fn() -> bool) -> Result<f64> {
+    if stop() {
+        return Ok(0.0);
+    }
+    let first = ms(subject.draw(1)?.wall);
+    if first < ROUND_MS { Ok(ms(subject.draw(2)?.wall) / 2.0) } else { Ok(first) }
 }
 
 /// Subjects of the next round; empty when nothing is left to learn.

@@ -112,6 +112,9 @@ fn a_slow_first_frame_counts_neither_as_time_nor_as_length() {
     assert_eq!(samples.frames, 20, "twenty frames of what is below 2 ms");
     assert!(samples.time_ms.iter().all(|time| (time - 0.5).abs() < 1e-6), "{:?}", samples.time_ms);
     assert_eq!(ok(&measured, 0).frames, 1);
+    // a quarter of the longest: 400 ms in frames of 150
+    let (measured, _) = pair(|_, _| Some(1600.0), |_, _| Some(150.0), None, &rules(0));
+    assert_eq!((ok(&measured, 0).frames, ok(&measured, 1).frames), (1, 3));
 }
 
 #[test]

@@ -35,26 +35,31 @@ pub(super) fn times(rows: &[Row], before: Option<&[Bench]>) -> String {
             "ratio",
             "95 %",
             "CPU ms",
+            "CPU ratio",
             "ns/pixel",
             "fetches",
             "KiB",
             "pipeline ms",
-            "rounds",
+            "rounds·frames",
             "outliers",
             "clock",
         ];
         head.extend(before.map(|_| "since"));
-        let cells = here.iter().map(|row| cells(row, before));
+        let cpu = here.iter().find(|row| first.baseline.as_ref() == Some(&row.record.variant));
+        let cpu_ms = cpu.map(|row| row.record.cpu_ms);
+        let cells = here.iter().map(|row| cells(row, cpu_ms, before));
         text += &table::text(&head, cells.collect());
         text.push('\n');
     }
     if !text.is_empty() {
-        text += "ns per pixel of the disc; fetches per lit pixel, counted\n";
+        text += "CPU: of this process, all threads; what a software driver needs however busy the machine is\n";
+        text += "ns per pixel of the disc; fetches per lit pixel, counted\n\n";
     }
     text
 }
 
-fn cells(row: &Row, before: Option<&[Bench]>) -> Vec<String> {
+/// `cpu_ms` is the baseline's.
+fn cells(row: &Row, cpu_ms: Option<f64>, before: Option<&[Bench]>) -> Vec<String> {
     let bench = &row.record;
     let none = || "-".to_owned();
     let mut cells = vec![
@@ -66,6 +71,7 @@ fn cells(row: &Row, before: Option<&[Bench]>) -> Vec<String> {
             .ratio_interval
             .map_or_else(none, |[low, high]| format!("{} … {}", digits(low), digits(high))),
         digits(bench.cpu_ms),
+        cpu_ms.map_or_else(none, |baseline| digits(baseline / bench.cpu_ms.max(1e-6))),
         digits(bench.ns_per_pixel),
         format!("{:.0}", row.fetches),
         format!("{:.1}", bench.table_bytes as f64 / 1024.0),
