@@ -19,6 +19,16 @@ pub(super) struct Row {
     pub(super) fetches: f64,
 }
 
+/// A point of an axis with what the table says beside it.
+#[derive(Clone, Debug)]
+pub(super) struct Point {
+    pub(super) record: Scaling,
+    /// What the time is expected to be proportional to.
+    pub(super) work: f64,
+    /// Median time of the processor for a frame, all threads, ms.
+    pub(super) cpu_ms: f64,
+}
+
 /// The results so far, and where they go.
 pub(super) struct Output<'a> {
     args: &'a Args,
@@ -26,8 +36,7 @@ pub(super) struct Output<'a> {
     bar: ProgressBar,
     log: Option<Log>,
     rows: Vec<Row>,
-    /// An axis with the work and the record of each of its points.
-    scalings: Vec<(Axis, Vec<(f64, Scaling)>)>,
+    scalings: Vec<(Axis, Vec<Point>)>,
     before: Option<Vec<Bench>>,
     failed: bool,
 }
@@ -75,9 +84,9 @@ impl<'a> Output<'a> {
         Ok(())
     }
 
-    pub(super) fn scaling(&mut self, axis: Axis, points: Vec<(f64, Scaling)>) -> Result<()> {
-        for (_, point) in &points {
-            self.record(&Record::Scaling(point.clone()))?;
+    pub(super) fn scaling(&mut self, axis: Axis, points: Vec<Point>) -> Result<()> {
+        for point in &points {
+            self.record(&Record::Scaling(point.record.clone()))?;
         }
         self.scalings.push((axis, points));
         Ok(())

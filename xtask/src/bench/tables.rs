@@ -2,10 +2,13 @@
 
 use diffraction_shaders::bench::scaling::Axis;
 use diffraction_shaders::bench::stats::exponent;
-use diffraction_shaders::record::{Bench, Scaling};
+use diffraction_shaders::record::Bench;
 
-use super::output::Row;
+use super::output::{Point, Row};
 use crate::list::table;
+
+/// Against the shader as printed, software drivers draw an empty frame about this many times faster.
+const EMPTY_RATIO: f64 = 1500.0;
 
 /// A table for each adapter and surface, fastest first; `before` holds kept results to compare with.
 pub(super) fn times(rows: &[Row], before: Option<&[Bench]>) -> String {
@@ -49,6 +52,10 @@ pub(super) fn times(rows: &[Row], before: Option<&[Bench]>) -> String {
         let cpu_ms = cpu.map(|row| row.record.cpu_ms);
         let cells = here.iter().map(|row| cells(row, cpu_ms, before));
         text += &table::text(&head, cells.collect());
+        let near_empty = |row: &&Row| row.record.ratio.is_some_and(|ratio| ratio > EMPTY_RATIO);
+        if here.iter().any(near_empty) {
+            text += "a ratio above 1500 is about that of an empty frame; --empty shows it\n";
+        }
         text.push('\n');
     }
     if !text.is_empty() {
@@ -118,11 +125,11 @@ fn same_place(a: &Bench, b: &Bench) -> bool {
     place(a) == place(b)
 }
 
-/// A table for each axis, with the exponent of the time in the work.
-pub(super) fn scalings(scalings: &[(Axis, Vec<(f64, Scaling)>)]) -> String {
+/// A table for each axis, with the exponents of both times in the work.
+pub(super) fn scalings(scalings: &[(Axis, Vec<Point>)]) -> String {
     let mut text = String::new();
     for (axis, points) in scalings {
-        let Some((_, first)) = points.first() else { continue };
+        let Some(first) = points.first().map(|point| &point.record) else { continue };
         text += &format!(
             "{} of {} on {} {}, against {}\n",
             first.variant,
@@ -131,20 +138,21 @@ pub(super) fn scalings(scalings: &[(Axis, Vec<(f64, Scaling)>)]) -> String {
             first.adapter,
             axis.name()
         );
-        let cells = points.iter().map(|(work, point)| {
-            let per_work = point.median_ms * 1e6 / work;
+        let cells = points.iter().map(|point| {
             vec![
-                point.value.to_string(),
-                digits(point.median_ms),
-                digits(point.mad_ms),
-                digits(per_work),
+                point.record.value.to_string(),
+                digits(point.record.median_ms),
+                digits(point.record.mad_ms),
+                digits(point.cpu_ms),
             ]
         });
-        let per_work = format!("ns per {}", axis.work().trim_end_matches('s'));
-        text += &table::text(&[axis.name(), "ms", "± MAD", &per_work], cells.collect());
-        let line: Vec<[f64; 2]> = points.iter().map(|(work, p)| [*work, p.median_ms]).collect();
-        if let Some(exponent) = exponent(&line) {
-            text += &format!("time grows like {}^{exponent:.2}\n", axis.work());
+        text += &table::text(&[axis.name(), "ms", "± MAD", "CPU ms"], cells.collect());
+        let power = |time: fn(&Point) -> f64| {
+            exponent(&points.iter().map(|point| [point.work, time(point)]).collect::<Vec<_>>())
+        };
+        if let Some((wall, cpu)) = power(|p| p.record.median_ms).zip(power(|p| p.cpu_ms)) {
+            let work = axis.work();
+            text += &format!("time grows like {work}^{wall:.2}, CPU time like {work}^{cpu:.2}\n");
         }
         text.push('\n');
     }
@@ -203,6 +211,9 @@ mod tests {
         assert!(lines[2].starts_with("fast") && lines[2].ends_with("×0.500 faster"), "{text}");
         assert!(lines[3].starts_with("new") && lines[3].ends_with("wall   new"), "{text}");
         assert!(lines[4].starts_with("texts") && lines[4].ends_with("×0.500 faster"), "{text}");
+        assert!(!text.contains("empty frame"));
+        let fast = [Row { record: bench("baked", 0.5, 2000.0), fetches: 1.0 }];
+        assert!(times(&fast, None).contains("empty frame"));
         assert!(!times(&rows, None).contains("since") && times(&[], None).is_empty());
     }
 

@@ -9,13 +9,14 @@ use diffraction_shaders::bench::driver::{Case, EMPTY, Group, Scene, measure};
 use diffraction_shaders::bench::result::{Place, bench, scaling};
 use diffraction_shaders::bench::rounds::Rules;
 use diffraction_shaders::bench::scaling::Axis;
+use diffraction_shaders::bench::stats::median;
 use diffraction_shaders::height::{self, Surface};
 use diffraction_shaders::plan::{SurfaceSpec, Variant};
 use diffraction_shaders::record::Gap;
 use diffraction_shaders::runner::gpu::{AdapterInfo, Gpu};
 use indicatif::ProgressBar;
 
-use super::output::{Output, Row};
+use super::output::{Output, Point, Row};
 use super::{Args, adapters};
 use crate::console::Console;
 use crate::{Outcome, interrupt, progress};
@@ -201,7 +202,9 @@ impl Run<'_> {
                     match outcome {
                         Ok(timed) => {
                             let record = scaling(&site.place, axis.name(), point.value, timed);
-                            measured.extend(record.map(|record| (point.work, record)));
+                            let cpu_ms = median(&timed.samples.cpu_ms).unwrap_or_default();
+                            let point = |record| Point { record, work: point.work, cpu_ms };
+                            measured.extend(record.map(point));
                         }
                         Err(error) => {
                             let why = format!("{} {}: {error}", axis.name(), point.value);
