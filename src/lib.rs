@@ -64,6 +64,7 @@ pub mod readme;
 pub mod process;
 pub mod runner;
 pub mod testbench;
+pub mod bench;
 pub mod validate;
 #[cfg(all(feature = "gpu", feature = "routes"))]
 pub mod compare;

@@ -36,7 +36,7 @@ pub use egl::EglRunner;
 #[cfg(feature = "gpu")]
 pub use passthrough::PassthroughRunner;
 #[cfg(any(feature = "gpu", feature = "routes"))]
-pub use pictures::{BoundTable, Driver, DriverRunner, Prepared};
+pub use pictures::{BoundTable, Driver, DriverRunner, Prepared, params};
 #[cfg(feature = "gpu")]
 pub use shader::ShaderRunner;
 

@@ -19,10 +19,12 @@ mod guard;
 mod program;
 mod render;
 mod spirv;
+mod time;
 
 pub use self::adapter::{AdapterInfo, Backend, MESA_FLOAT_TARGETS};
 pub use self::program::{Program, Shader, Texture, TextureFormat, TextureLayout, Uniform};
 pub use self::render::Pipeline;
+pub use self::time::FrameTimes;
 
 use std::sync::Arc;
 

@@ -90,6 +90,26 @@ impl<'a> Prepared<'a> {
         let defines = assemble::defines(variant, &self.resolved, rotate_deg, wavelengths);
         assemble::shader(&self.sources, &variant.name, &defines).map_err(first)
     }
+
+    /// Compiles the entry point `map` with its tables; its uniform block is [`params`].
+    pub fn map_pipeline<D: Driver>(&self, driver: &D) -> Result<D::Pipeline> {
+        self.pipeline(driver, "map", &self.spectrum, None)
+    }
+
+    /// Compiles an entry point with its tables; `directions` only for `probe`.
+    fn pipeline<D: Driver>(
+        &self,
+        driver: &D,
+        entry: &str,
+        spectrum: &Table,
+        directions: Option<&Table>,
+    ) -> Result<D::Pipeline> {
+        let module = self.module(spectrum.width)?;
+        let tables = [Some(&self.terms), Some(spectrum), directions];
+        let tables: Vec<BoundTable<'_>> =
+            tables.into_iter().flatten().filter(|t| t.width > 0).map(|t| (t.binding, t)).collect();
+        driver.pipeline(&module, entry, &tables)
+    }
 }
 
 /// A variant's shader on one driver.
@@ -111,20 +131,6 @@ impl<'a, D: Driver> DriverRunner<'a, D> {
         &self.driver
     }
 
-    /// Compiles an entry point with its tables; `directions` only for `probe`.
-    fn pipeline(
-        &self,
-        entry: &str,
-        spectrum: &Table,
-        directions: Option<&Table>,
-    ) -> Result<D::Pipeline> {
-        let module = self.prepared.module(spectrum.width)?;
-        let tables = [Some(&self.prepared.terms), Some(spectrum), directions];
-        let tables: Vec<BoundTable<'_>> =
-            tables.into_iter().flatten().filter(|t| t.width > 0).map(|t| (t.binding, t)).collect();
-        self.driver.pipeline(&module, entry, &tables)
-    }
-
     /// Evaluates `probe` with any spectrum table, in pictures of at most half a million directions.
     fn probe(
         &self,
@@ -135,7 +141,7 @@ impl<'a, D: Driver> DriverRunner<'a, D> {
         let mut out = Vec::with_capacity(directions.len());
         for block in directions.chunks(PROBE_WIDTH * PROBE_ROWS) {
             let table = directions_table(block);
-            let pipeline = self.pipeline("probe", spectrum, Some(&table))?;
+            let pipeline = self.prepared.pipeline(&self.driver, "probe", spectrum, Some(&table))?;
             let size = [PROBE_WIDTH as u32, (table.height / 2) as u32];
             let picture = self.driver.draw(&pipeline, size, &params(DVec3::Z, size), progress)?;
             out.extend(picture.iter().take(block.len()).map(|c| [c[0], c[1], c[2]].map(f64::from)));
@@ -176,7 +182,7 @@ impl<D: Driver> Runner for DriverRunner<'_, D> {
         let mut cached = self.map.borrow_mut();
         let pipeline = match cached.take() {
             Some(pipeline) => pipeline,
-            None => self.pipeline("map", &self.prepared.spectrum, None)?,
+            None => self.prepared.map_pipeline(&self.driver)?,
         };
         let pixels = [size as u32; 2];
         let picture = self.driver.draw(&pipeline, pixels, &params(light, pixels), progress);
@@ -212,8 +218,8 @@ fn directions_table(directions: &[Directions]) -> Table {
     }
 }
 
-/// The uniform block `Params`: light and size.
-fn params(light: DVec3, [width, height]: [u32; 2]) -> [f32; 8] {
+/// The uniform block `Params`: direction to the light, and width and height in pixels.
+pub fn params(light: DVec3, [width, height]: [u32; 2]) -> [f32; 8] {
     let light = light.as_vec3();
     [light.x, light.y, light.z, 0.0, width as f32, height as f32, 0.0, 0.0]
 }

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result, Stage};
 
+use super::browser::{Api, Browser, Web};
 use super::egl::{Dialect, Egl};
 use super::gpu::{Backend, Gpu};
 use super::passthrough::{Language, Passthrough};
@@ -35,12 +36,15 @@ pub struct Found {
 }
 
 /// Kinds of routes to drivers, in the order in which they are tried.
-pub const KINDS: [&str; 6] = ["vulkan", "gl", "spirv", "hlsl", "glsl450", "glsl-es300"];
+pub const KINDS: [&str; 8] =
+    ["vulkan", "gl", "spirv", "hlsl", "glsl450", "glsl-es300", "webgpu", "webgl2"];
 
 /// Opens every route of the kinds that are wanted, `KIND` or `KIND:ADAPTER` with a part of the adapter's name; all kinds
 /// for an empty list. A kind that has several adapters gives one route each. An unknown kind is an error.
 pub fn open(wanted: &[String]) -> Result<Vec<Found>> {
     let mut found = Vec::new();
+    // one for both of its routes
+    let mut browser = None;
     let all: Vec<String> = KINDS.iter().map(ToString::to_string).collect();
     for wanted in if wanted.is_empty() { &all } else { wanted } {
         let (kind, adapter) = match wanted.split_once(':') {
@@ -54,6 +58,8 @@ pub fn open(wanted: &[String]) -> Result<Vec<Found>> {
             "hlsl" => found.extend(untranslated(Language::Hlsl, wanted, adapter)),
             "glsl450" => found.push(one(wanted, Egl::open(Dialect::Glsl450, adapter))),
             "glsl-es300" => found.push(one(wanted, Egl::open(Dialect::GlslEs300, adapter))),
+            "webgpu" => found.push(one(wanted, web(&mut browser, Api::WebGpu))),
+            "webgl2" => found.push(one(wanted, web(&mut browser, Api::WebGl2))),
             _ => {
                 return Err(Error::new(Stage::Run, format!("route {kind}"), "is not known")
                     .remedy(format!("one of {}", KINDS.join(", "))));
@@ -61,6 +67,14 @@ pub fn open(wanted: &[String]) -> Result<Vec<Found>> {
         }
     }
     Ok(found)
+}
+
+fn web(browser: &mut Option<Browser>, api: Api) -> Result<Web> {
+    let open = match browser.take() {
+        Some(open) => open,
+        None => Browser::open()?,
+    };
+    browser.insert(open).api(api)
 }
 
 fn untranslated(language: Language, wanted: &str, adapter: Option<&str>) -> Vec<Found> {

@@ -2,9 +2,10 @@
 
 use std::fs;
 use std::path::Path;
-use std::sync::OnceLock;
-#[cfg(unix)]
-use std::sync::{Arc, atomic::AtomicBool};
+use std::sync::{
+    Arc, OnceLock,
+    atomic::{AtomicBool, Ordering},
+};
 use std::time::Duration;
 
 use anyhow::{Context, Result};
@@ -42,6 +43,21 @@ pub(crate) fn install(out: &Path, other: Option<&Path>) -> Result<Cancel> {
         ctrlc::set_handler(stop).context("signals cannot be handled")?;
     }
     Ok(cancel.clone())
+}
+
+/// On an interrupt or a termination: sets the flag, so that work in progress comes to an orderly end; on the second one,
+/// exits. For commands that write whole lines or whole files only.
+#[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "only drivers take so long"))]
+pub(crate) fn flag() -> Result<Arc<AtomicBool>> {
+    let flag = Arc::<AtomicBool>::default();
+    let set = Arc::clone(&flag);
+    let stop = move || {
+        if set.swap(true, Ordering::Relaxed) {
+            std::process::exit(INTERRUPTED);
+        }
+    };
+    ctrlc::set_handler(stop).context("signals cannot be handled")?;
+    Ok(flag)
 }
 
 /// Ends the command after it saw that it was interrupted.

@@ -4,6 +4,7 @@
 //! into an exit code: 0 done, 1 findings, 2 usage, configuration, input or internal error.
 
 mod args;
+mod bench;
 mod compare;
 mod console;
 mod eval;
@@ -59,6 +60,8 @@ enum Command {
     Compare(compare::Args),
     /// Measure a surface's period from the response over wavelength and viewing angle.
     Testbench(testbench::Args),
+    /// Measure the time of every variant on every adapter.
+    Bench(bench::Args),
     Test(test::Args),
 }
 
@@ -93,6 +96,7 @@ fn main() -> ExitCode {
         Command::Render(args) => render::run(&args, &console).map(ExitCode::from),
         Command::Compare(args) => compare::run(&args, &console).map(ExitCode::from),
         Command::Testbench(args) => testbench::run(&args, &console).map(ExitCode::from),
+        Command::Bench(args) => bench::run(&args, &console).map(ExitCode::from),
         Command::Test(args) => test::run(&args),
     };
     match outcome {

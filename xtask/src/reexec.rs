@@ -19,9 +19,16 @@ const MARK: &str = "XTASK_STARTED_AGAIN";
 /// one that has.
 /// `args` are those of the command line after the name of the program.
 pub(crate) fn with_gpu(args: Vec<OsString>) -> Result<()> {
+    with_gpu_and(args, &[])
+}
+
+/// The same with more variables of the environment, where they are not set to something else.
+pub(crate) fn with_gpu_and(args: Vec<OsString>, more: &[(&str, &str)]) -> Result<()> {
     let lacks_feature = !cfg!(feature = "gpu");
     let drivers = icd::addition();
-    if !lacks_feature && std::env::var_os(MESA_KEY).is_some() && drivers.is_none() {
+    let is_set = |key: &str| std::env::var_os(key).is_some();
+    let all_set = is_set(MESA_KEY) && more.iter().all(|(key, _)| is_set(key));
+    if !lacks_feature && all_set && drivers.is_none() {
         return Ok(());
     }
     if std::env::var_os(MARK).is_some() {
@@ -44,8 +51,9 @@ pub(crate) fn with_gpu(args: Vec<OsString>) -> Result<()> {
     } else {
         Command::new(std::env::current_exe()?)
     };
-    if std::env::var_os(MESA_KEY).is_none() {
-        command.env(MESA_KEY, MESA_VALUE);
+    for (key, value) in [(MESA_KEY, MESA_VALUE)].iter().chain(more).filter(|(key, _)| !is_set(key))
+    {
+        command.env(key, value);
     }
     if let Some(drivers) = drivers {
         command.env(icd::ADD_DRIVERS, drivers);

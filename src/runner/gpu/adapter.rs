@@ -115,8 +115,9 @@ pub(super) fn open(backend: Backend, wanted: Option<&str>) -> Result<Shared> {
     let limits = adapter.limits();
     let request = adapter.request_device(&wgpu::DeviceDescriptor {
         label: None,
-        // on Vulkan, and changes nothing for shaders that wgpu translates
-        required_features: adapter.features() & wgpu::Features::PASSTHROUGH_SHADERS,
+        // timestamps for the time of frames; untranslated SPIR-V, which changes nothing for shaders that wgpu translates
+        required_features: adapter.features()
+            & (wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::PASSTHROUGH_SHADERS),
         required_limits: limits.clone(),
         experimental_features: wgpu::ExperimentalFeatures::disabled(),
         memory_hints: wgpu::MemoryHints::MemoryUsage,

@@ -1,10 +1,9 @@
-//! Frames: drawn in bands, read back, timed.
+//! Frames: drawn in bands, read back.
 
 use std::{
     fmt,
     ops::{ControlFlow, Range},
     sync::{Arc, Mutex, mpsc},
-    time::{Duration, Instant},
 };
 
 use super::guard::{Shared, lock};
@@ -17,13 +16,13 @@ const PIXEL_BYTES: u32 = 16;
 
 /// A compiled program with its textures on the device.
 pub struct Pipeline {
-    shared: Arc<Shared>,
-    name: String,
+    pub(super) shared: Arc<Shared>,
+    pub(super) name: String,
     pipeline: wgpu::RenderPipeline,
     group: wgpu::BindGroup,
     uniform: Option<(wgpu::Buffer, u32)>,
     /// The target of the last frame, for the next of that size.
-    kept: Mutex<Option<Target>>,
+    pub(super) kept: Mutex<Option<Target>>,
 }
 
 impl Pipeline {
@@ -69,22 +68,6 @@ impl Pipeline {
         Ok(pixels)
     }
 
-    /// Draws one frame, without reading it back, and returns the time from its submission to its end.
-    pub fn time(&self, width: u32, height: u32, uniform: &[u8]) -> Result<Duration> {
-        self.check(width, height, uniform)?;
-        let target = self.target(width, height)?;
-        let time = self.shared.guarded(&self.name, || {
-            let encoder = self.draw(&target, uniform, 0..height);
-            let commands = encoder.finish();
-            let begun = Instant::now();
-            let submission = self.shared.queue.submit([commands]);
-            self.shared.wait(&self.name, &submission)?;
-            Ok(begun.elapsed())
-        })?;
-        *lock(&self.kept) = Some(target);
-        Ok(time)
-    }
-
     pub(super) fn new(
         shared: Arc<Shared>,
         name: &str,
@@ -96,7 +79,7 @@ impl Pipeline {
         Pipeline { shared, name, pipeline, group, uniform, kept: Mutex::new(None) }
     }
 
-    fn check(&self, width: u32, height: u32, uniform: &[u8]) -> Result<()> {
+    pub(super) fn check(&self, width: u32, height: u32, uniform: &[u8]) -> Result<()> {
         let fail = |cause: String| Err(Error::new(Stage::Run, &self.name, cause));
         let side = self.shared.limits.max_texture_dimension_2d;
         if width == 0 || height == 0 {
@@ -118,7 +101,7 @@ impl Pipeline {
     }
 
     /// A target of this size: the one kept from the last frame, or a new one.
-    fn target(&self, width: u32, height: u32) -> Result<Target> {
+    pub(super) fn target(&self, width: u32, height: u32) -> Result<Target> {
         let kept = lock(&self.kept).take();
         if let Some(target) = kept.filter(|kept| kept.width == width && kept.height == height) {
             return Ok(target);
@@ -141,13 +124,28 @@ impl Pipeline {
 
     /// Records the rows `band` of a frame.
     fn draw(&self, target: &Target, uniform: &[u8], band: Range<u32>) -> wgpu::CommandEncoder {
+        let mut encoder = self.encoder(uniform);
+        self.pass(&mut encoder, target, band, None);
+        encoder
+    }
+
+    /// An empty recording; hands over the bytes of the uniform block.
+    pub(super) fn encoder(&self, uniform: &[u8]) -> wgpu::CommandEncoder {
         if let Some((buffer, _)) = &self.uniform {
             self.shared.queue.write_buffer(buffer, 0, uniform);
         }
-        let mut encoder = self
-            .shared
-            .device
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(&self.name) });
+        let descriptor = wgpu::CommandEncoderDescriptor { label: Some(&self.name) };
+        self.shared.device.create_command_encoder(&descriptor)
+    }
+
+    /// Records a render pass over the rows `band` of a frame.
+    pub(super) fn pass(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &Target,
+        band: Range<u32>,
+        timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) {
         let load = match band.start {
             0 => wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
             _ => wgpu::LoadOp::Load,
@@ -160,14 +158,13 @@ impl Pipeline {
                 resolve_target: None,
                 ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
             })],
+            timestamp_writes,
             ..Default::default()
         });
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.group, &[]);
         pass.set_scissor_rect(0, band.start, target.width, band.end - band.start);
         pass.draw(0..3, 0..1);
-        drop(pass);
-        encoder
     }
 
     /// Draws the rows `band` and appends them to `pixels`.
@@ -241,7 +238,7 @@ impl fmt::Debug for Pipeline {
     }
 }
 
-struct Target {
+pub(super) struct Target {
     width: u32,
     height: u32,
     texture: wgpu::Texture,

@@ -1,0 +1,66 @@
+//! Clocks: that of the wall and that of the processor.
+
+use std::time::{Duration, Instant};
+
+/// What time it is.
+pub trait Clock {
+    /// Since some moment before; never goes back.
+    fn wall(&self) -> Duration;
+
+    /// Time that processors spent on this process, all threads; zero where the system does not tell.
+    fn cpu(&self) -> Duration;
+}
+
+/// The clocks of this machine.
+#[derive(Clone, Copy, Debug)]
+pub struct SystemClock(Instant);
+
+impl SystemClock {
+    /// Starts now.
+    pub fn new() -> SystemClock {
+        SystemClock(Instant::now())
+    }
+}
+
+impl Default for SystemClock {
+    fn default() -> SystemClock {
+        SystemClock::new()
+    }
+}
+
+impl Clock for SystemClock {
+    fn wall(&self) -> Duration {
+        self.0.elapsed()
+    }
+
+    #[cfg(unix)]
+    fn cpu(&self) -> Duration {
+        use rustix::time::{ClockId, clock_gettime};
+        // never negative
+        clock_gettime(ClockId::ProcessCPUTime).try_into().unwrap_or_default()
+    }
+
+    #[cfg(not(unix))]
+    fn cpu(&self) -> Duration {
+        Duration::ZERO
+    }
+}
+
+/// Milliseconds.
+pub fn ms(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e3
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clocks_do_not_go_back() {
+        let clock = SystemClock::new();
+        let (wall, cpu) = (clock.wall(), clock.cpu());
+        let sum: f64 = (0..1_000_000).map(f64::from).map(f64::sqrt).sum();
+        assert!(sum > 0.0 && clock.wall() >= wall && clock.cpu() >= cpu);
+        assert_eq!(ms(Duration::from_micros(1500)), 1.5);
+    }
+}

@@ -1,0 +1,134 @@
+//! `cargo xtask bench`: time of every variant on every adapter.
+
+#[cfg(feature = "gpu")]
+mod adapters;
+#[cfg(feature = "gpu")]
+mod output;
+#[cfg(feature = "gpu")]
+mod tables;
+#[cfg(feature = "gpu")]
+mod work;
+
+use std::path::PathBuf;
+#[cfg(feature = "gpu")]
+use std::time::Duration;
+
+use anyhow::Result;
+use diffraction_shaders::plan::Variant;
+
+use crate::Outcome;
+use crate::args::{Light, PlanArgs};
+use crate::console::Console;
+use crate::reexec;
+
+const EXAMPLE: &str = "Examples:
+  cargo xtask bench --plan plan.toml --surface blazed --variant 'full-*' --backend vulkan
+  cargo xtask bench --plan plan.toml --save before
+  cargo xtask bench --plan plan.toml --compare-to before --out measured
+  cargo xtask bench --plan plan.toml --surface blazed --variant preview --scaling
+
+Times depend on what else the machine does; ratios hardly do, since baseline and variants are drawn in turns.";
+
+/// Mesa keeps compiled shaders on disk; found there, a pipeline would seem to cost nothing.
+const NO_SHADER_CACHE: (&str, &str) = ("MESA_SHADER_CACHE_DISABLE", "true");
+
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = EXAMPLE)]
+pub(crate) struct Args {
+    #[command(flatten)]
+    plan: PlanArgs,
+    /// Take this surface only; may be repeated.
+    #[arg(long, value_name = "NAME")]
+    surface: Vec<String>,
+    /// Take the variants that match; `texts` only where it is named. May be repeated.
+    #[arg(long, value_name = "GLOB", num_args = 1..)]
+    variant: Vec<String>,
+    /// Take the adapters of this interface; vulkan and gl where none is named.
+    #[arg(long, value_enum)]
+    backend: Vec<Interface>,
+    /// Take the adapters whose name or driver contains this.
+    #[arg(long, value_name = "SUBSTRING")]
+    adapter: Option<String>,
+    /// Direction of the light in degrees.
+    #[arg(long, value_name = "THETA,PHI", default_value = "20,0", allow_hyphen_values = true)]
+    light: Light,
+    /// Side of the map in pixels.
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=8192))]
+    size: u32,
+    /// The variant that ratios are against; `texts` is the shader as printed.
+    #[arg(long, value_name = "NAME", default_value = Variant::TEXTS)]
+    baseline: String,
+    /// Seconds for each variant on each adapter; the fewest rounds are always drawn.
+    #[arg(long, value_name = "S", default_value_t = 5.0, value_parser = seconds)]
+    seconds: f64,
+    /// Also draw a shader that computes nothing but the gain: the floor of every time.
+    #[arg(long)]
+    empty: bool,
+    /// Vary pixels, terms, radius and wavelengths of each variant instead, one at a time.
+    #[arg(long)]
+    scaling: bool,
+    /// Keep the results under this name, in target/bench or in --out.
+    #[arg(long, value_name = "NAME", value_parser = name, conflicts_with = "scaling")]
+    save: Option<String>,
+    /// Show what changed since results were kept under this name.
+    #[arg(long, value_name = "NAME", value_parser = name, conflicts_with = "scaling")]
+    compare_to: Option<String>,
+    /// Append each result to records.jsonl in this folder as soon as it is known.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print one JSON object per result instead of tables.
+    #[arg(long)]
+    json: bool,
+}
+
+/// A graphics interface of the operating system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Interface {
+    Vulkan,
+    Gl,
+    Metal,
+    Dx12,
+}
+
+pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    reexec::with_gpu_and(std::env::args_os().skip(1).collect(), &[NO_SHADER_CACHE])?;
+    measure(args, console)
+}
+
+#[cfg(feature = "gpu")]
+fn measure(args: &Args, console: &Console) -> Result<Outcome> {
+    work::run(args, Duration::from_secs_f64(args.seconds), console)
+}
+
+/// Never reached: without drivers the command has started itself again.
+#[cfg(not(feature = "gpu"))]
+fn measure(args: &Args, _: &Console) -> Result<Outcome> {
+    anyhow::bail!("this xtask was built without its drivers and cannot measure {args:?}")
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let value = text.parse::<f64>().ok().filter(|value| (0.0..=86_400.0).contains(value));
+    value.ok_or_else(|| "expected a number of seconds from 0 to 86400".to_owned())
+}
+
+/// A name that is a file's name and no other file's of an output folder.
+fn name(text: &str) -> Result<String, String> {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    let good = !text.is_empty() && text.chars().all(plain) && !text.starts_with('.');
+    if good && text != "records" {
+        return Ok(text.to_owned());
+    }
+    Err("expected letters, digits, -, _ and ., and not \"records\"".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_stay_in_their_folder() {
+        assert_eq!(name("v1.2-rc_3"), Ok("v1.2-rc_3".to_owned()));
+        assert!(["", "..", "a/b", ".x", "records", "a b"].iter().all(|text| name(text).is_err()));
+        assert!(["-1", "nan", "inf", "x"].iter().all(|text| seconds(text).is_err()));
+    }
+}
