@@ -118,6 +118,8 @@ struct Truth {
     map: usize,
     colours: Vec<[f64; 3]>,
     exposure: f64,
+    /// Of the map alone, by which it is drawn; none where it is black.
+    map_exposure: Option<f64>,
     /// Place of the map's picture.
     picture: String,
 }

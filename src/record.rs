@@ -64,7 +64,10 @@ pub struct Compare {
     pub rms: f64,
     /// CIEDE2000 over lit directions.
     pub de2000: Percentiles,
-    /// Mean FLIP over the map's lit pixels; none where no pixel of the map is lit.
+    /// The same of the map's pixels alone, at the exposure of its picture; none where next to
+    /// nothing of the map is lit.
+    pub map: Option<MapColours>,
+    /// Mean FLIP over the map's lit pixels at that exposure; none where no pixel of the map is lit.
     pub flip: Option<f64>,
     /// What was allowed; none: nothing is promised.
     pub tolerance: Option<Tolerance>,
@@ -75,6 +78,18 @@ pub struct Compare {
     pub pictures: Option<[String; 3]>,
     /// The variant's canonical configuration.
     pub settings: Value,
+}
+
+/// Colour differences over the pixels of a map. Half of the drawn directions of a comparison lie in the brightest lobes, by
+/// which they set its exposure; a map on its own is exposed for all that it shows, so that dim orders count.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MapColours {
+    /// Factor on luminance before colour differences.
+    pub exposure: f64,
+    /// Share of pixels of the disc that are lit.
+    pub lit: f64,
+    /// CIEDE2000 over lit pixels.
+    pub de2000: Percentiles,
 }
 
 /// Which error a comparison shows.
@@ -100,6 +115,8 @@ pub struct Tolerance {
     pub max_abs: Option<f64>,
     /// Of the 95th percentile of CIEDE2000; none: not judged.
     pub de2000_p95: Option<f64>,
+    /// The same of the map alone.
+    pub map_p95: Option<f64>,
 }
 
 /// A deliberately wrong shader; caught when the comparison that it should fail fails.

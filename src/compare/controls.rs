@@ -58,7 +58,7 @@ impl Control {
         let Right { truth, allowed, max_abs } = right;
         let wrong = truth.ask(route.runner(prepared).as_ref(), SIZE)?;
         let wrong = compare(self.name, &truth.colours, &wrong, Some(truth.exposure))?;
-        let inside = |max_abs| is_inside(&Some(*allowed), max_abs, 0.0);
+        let inside = |max_abs| is_inside(&Some(*allowed), max_abs, [0.0; 2]);
         Ok(record::Control {
             surface: SURFACE.to_owned(),
             variant: subject.variant.name.clone(),
@@ -170,12 +170,13 @@ impl Right {
             directions: [map, drawn].concat(),
             colours: Vec::new(),
             exposure: 1.0,
+            map_exposure: None,
             picture: String::new(),
         };
         truth.colours = truth.ask(&TwinRunner::new(prepared.subject, true)?, SIZE)?;
         truth.exposure = auto_exposure(&truth.colours).unwrap_or(1.0);
         let allowed = tolerance(Part::Arithmetic, variant, &prepared.resolved)
-            .unwrap_or(Tolerance { max_abs: Some(0.0), de2000_p95: None });
+            .unwrap_or(Tolerance { max_abs: Some(0.0), de2000_p95: None, map_p95: None });
         let found = truth.ask(route.runner(prepared.clone()).as_ref(), SIZE)?;
         let max_abs = compare("right", &truth.colours, &found, Some(truth.exposure))?.max_abs;
         Ok(Right { truth, allowed, max_abs })

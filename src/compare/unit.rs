@@ -4,11 +4,11 @@ use glam::DVec3;
 use serde_json::Value;
 
 use crate::error::Result;
-use crate::measure::{auto_exposure, compare, standard};
+use crate::measure::{Comparison, auto_exposure, compare, standard};
 use crate::optics::direction;
 use crate::picture;
 use crate::plan::Colour;
-use crate::record::{Compare, Part, Record};
+use crate::record::{Compare, MapColours, Part, Record};
 use crate::runner::routes::Route;
 use crate::runner::{Prepared, Subject, TwinRunner, rounded};
 
@@ -18,6 +18,12 @@ use super::{Request, Sink, Truth, Unit, difference, exact, failed, mean_flip};
 /// Routes of the two twins in records.
 const TWIN: &str = "twin";
 const UNPACKED: &str = "twin:unpacked";
+/// Least share of lit pixels that says something about a map: on a grating of one period it is a line's, or that of a line's
+/// skirts, and the drawn directions say more.
+const LEAST_LIT: f64 = 0.05;
+/// Share of the brightest direction's luminance below which a map's pixel does not count: a map of a grating may meet none
+/// of its orders, and then shows their last skirts alone.
+const DIM: f64 = 1e-6;
 
 /// Computes the exact colours and draws their map.
 pub(super) fn truth(
@@ -34,10 +40,12 @@ pub(super) fn truth(
     let colours = exact(subject, &directions)?;
     // a black surface has no exposure: comparing it tells so
     let exposure = request.exposure.or_else(|| auto_exposure(&colours)).unwrap_or(1.0);
+    let map_exposure = request.exposure.or_else(|| auto_exposure(&colours[..map]));
     let picture = format!("pictures/{}/exact-{number}-{}.png", unit.surface, place(unit.light));
-    let truth = Truth { light, directions, map, colours, exposure, picture };
+    let truth = Truth { light, directions, map, colours, exposure, map_exposure, picture };
     let frame = truth.frame(&truth.colours, unit.size);
-    sink.picture(&truth.picture, picture::png(&frame, Colour::Srgb, exposure)?)?;
+    let drawn = picture::png(&frame, Colour::Srgb, map_exposure.unwrap_or(exposure))?;
+    sink.picture(&truth.picture, drawn)?;
     Ok(truth)
 }
 
@@ -120,8 +128,10 @@ impl Judged<'_, '_> {
                 return self.sink.record(gap);
             }
         };
+        let map = self.map_colours(&subject, expected, colours);
         let tolerance = tolerance(part, variant, &self.prepared.resolved);
-        let pass = is_inside(&tolerance, measured.max_abs, measured.de2000.p95);
+        let map_p95 = map.map_or(0.0, |map| map.de2000.p95);
+        let pass = is_inside(&tolerance, measured.max_abs, [measured.de2000.p95, map_p95]);
         let frames = [expected, colours].map(|colours| self.truth.frame(colours, size));
         let pictures = match pictures {
             None if !pass => {
@@ -143,12 +153,33 @@ impl Judged<'_, '_> {
             max_abs: measured.max_abs,
             rms: measured.rms,
             de2000: measured.de2000,
-            flip: mean_flip(&frames[0], &frames[1], self.truth.exposure),
+            map,
+            flip: map.and_then(|map| mean_flip(&frames[0], &frames[1], map.exposure)),
             tolerance,
             pass,
             pictures,
             settings: serde_json::from_str(&variant.canonical()).unwrap_or(Value::Null),
         }))
+    }
+
+    /// The map's pixels alone, without those that are dimmer than [`DIM`]; `None` where less than
+    /// [`LEAST_LIT`] are left that are lit.
+    fn map_colours(
+        &self,
+        subject: &str,
+        expected: &[[f64; 3]],
+        colours: &[[f64; 3]],
+    ) -> Option<MapColours> {
+        let exposure = self.truth.map_exposure?;
+        let brightest = self.truth.colours.iter().map(|c| c[1]).fold(0.0, f64::max);
+        let seen = |(a, b): &(&[f64; 3], &[f64; 3])| a[1].max(b[1]) > DIM * brightest;
+        let map = expected.iter().zip(colours).take(self.truth.map);
+        let (expected, colours): (Vec<_>, Vec<_>) = map.filter(seen).unzip();
+        let share = expected.len() as f64 / self.truth.map as f64;
+        let Comparison { lit, de2000, .. } =
+            compare(subject, &expected, &colours, Some(exposure)).ok()?;
+        let lit = lit * share;
+        (lit >= LEAST_LIT).then_some(MapColours { exposure, lit, de2000 })
     }
 
     /// Draws the reference (unless it has a place already), the other side and their difference; their places.
@@ -163,7 +194,7 @@ impl Judged<'_, '_> {
         let [a, b] = [expected, colours].map(|colours| self.truth.frame(colours, size));
         let dash = if suffix.is_empty() { "" } else { "-" };
         let stem = format!("pictures/{surface}/{}/{}{dash}{suffix}", variant.name, place(light));
-        let exposure = self.truth.exposure;
+        let exposure = self.truth.map_exposure.unwrap_or(self.truth.exposure);
         let png = |frame| picture::png(frame, Colour::Srgb, exposure);
         let reference = match reference {
             "" => {
