@@ -247,6 +247,74 @@ fn what_is_known_is_not_measured_again() {
     assert!(kept.controls().is_empty() && asked.get() == 0);
 }
 
+/// Surfaces and lights that each tolerance was made for, which it may exceed four times at most.
+#[test]
+fn no_tolerance_is_too_loose() {
+    const WORST: &str = r#"schema = 1
+[[surface]]
+name = "rows"
+grating = { kind = "rows", size_um = 12.0, pixels = 200, pitch_um = 1.5, height_um = 0.25, seed = 1 }
+[[surface]]
+name = "bumps"
+grating = { kind = "bumps", size_um = 10.0, pixels = 150, pitch_um = 1.3, height_um = 0.3, seed = 2 }
+[[surface]]
+name = "blazed"
+grating = { kind = "blazed", period_um = 2.5, height_um = 0.3, pixels = 100 }
+[[preset]]
+name = "fine"
+terms = 19
+wavelengths = { step_nm = 2.5 }
+[[preset]]
+name = "half"
+terms = 23
+table = "f16"
+[[preset]]
+name = "adaptive"
+mode = "adaptive"
+terms = 23
+[[preset]]
+name = "printed"
+basis = "taylor-zero"
+terms = 31
+"#;
+    let plan = Plan::parse(WORST, Path::new("plan.toml")).unwrap();
+    let find = |name: &str| plan.variants.iter().find(|v| v.name == name).unwrap().clone();
+    // what, surface, variant, light, pixels
+    let cases = [
+        ("full by 2.5 nm", Part::Total, "rows", "fine", [20.0, 0.0], 256),
+        ("full by 5 nm", Part::Total, "rows", "half", [20.0, 0.0], 256),
+        ("adaptive", Part::Total, "blazed", "adaptive", [0.0, 0.0], 32),
+        ("adaptive, map", Part::Total, "bumps", "adaptive", [0.0, 0.0], 64),
+        ("packing f16", Part::Packing, "bumps", "half", [0.0, 0.0], 48),
+        ("packing from zero", Part::Packing, "blazed", "printed", [20.0, 0.0], 48),
+        ("packing f32", Part::Packing, "rows", "fine", [20.0, 0.0], 256),
+    ];
+    for (what, part, surface, variant, light, size) in cases {
+        let request = Request {
+            surfaces: &[plan.surface(surface).unwrap().clone()],
+            variants: &[find(variant)],
+            routes: &[],
+            lights: &[light],
+            size,
+            exposure: None,
+            subset: 0,
+        };
+        let mut kept = Kept::default();
+        run(&request, &mut kept).unwrap();
+        let all = kept.compares();
+        let c = all.iter().find(|c| c.part == part).unwrap();
+        let (t, map) = (c.tolerance.unwrap(), c.map.map_or(0.0, |map| map.de2000.p95));
+        let (allowed, measured) = match (part, what.ends_with("map")) {
+            (_, true) => (t.map_p95.unwrap(), map),
+            (Part::Packing, _) => (t.max_abs.unwrap(), c.max_abs),
+            _ => (t.de2000_p95.unwrap(), c.de2000.p95),
+        };
+        println!("{what}: {measured:.2e} of {allowed:.2e}");
+        assert!(c.pass, "{what}: {c:?}");
+        assert!(allowed <= 4.0 * measured, "{what}: {allowed} for {measured}");
+    }
+}
+
 /// Every route of the machine, small.
 #[test]
 fn real_routes_pass_and_catch_every_control() {

@@ -154,7 +154,7 @@ impl Judged<'_, '_> {
             rms: measured.rms,
             de2000: measured.de2000,
             map,
-            flip: map.and_then(|map| mean_flip(&frames[0], &frames[1], map.exposure)),
+            flip: self.truth.map_exposure.and_then(|e| mean_flip(&frames[0], &frames[1], e)),
             tolerance,
             pass,
             pictures,
