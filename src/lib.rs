@@ -65,3 +65,4 @@ pub mod runner;
 pub mod validate;
 #[cfg(all(feature = "gpu", feature = "routes"))]
 pub mod compare;
+pub mod report;

@@ -217,17 +217,31 @@ pub struct Testbench {
     pub surface: String,
     /// The variant's name, or `exact`.
     pub variant: String,
+    /// What computed the responses.
+    pub route: String,
     /// Angle of incidence, degrees.
     pub theta_i: f64,
+    /// Direction of the light about the normal, degrees.
+    pub phi_i: f64,
+    /// The period around which was searched, nm.
+    pub expected_nm: f64,
     /// Mean period over wavelengths, nm.
     pub period_nm: f64,
     /// Standard deviation over wavelengths, nm.
     pub sd_nm: f64,
     /// Wavelengths with a peak.
     pub points: usize,
+    /// Wavelengths left out because the first order is evanescent.
+    pub evanescent: usize,
+    /// Wavelengths left out because there is no maximum near the first order.
+    pub flat: usize,
+    /// Mean and standard deviation of the same estimator on the grating's closed form, nm.
+    pub closed_nm: Option<[f64; 2]>,
     /// The window of a scan, column and row of its first pixel and its width and height; none: the whole surface.
     pub window: Option<[usize; 4]>,
-    /// Mean response at the peaks, by which windows are weighted.
+    /// In a summary: how many windows, and the standard deviation of the period between them, nm.
+    pub windows: Option<(usize, f64)>,
+    /// Mean response at the peaks, by which windows are weighted; their mean in a summary.
     pub weight: f64,
     /// The picture of the response, relative to the file of records.
     pub svg: Option<String>,

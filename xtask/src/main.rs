@@ -16,6 +16,7 @@ mod list;
 mod progress;
 mod reexec;
 mod render;
+mod report;
 mod runners;
 mod test;
 mod unchanged;
@@ -56,6 +57,8 @@ enum Command {
     Render(render::Args),
     /// Compare every variant by every route with the exact reference, its twin and the other routes.
     Compare(compare::Args),
+    /// Show results of compare, bench and testbench on one HTML page.
+    Report(report::Args),
     Test(test::Args),
 }
 
@@ -89,6 +92,7 @@ fn main() -> ExitCode {
         Command::Eval(args) => eval::run(&args, &console).map(ExitCode::from),
         Command::Render(args) => render::run(&args, &console).map(ExitCode::from),
         Command::Compare(args) => compare::run(&args, &console).map(ExitCode::from),
+        Command::Report(args) => report::run(&args, &console).map(ExitCode::from),
         Command::Test(args) => test::run(&args),
     };
     match outcome {
