@@ -56,7 +56,7 @@ fn overview(id: &str, surface: &str, units: &[&Unit<'_>]) -> Markup {
                 p95(Part::Model),
                 p95(Part::Packing),
                 Cell::maybe(unit.worst(Part::Arithmetic).map(|c| c.max_abs)),
-                Cell::verdict(unit.passes(), "within", "beyond"),
+                verdict(unit),
             ];
             (None, row)
         })
@@ -77,6 +77,16 @@ fn overview(id: &str, surface: &str, units: &[&Unit<'_>]) -> Markup {
     table(id, &format!("Variants on {surface}, the worst of their routes"), &heads, &rows)
 }
 
+/// Where nothing is promised about colours, only drivers were judged, and the word says so.
+fn verdict(unit: &Unit<'_>) -> Cell {
+    let promised = unit.of(Part::Total).any(|c| c.tolerance.is_some());
+    match unit.passes() {
+        true if promised => Cell::verdict(true, "within", ""),
+        true => Cell::text("colours not judged"),
+        false => Cell::verdict(false, "", "beyond"),
+    }
+}
+
 fn strip(unit: &Unit<'_>) -> Markup {
     let drawn = unit.total().and_then(|(c, strip)| strip.as_ref().map(|strip| (*c, strip)));
     let others: Vec<(&Compare, &[Picture; 3])> = unit
@@ -89,7 +99,7 @@ fn strip(unit: &Unit<'_>) -> Markup {
         article.strip id=(unit.anchor) {
             header {
                 h4 { (unit.variant) }
-                @if unit.passes() { span.good { "✓ within" } } @else { span.bad { "✗ beyond tolerance" } }
+                (verdict(unit).words())
                 @if let Some((c, _)) = unit.total() {
                     span.dim { (figure(100.0 * c.lit)) " % of directions lit · exposure " (figure(c.exposure)) }
                 }

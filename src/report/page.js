@@ -57,6 +57,7 @@
         sort(table, column, down);
       });
     });
+    if (table.closest(".strip")) continue;
     const line = document.createElement("p");
     const button = document.createElement("button");
     line.className = "csv";

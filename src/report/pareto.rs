@@ -61,8 +61,14 @@ fn one(results: &Results<'_>, number: usize, benches: &[&Bench]) -> Markup {
     html! {
         div.study {
             h3 { (title) }
-            @if without < timed.len() { (table::figure(&draw(&chart(&title, &timed)), &caption, &data)) }
-            @else { p.nothing { "No variant has both a time and a comparison on this surface." } }
+            @if without < timed.len() {
+                div.pair {
+                    (table::figure(&draw(&chart(&title, &timed)), &caption, &data))
+                    (best(&timed))
+                }
+            } @else {
+                p.nothing { "No variant has both a time and a comparison on this surface." }
+            }
             (numbers(&data, &title, &timed))
         }
     }
@@ -125,6 +131,41 @@ fn chart(title: &str, timed: &[Timed<'_>]) -> Plot {
     }
 }
 
+/// The variants on the front, from the fastest.
+fn best(timed: &[Timed<'_>]) -> Markup {
+    let places = timed.iter().filter_map(|t| Some([t.bench.median_ms, t.error.as_ref()?.0]));
+    let corners = front(&places.collect::<Vec<_>>());
+    let is_on = |t: &&Timed<'_>| {
+        t.error.as_ref().is_some_and(|(error, _)| corners.contains(&[t.bench.median_ms, *error]))
+    };
+    let mut on: Vec<&Timed<'_>> = timed.iter().filter(is_on).collect();
+    on.sort_by(|a, b| a.bench.median_ms.total_cmp(&b.bench.median_ms));
+    // a corner of the steps may be no variant's place, but then it is beaten by the corner after it
+    on.dedup_by(|later, earlier| {
+        let error = |t: &Timed<'_>| t.error.as_ref().map_or(f64::INFINITY, |(error, _)| *error);
+        error(later) >= error(earlier)
+    });
+    html! {
+        div {
+            h4 { "Beaten by no other" }
+            ol.best {
+                @for t in on {
+                    li {
+                        a href={ "#" (t.anchor) } { (t.bench.variant) }
+                        span.dim {
+                            (figure(t.bench.median_ms)) " ms"
+                            @if let Some((error, _)) = &t.error { ", ΔE₀₀ p95 " (figure(*error)) }
+                            @if let (Some(ratio), Some(baseline)) = (t.bench.ratio, &t.bench.baseline) {
+                                ", " (figure(ratio)) "× as fast as " (baseline)
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
 fn numbers(id: &str, title: &str, timed: &[Timed<'_>]) -> Markup {
     let rows: Vec<Row> = timed
         .iter()
@@ -142,7 +183,7 @@ fn numbers(id: &str, title: &str, timed: &[Timed<'_>]) -> Markup {
                 Cell::shown(ratio, figure(ratio) + "×" + &interval)
             });
             let row = vec![
-                Cell::shown((i + 1) as f64, (i + 1).to_string()),
+                Cell::count(i + 1),
                 Cell::markup(name),
                 Cell::maybe(t.error.as_ref().map(|(error, _)| *error)),
                 Cell::shown(b.median_ms, format!("{} ± {}", figure(b.median_ms), figure(b.mad_ms))),

@@ -164,7 +164,7 @@ fn windows(results: &Results<'_>) -> Markup {
                 Cell::text(&t.variant),
                 Cell::text(&t.surface),
                 angle(t),
-                Cell::shown(count as f64, count.to_string()),
+                Cell::count(count),
                 nm(t.period_nm),
                 nm(spread),
                 nm(t.sd_nm),
@@ -203,12 +203,14 @@ fn windows(results: &Results<'_>) -> Markup {
         }
         @for (i, surface) in unique(single.iter().map(|t| t.surface.as_str())).into_iter().enumerate() {
             @let own: Vec<&Testbench> = single.iter().filter(|t| t.surface == surface).copied().collect();
-            @let caption = html! { "Periods of the windows of " b { (surface) } ", one mark each; the mark's letter is its variant's." };
-            (table::figure(&draw(&scatter(surface, &own)), &caption, data))
-            @if i == 0 {
-                (table("windows-each", "Each window", &heads([
-                    "variant", "surface", "θi", "first pixel", "pixels", "period, nm", "sd, nm", "wavelengths", "response",
-                ]), &rows))
+            @let caption = html! { "Periods of the windows of " b { (surface) } ", one mark each." };
+            div.pair {
+                (table::figure(&draw(&scatter(surface, &own)), &caption, data))
+                @if i == 0 {
+                    (table("windows-each", "Each window", &heads([
+                        "variant", "surface", "θi", "first pixel", "pixels", "period, nm", "sd, nm", "wavelengths", "response",
+                    ]), &rows))
+                }
             }
         }
     }
@@ -250,7 +252,7 @@ fn not_applicable(results: &Results<'_>) -> Markup {
         .filter(|gap| gap.reason.starts_with("not applicable"))
         .map(|gap| {
             let name = |name: &Option<String>| name.as_ref().map_or_else(Cell::none, Cell::text);
-            (None, vec![name(&gap.variant), name(&gap.surface), Cell::text(&gap.reason)])
+            (None, vec![name(&gap.variant), name(&gap.surface), Cell::prose(&gap.reason)])
         })
         .collect();
     html! {

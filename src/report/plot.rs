@@ -14,7 +14,7 @@ pub(super) use axis::{Axis, Scale};
 const SIZE: [f64; 2] = [440.0, 320.0];
 
 /// Margins: left, top, right, bottom.
-const MARGIN: [f64; 4] = [56.0, 14.0, 18.0, 46.0];
+const MARGIN: [f64; 4] = [64.0, 14.0, 18.0, 46.0];
 
 /// What is drawn.
 pub(super) struct Plot {
@@ -82,7 +82,7 @@ pub(super) fn draw(plot: &Plot) -> Markup {
                     }
                 }
                 text.axis x=((MARGIN[0] + right) / 2.0) y=(SIZE[1] - 8.0) text-anchor="middle" { (plot.x.label) }
-                text.axis transform={ "translate(13 " (r((MARGIN[1] + bottom) / 2.0)) ") rotate(-90)" } text-anchor="middle" { (plot.y.label) }
+                text.axis transform={ "translate(11 " (r((MARGIN[1] + bottom) / 2.0)) ") rotate(-90)" } text-anchor="middle" { (plot.y.label) }
                 @if !plot.front.is_empty() {
                     polyline.front points=(points(plot.front.iter().map(|at| place(*at)))) {}
                 }

@@ -46,7 +46,7 @@ fn matrix(results: &Results<'_>, routes: &[&str]) -> Markup {
             let mut row = vec![Cell::text(route), worst(Part::Arithmetic, route, None)];
             row.extend(routes.iter().map(|partner| worst(Part::Across, route, Some(partner))));
             let count = results.compared().filter(|c| c.route == *route).count();
-            row.push(Cell::shown(count as f64, count.to_string()));
+            row.push(Cell::count(count));
             (None, row)
         })
         .collect();

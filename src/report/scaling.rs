@@ -72,8 +72,10 @@ fn one(number: usize, points: &[&Scaling]) -> Markup {
     html! {
         div.study {
             h3 { (title) }
+            div.pair {
             (table::figure(&draw(&plot), &html! { "Median time of a frame against " (unit) ", both logarithmic. " (exponents(&plot)) }, &data))
             (table(&data, &title, &heads(["variant", &first.axis, "median, ms", "MAD, ms"]), &rows))
+            }
         }
     }
 }

@@ -115,13 +115,10 @@ fn verdicts(results: &Results<'_>) -> Markup {
             (!all.is_empty()).then(|| {
                 let row = vec![
                     Cell::text(name),
-                    Cell::text(meaning),
-                    Cell::shown(all.len() as f64, all.len().to_string()),
-                    Cell::shown(judged as f64, judged.to_string()),
-                    match failed {
-                        0 => Cell::verdict(true, "none", ""),
-                        _ => Cell::judged(failed as f64, false),
-                    },
+                    Cell::prose(meaning),
+                    Cell::count(all.len()),
+                    Cell::count(judged),
+                    Cell::failures(failed),
                     Cell::maybe(worst(|c| c.de2000.p95)),
                     Cell::maybe(worst(|c| c.max_abs)),
                 ];
@@ -251,8 +248,11 @@ fn gaps(results: &Results<'_>) -> Markup {
                 Cell::text(&gap.route),
                 name(&gap.surface),
                 name(&gap.variant),
-                Cell::verdict(!gap.failed, "not to be had", "failed"),
-                Cell::text(&gap.reason),
+                match gap.failed {
+                    true => Cell::verdict(false, "", "failed"),
+                    false => Cell::text("not taken"),
+                },
+                Cell::prose(&gap.reason),
             ];
             (None, row)
         })

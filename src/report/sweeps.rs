@@ -24,21 +24,29 @@ pub(super) fn section(results: &Results<'_>) -> Markup {
     }
     let surfaces = unique(groups.iter().map(|g| g.surface));
     html! {
-        p { "Wherever variants differ in one setting, everything else alike, their maps stand in its order. Sweeps of two steps are folded." }
+        p { "Wherever variants differ in one setting, everything else alike, their maps stand in its order. Of each setting the longest sweep is open; others, and those of two steps, are folded." }
         @for surface in surfaces {
             @let own: Vec<(usize, &Group<'_>)> =
                 groups.iter().enumerate().filter(|(_, g)| g.surface == surface).collect();
             h3 { (surface) }
-            @for (i, group) in own.iter().filter(|(_, g)| g.members.len() > 2) { (gallery(*i, group)) }
-            @let pairs: Vec<_> = own.iter().filter(|(_, g)| g.members.len() == 2).collect();
-            @if !pairs.is_empty() {
+            @let (open, folded): (Vec<_>, Vec<_>) = own.iter().copied().partition(|(i, g)| is_open(*i, g, &own));
+            @for (i, group) in open { (gallery(i, group)) }
+            @if !folded.is_empty() {
                 details {
-                    summary { (pairs.len()) " sweeps of two steps" }
-                    @for (i, group) in pairs { (gallery(*i, group)) }
+                    summary { (folded.len()) " more on " (surface) }
+                    @for (i, group) in folded { (gallery(i, group)) }
                 }
             }
         }
     }
+}
+
+/// Whether a sweep is the longest of its setting, and longer than two steps.
+fn is_open(number: usize, group: &Group<'_>, own: &[(usize, &Group<'_>)]) -> bool {
+    let alike = own.iter().filter(|(_, other)| other.key == group.key);
+    let longest =
+        alike.max_by(|a, b| a.1.members.len().cmp(&b.1.members.len()).then(b.0.cmp(&a.0)));
+    group.members.len() > 2 && longest.is_some_and(|(first, _)| *first == number)
 }
 
 /// What a setting is called, with its unit.
@@ -67,12 +75,12 @@ fn gallery(number: usize, group: &Group<'_>) -> Markup {
         _ => None,
     };
     let caption = html! {
-        b { (called(&group.key)) } ", else as " (group.like) ": each variant's map" @if shared.is_none() { ", its exact reference" }
+        b { (called(&group.key)) } ": each variant's map" @if shared.is_none() { ", its exact reference" }
         " and the difference × 10, with ΔE₀₀ p95 against the exact reference beneath."
     };
     html! {
         div.sweep id=(id) {
-            h4 { (called(&group.key)) }
+            h4 { (called(&group.key)) span.dim { " · else as " (group.like) } }
             figure {
                 div.gallery tabindex="0" role="region" aria-label=(title) {
                     @if let Some(exact) = &shared {
