@@ -54,7 +54,9 @@ fn report(records: &[Value]) -> Page {
     let folder = tempfile::tempdir().expect("folder");
     write(folder.path(), records);
     draw(folder.path(), records);
-    page(&[read(folder.path(), true).expect("reads")])
+    let mut folder = read(folder.path(), true).expect("reads");
+    folder.name = "run".into();
+    page(&[folder])
 }
 
 /// The part of a page between a section's tag and the next section's.
@@ -78,8 +80,7 @@ fn every_section_shows_its_numbers() {
     assert_eq!(missing, Vec::<String>::new());
     has(
         section(&html, "summary"),
-        &["1 beyond", "1 missed", "caught, 0.993", "no browser here", "339"]
-            .map(|w| if w == "1 beyond" { "2 beyond tolerance" } else { w }),
+        &["2 beyond tolerance", "1 missed", "caught, 0.993", "no browser here", "339"],
     );
     has(
         section(&html, "maps"),
@@ -157,13 +158,15 @@ fn names_are_text_wherever_they_come() {
     let html = report(&records).html;
     has(&html, &["&lt;script&gt;alert(1)", "\\u003cscript>alert(1)"]);
     assert!(!html.contains("<script>alert"), "a name became a tag");
-    assert!(!html.contains("\" onload='x\""), "a name ended an attribute");
+    // in the records themselves a quote is JSON's
+    let outside = html.split("<section id=\"data\"").next().expect("a beginning");
+    assert!(!outside.contains("\" onload='x"), "a name ended an attribute");
     assert_eq!(html.matches("<script").count(), 2, "the page's own script and its records");
 }
 
 #[test]
 fn the_same_records_give_the_same_bytes() {
-    assert_eq!(report(&everything()).html, report(&everything()).html);
+    assert!(report(&everything()).html == report(&everything()).html);
 }
 
 #[test]

@@ -37,6 +37,8 @@ struct Timed<'a> {
     /// 95th percentile of CIEDE2000, and its place in the page.
     error: Option<(f64, String)>,
     anchor: String,
+    /// Its number in plot and table.
+    number: usize,
 }
 
 fn one(results: &Results<'_>, number: usize, benches: &[&Bench]) -> Markup {
@@ -48,6 +50,7 @@ fn one(results: &Results<'_>, number: usize, benches: &[&Bench]) -> Markup {
             bench,
             error: error(results, bench),
             anchor: format!("time-{number}-{}", i + 1),
+            number: i + 1,
         })
         .collect();
     let without = timed.iter().filter(|t| t.error.is_none()).count();
@@ -150,7 +153,7 @@ fn best(timed: &[Timed<'_>]) -> Markup {
             h4 { "Beaten by no other" }
             ol.best {
                 @for t in on {
-                    li {
+                    li value=(t.number) {
                         a href={ "#" (t.anchor) } { (t.bench.variant) }
                         span.dim {
                             (figure(t.bench.median_ms)) " ms"
