@@ -1,6 +1,9 @@
 //! The shell of the page: style, script, navigation, and the records themselves.
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+use sha2::{Digest, Sha256};
 
 use super::source::Folder;
 use crate::record::line;
@@ -11,10 +14,6 @@ const STYLE: &str = include_str!("page.css");
 /// Sorting, saving and the choice of colours; the page can be read without it.
 const SCRIPT: &str = include_str!("page.js");
 
-/// Nothing may be fetched, whatever a record says.
-const POLICY: &str =
-    "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
-
 /// The whole file.
 pub(super) fn shell(title: &str, links: &Markup, body: &Markup, pictures: &str) -> String {
     let page = html! {
@@ -24,7 +23,7 @@ pub(super) fn shell(title: &str, links: &Markup, body: &Markup, pictures: &str) 
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="generator" content="cargo xtask report";
-                meta http-equiv="Content-Security-Policy" content=(POLICY);
+                meta http-equiv="Content-Security-Policy" content=(policy(pictures));
                 title { (title) }
                 style { (PreEscaped(STYLE)) }
                 style { (PreEscaped(pictures)) }
@@ -46,6 +45,14 @@ pub(super) fn shell(title: &str, links: &Markup, body: &Markup, pictures: &str) 
         }
     };
     page.into_string() + "\n"
+}
+
+/// What a browser may do with the page, whatever a record says: show the pictures inside it, and use the styles and run the
+/// script that have these hashes (Content Security Policy, level 3).
+fn policy(pictures: &str) -> String {
+    let hash = |text: &str| format!("'sha256-{}'", STANDARD.encode(Sha256::digest(text)));
+    let (style, pictures, script) = (hash(STYLE), hash(pictures), hash(SCRIPT));
+    format!("default-src 'none'; img-src data:; style-src {style} {pictures}; script-src {script}")
 }
 
 /// The records, in the page as they were read, and a button that saves them.
