@@ -165,6 +165,7 @@ fn controls(results: &Results<'_>) -> Markup {
         p { "Shaders made wrong on purpose; each must fail the comparison that the right one passes. The number is the greatest "
             "difference from the right colours, as a share of the greatest colour." }
         (table("controls", "Negative controls by route", &names, &rows))
+        p.note { "A dash: this route has not run that control." }
     }
 }
 
