@@ -68,3 +68,4 @@ pub mod bench;
 pub mod validate;
 #[cfg(all(feature = "gpu", feature = "routes"))]
 pub mod compare;
+pub mod report;

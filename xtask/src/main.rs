@@ -17,6 +17,7 @@ mod list;
 mod progress;
 mod reexec;
 mod render;
+mod report;
 mod runners;
 mod test;
 mod testbench;
@@ -62,6 +63,8 @@ enum Command {
     Testbench(testbench::Args),
     /// Measure the time of every variant on every adapter.
     Bench(bench::Args),
+    /// Show results of compare, bench and testbench on one HTML page.
+    Report(report::Args),
     Test(test::Args),
 }
 
@@ -97,6 +100,7 @@ fn main() -> ExitCode {
         Command::Compare(args) => compare::run(&args, &console).map(ExitCode::from),
         Command::Testbench(args) => testbench::run(&args, &console).map(ExitCode::from),
         Command::Bench(args) => bench::run(&args, &console).map(ExitCode::from),
+        Command::Report(args) => report::run(&args, &console).map(ExitCode::from),
         Command::Test(args) => test::run(&args),
     };
     match outcome {

@@ -1,0 +1,58 @@
+//! One HTML page from records and pictures: everything inside one file, nothing fetched, the same bytes for the same input.
+
+mod album;
+mod compared;
+mod gap;
+mod merge;
+mod number;
+mod page;
+mod pareto;
+mod periods;
+mod plot;
+mod routes;
+mod scaling;
+mod source;
+mod summary;
+mod sweeps;
+mod table;
+
+use maud::html;
+
+use merge::Results;
+
+pub use source::{Folder, read};
+
+/// A report.
+#[derive(Clone, Debug)]
+pub struct Page {
+    /// The whole file.
+    pub html: String,
+    /// Pictures that records name and that could not be shown, each with the reason.
+    pub missing: Vec<String>,
+}
+
+/// The page of several folders of results; of results of the same thing the last one counts.
+pub fn page(folders: &[Folder]) -> Page {
+    let results = Results::new(folders);
+    let sections = [
+        ("summary", "Summary", summary::section(&results)),
+        ("maps", "Maps", compared::section(&results)),
+        ("pareto", "Error and time", pareto::section(&results)),
+        ("routes", "Routes", routes::section(&results)),
+        ("periods", "Periods", periods::section(&results)),
+        ("sweeps", "Sweeps", sweeps::section(&results)),
+        ("scaling", "Scaling", scaling::section(&results)),
+        ("data", "Data", page::data(folders)),
+    ];
+    let links = html! { @for (id, name, _) in &sections { a href={ "#" (id) } { (name) } } };
+    let body = html! {
+        @for (id, name, content) in &sections {
+            section id=(id) aria-labelledby={ (id) "-h" } {
+                h2 id={ (id) "-h" } { (name) }
+                (content)
+            }
+        }
+    };
+    let html = page::shell(&results.title(), &links, &body, &results.album.css());
+    Page { html, missing: results.missing }
+}

@@ -1,0 +1,212 @@
+//! Records of all folders put together: of results of the same thing the last one counts, at the place of the first.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+use super::album::{Album, Picture};
+use super::source::Folder;
+use crate::record::{Bench, Compare, Control, Gap, Part, Record, Scaling, Testbench};
+
+/// What a page is made of.
+#[derive(Debug, Default)]
+pub(super) struct Results<'a> {
+    /// Names of the folders.
+    pub(super) folders: Vec<&'a str>,
+    /// Comparisons by what was drawn.
+    pub(super) units: Vec<Unit<'a>>,
+    /// Deliberately wrong shaders.
+    pub(super) controls: Vec<&'a Control>,
+    /// What was not taken.
+    pub(super) gaps: Vec<&'a Gap>,
+    /// Times.
+    pub(super) benches: Vec<&'a Bench>,
+    /// Times against something.
+    pub(super) scalings: Vec<&'a Scaling>,
+    /// Periods, with the picture of the response.
+    pub(super) periods: Vec<(&'a Testbench, Option<Picture>)>,
+    /// The pictures.
+    pub(super) album: Album,
+    /// Pictures that cannot be shown, and why.
+    pub(super) missing: Vec<String>,
+    /// How many records a later one replaced.
+    pub(super) replaced: usize,
+}
+
+/// A variant on a surface under a light: everything that was compared of one map.
+#[derive(Debug)]
+pub(super) struct Unit<'a> {
+    /// Place of its strip in the page.
+    pub(super) anchor: String,
+    /// The surface's name.
+    pub(super) surface: &'a str,
+    /// The variant's name.
+    pub(super) variant: &'a str,
+    /// Direction of the light, theta and phi in degrees.
+    pub(super) light: [f64; 2],
+    /// Pixels along a side.
+    pub(super) size: usize,
+    /// The variant's canonical configuration.
+    pub(super) settings: &'a Value,
+    /// The comparisons, with reference, map and difference where they were drawn.
+    pub(super) compared: Vec<(&'a Compare, Option<[Picture; 3]>)>,
+}
+
+impl<'a> Unit<'a> {
+    /// Comparisons of one part.
+    pub(super) fn of(&self, part: Part) -> impl Iterator<Item = &'a Compare> {
+        self.compared.iter().map(|(compare, _)| *compare).filter(move |c| c.part == part)
+    }
+
+    /// The comparison with the exact reference that stands for the map: one with pictures, else the twin's, else any.
+    pub(super) fn total(&self) -> Option<&(&'a Compare, Option<[Picture; 3]>)> {
+        let totals = || self.compared.iter().filter(|(c, _)| c.part == Part::Total);
+        let drawn = totals().find(|(_, strip)| strip.is_some());
+        drawn.or_else(|| totals().find(|(c, _)| c.route == "twin")).or_else(|| totals().next())
+    }
+
+    /// The worst comparison of a part: drivers by greatest difference, approximations by colour.
+    pub(super) fn worst(&self, part: Part) -> Option<&'a Compare> {
+        let badness = |c: &Compare| match part {
+            Part::Arithmetic | Part::Across => c.max_abs,
+            _ => c.de2000.p95,
+        };
+        self.of(part).max_by(|a, b| badness(a).total_cmp(&badness(b)))
+    }
+
+    /// Whether everything is within its tolerance.
+    pub(super) fn passes(&self) -> bool {
+        self.compared.iter().all(|(c, _)| c.pass)
+    }
+
+    /// A setting by its key.
+    pub(super) fn setting(&self, key: &str) -> Option<&'a str> {
+        self.settings.get(key).and_then(Value::as_str)
+    }
+}
+
+impl<'a> Results<'a> {
+    /// Puts folders together.
+    pub(super) fn new(folders: &'a [Folder]) -> Results<'a> {
+        let mut results = Results {
+            folders: folders.iter().map(|f| f.name.as_str()).collect(),
+            ..Results::default()
+        };
+        let mut places: BTreeMap<String, usize> = BTreeMap::new();
+        let mut last: Vec<(&Folder, &Record)> = Vec::new();
+        for (folder, record) in folders.iter().flat_map(|f| f.records.iter().map(move |r| (f, r))) {
+            match places.get(&key(record)) {
+                Some(at) => {
+                    last[*at] = (folder, record);
+                    results.replaced += 1;
+                }
+                None => {
+                    places.insert(key(record), last.len());
+                    last.push((folder, record));
+                }
+            }
+        }
+        for (folder, record) in last {
+            results.take(folder, record);
+        }
+        results
+    }
+
+    fn take(&mut self, folder: &'a Folder, record: &'a Record) {
+        match record {
+            Record::Compare(compare) => {
+                let strip = compare
+                    .pictures
+                    .as_ref()
+                    .map(|places| [0, 1, 2].map(|i: usize| self.picture(folder, &places[i])));
+                self.unit(compare).compared.push((compare, strip));
+            }
+            Record::Control(control) => self.controls.push(control),
+            Record::Gap(gap) => self.gaps.push(gap),
+            Record::Bench(bench) => self.benches.push(bench),
+            Record::Scaling(scaling) => self.scalings.push(scaling),
+            Record::Testbench(bench) => {
+                let picture = bench.svg.as_ref().map(|place| self.picture(folder, place));
+                self.periods.push((bench, picture));
+            }
+        }
+    }
+
+    fn picture(&mut self, folder: &Folder, place: &str) -> Picture {
+        if let Some(Err(why)) = folder.pictures.get(place) {
+            let told = format!("{}/{place}: {why}", folder.name);
+            if !self.missing.contains(&told) {
+                self.missing.push(told);
+            }
+        }
+        self.album.add(folder, place)
+    }
+
+    fn unit(&mut self, c: &'a Compare) -> &mut Unit<'a> {
+        let is_it = |unit: &Unit<'_>| {
+            (unit.surface, unit.variant, unit.size) == (&*c.surface, &*c.variant, c.size)
+                && unit.light == c.light
+        };
+        let at = self.units.iter().position(is_it).unwrap_or_else(|| {
+            self.units.push(Unit {
+                anchor: format!("unit-{}", self.units.len() + 1),
+                surface: &c.surface,
+                variant: &c.variant,
+                light: c.light,
+                size: c.size,
+                settings: &c.settings,
+                compared: Vec::new(),
+            });
+            self.units.len() - 1
+        });
+        &mut self.units[at]
+    }
+
+    /// Every comparison.
+    pub(super) fn compared(&self) -> impl Iterator<Item = &'a Compare> {
+        self.units.iter().flat_map(|unit| unit.compared.iter().map(|(compare, _)| *compare))
+    }
+
+    /// The page's title.
+    pub(super) fn title(&self) -> String {
+        format!("Diffraction shaders: {}", self.folders.join(", "))
+    }
+}
+
+/// Each value once, in the order in which they come.
+pub(super) fn unique<T: PartialEq>(values: impl IntoIterator<Item = T>) -> Vec<T> {
+    let mut seen = Vec::new();
+    for value in values {
+        if !seen.contains(&value) {
+            seen.push(value);
+        }
+    }
+    seen
+}
+
+/// What a record is about: everything that was chosen, nothing that was measured.
+fn key(record: &Record) -> String {
+    match record {
+        Record::Compare(c) => {
+            // the worst partner of a route may change from run to run
+            format!("{:?}", (&c.surface, &c.variant, &c.route, c.part, c.light, c.size))
+        }
+        Record::Control(c) => {
+            format!("{:?}", ("control", &c.surface, &c.variant, &c.route, &c.control, c.light))
+        }
+        Record::Gap(g) => format!("{:?}", ("gap", &g.route, &g.surface, &g.variant, &g.reason)),
+        Record::Bench(b) => {
+            let place = (&b.surface, &b.variant, &b.backend, &b.adapter);
+            format!("{:?}", ("bench", place, b.light, b.size))
+        }
+        Record::Scaling(s) => {
+            let place = (&s.surface, &s.variant, &s.backend, &s.adapter);
+            format!("{:?}", ("scaling", place, &s.axis, s.value))
+        }
+        Record::Testbench(t) => {
+            let light = (t.theta_i, t.phi_i);
+            let windows = (t.window, t.windows.is_some());
+            format!("{:?}", ("testbench", &t.surface, &t.variant, &t.route, light, windows))
+        }
+    }
+}

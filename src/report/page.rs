@@ -1,0 +1,71 @@
+//! The shell of the page: style, script, navigation, and the records themselves.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use sha2::{Digest, Sha256};
+
+use super::source::Folder;
+use crate::record::line;
+
+/// How the page looks. Its colours are chosen by the reader's system or by the button in the page.
+const STYLE: &str = include_str!("page.css");
+
+/// Sorting, saving and the choice of colours; the page can be read without it.
+const SCRIPT: &str = include_str!("page.js");
+
+/// The whole file.
+pub(super) fn shell(title: &str, links: &Markup, body: &Markup, pictures: &str) -> String {
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="generator" content="cargo xtask report";
+                meta http-equiv="Content-Security-Policy" content=(policy(pictures));
+                title { (title) }
+                style { (PreEscaped(STYLE)) }
+                style { (PreEscaped(pictures)) }
+            }
+            body {
+                nav aria-label="Sections" {
+                    div.links { (links) }
+                    button #theme type="button" hidden { "Theme" }
+                }
+                main {
+                    header.title {
+                        p.over { "Report" }
+                        h1 { (title) }
+                    }
+                    (body)
+                }
+                script { (PreEscaped(SCRIPT)) }
+            }
+        }
+    };
+    page.into_string() + "\n"
+}
+
+/// What a browser may do with the page, whatever a record says: show the pictures inside it, and use the styles and run the
+/// script that have these hashes (Content Security Policy, level 3).
+fn policy(pictures: &str) -> String {
+    let hash = |text: &str| format!("'sha256-{}'", STANDARD.encode(Sha256::digest(text)));
+    let (style, pictures, script) = (hash(STYLE), hash(pictures), hash(SCRIPT));
+    format!("default-src 'none'; img-src data:; style-src {style} {pictures}; script-src {script}")
+}
+
+/// The records, in the page as they were read, and a button that saves them.
+pub(super) fn data(folders: &[Folder]) -> Markup {
+    let count: usize = folders.iter().map(|f| f.records.len()).sum();
+    let text: String = folders.iter().flat_map(|f| &f.records).map(line).collect();
+    // inside a script element nothing is escaped, so no tag may begin there; JSON knows another way to write this
+    let text = text.replace('<', "\\u003c");
+    html! {
+        p {
+            "This page holds all " (count) " records it was made from, one JSON object per line; every table can be saved as CSV. "
+            button #save type="button" hidden { "Save records.jsonl" }
+        }
+        script #records type="application/x-ndjson" { (PreEscaped(text)) }
+    }
+}

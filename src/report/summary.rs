@@ -1,0 +1,267 @@
+//! What was run, what passed, what was caught, what is missing, what is worst.
+
+use std::collections::BTreeMap;
+
+use maud::{Markup, html};
+
+use super::gap::nothing;
+use super::merge::{Results, unique};
+use super::number::{self, figure};
+use super::table::{Cell, Row, heads, table};
+use crate::record::{Compare, Part};
+
+/// How many comparisons are listed as the nearest to their tolerance.
+const NEAREST: usize = 12;
+
+/// The section.
+pub(super) fn section(results: &Results<'_>) -> Markup {
+    html! {
+        (facts(results))
+        h3 { "Verdicts" }
+        (verdicts(results))
+        h3 { "Negative controls" }
+        (controls(results))
+        h3 { "Nearest to or beyond what is allowed" }
+        (worst(results))
+        h3 { "Not taken" }
+        (gaps(results))
+        @if !results.missing.is_empty() {
+            h3 { "Pictures that are missing" }
+            ul.missing { @for missing in &results.missing { li { (missing) } } }
+        }
+    }
+}
+
+fn facts(results: &Results<'_>) -> Markup {
+    let units = &results.units;
+    let compared = || results.compared();
+    let surfaces = unique(units.iter().map(|u| u.surface));
+    let variants = unique(units.iter().map(|u| u.variant));
+    let routes = unique(compared().map(|c| c.route.as_str()).filter(|r| *r != "twin:unpacked"));
+    let lights = unique(units.iter().map(|u| number::light(u.light)));
+    let sizes = unique(units.iter().map(|u| format!("{0} × {0}", u.size)));
+    let adapters = unique(results.benches.iter().map(|b| format!("{}:{}", b.backend, b.adapter)));
+    let count = compared().count();
+    let failed = compared().filter(|c| !c.pass).count();
+    let caught = results.controls.iter().filter(|c| c.caught).count();
+    let controls = results.controls.len();
+    html! {
+        div.tiles {
+            (tile(count, "comparisons", (failed == 0 && count > 0).then_some("all allowed"), (failed > 0).then(|| format!("{failed} beyond tolerance"))))
+            (tile(controls, "negative controls", (caught == controls && controls > 0).then_some("all caught"), (caught < controls).then(|| format!("{} missed", controls - caught))))
+            (tile(results.benches.len(), "times", None, None))
+            (tile(results.periods.len(), "periods", None, None))
+        }
+        dl.facts {
+            (fact("Results of", &results.folders))
+            (fact("Surfaces", &surfaces))
+            (fact("Variants", &variants))
+            (fact("Routes", &routes))
+            (fact("Adapters timed", &adapters))
+            (fact("Lights", &lights))
+            (fact("Maps, pixels", &sizes))
+            @if results.replaced > 0 {
+                (fact("Replaced", &[format!("{} results by later ones of the same thing", results.replaced)]))
+            }
+        }
+    }
+}
+
+fn tile(count: usize, what: &str, good: Option<&str>, bad: Option<String>) -> Markup {
+    html! {
+        div.tile {
+            b { (count) } span { (what) }
+            @if let Some(good) = good { em.good { "✓ " (good) } }
+            @if let Some(bad) = bad { em.bad { "✗ " (bad) } }
+        }
+    }
+}
+
+fn fact(name: &str, values: &[impl AsRef<str>]) -> Markup {
+    html! {
+        @if !values.is_empty() {
+            div {
+                dt { (name) }
+                dd { @for value in values { span { (value.as_ref()) } " " } }
+            }
+        }
+    }
+}
+
+/// What each part of the error means.
+pub(super) const PARTS: [(Part, &str, &str); 5] = [
+    (Part::Total, "total", "colours by a route against the exact reference"),
+    (
+        Part::Model,
+        "model",
+        "the variant's approximation in 64 bits, tables not rounded, against the exact reference",
+    ),
+    (Part::Packing, "packing", "what rounding the tables adds, in 64 bits"),
+    (Part::Arithmetic, "arithmetic", "what a driver's 32 bits add on the same tables"),
+    (Part::Across, "across", "a route against the other route that is farthest from it"),
+];
+
+fn verdicts(results: &Results<'_>) -> Markup {
+    if results.units.is_empty() {
+        return nothing("no comparisons", "cargo xtask compare");
+    }
+    let rows: Vec<Row> = PARTS
+        .iter()
+        .filter_map(|(part, name, meaning)| {
+            let all: Vec<&Compare> = results.compared().filter(|c| c.part == *part).collect();
+            let failed = all.iter().filter(|c| !c.pass).count();
+            let judged = all.iter().filter(|c| c.tolerance.is_some()).count();
+            let worst = |f: fn(&Compare) -> f64| all.iter().map(|c| f(c)).reduce(f64::max);
+            (!all.is_empty()).then(|| {
+                let row = vec![
+                    Cell::text(name),
+                    Cell::prose(meaning),
+                    Cell::count(all.len()),
+                    Cell::count(judged),
+                    Cell::failures(failed),
+                    Cell::maybe(worst(|c| c.de2000.p95)),
+                    Cell::maybe(worst(|c| c.max_abs)),
+                ];
+                (None, row)
+            })
+        })
+        .collect();
+    let names =
+        ["error", "meaning", "comparisons", "judged", "beyond", "worst ΔE₀₀ p95", "worst max |Δ|"];
+    table("verdicts", "Comparisons by part of the error", &heads(names), &rows)
+}
+
+fn controls(results: &Results<'_>) -> Markup {
+    if results.controls.is_empty() {
+        return nothing("no negative controls", "cargo xtask compare");
+    }
+    let routes = unique(results.controls.iter().map(|c| c.route.as_str()));
+    let kinds = unique(
+        results
+            .controls
+            .iter()
+            .map(|c| (c.control.as_str(), c.surface.as_str(), c.variant.as_str())),
+    );
+    let mut names = heads(["made wrong", "surface", "variant"]);
+    names.extend(routes.iter().map(|route| super::table::Head((*route).to_owned(), "")));
+    let rows: Vec<Row> = kinds
+        .iter()
+        .map(|(control, surface, variant)| {
+            let mut row = vec![Cell::text(control), Cell::text(surface), Cell::text(variant)];
+            row.extend(routes.iter().map(|route| {
+                let of = results.controls.iter().find(|c| {
+                    (&*c.control, &*c.surface, &*c.variant, &*c.route)
+                        == (*control, *surface, *variant, *route)
+                });
+                of.map_or_else(Cell::none, |c| {
+                    let shown = format!("caught, {}", figure(c.max_abs));
+                    Cell::verdict(c.caught, &shown, "missed")
+                })
+            }));
+            (None, row)
+        })
+        .collect();
+    html! {
+        p { "Shaders made wrong on purpose; each must fail the comparison that the right one passes. The number is the greatest "
+            "difference from the right colours, as a share of the greatest colour." }
+        (table("controls", "Negative controls by route", &names, &rows))
+        p.note { "A dash: this route has not run that control." }
+    }
+}
+
+/// How much of its tolerance a comparison uses; 1 is all of it.
+fn used(c: &Compare) -> Option<f64> {
+    let tolerance = c.tolerance?;
+    let share = |value: f64, limit: Option<f64>| limit.map(|limit| value / limit);
+    let shares = [share(c.max_abs, tolerance.max_abs), share(c.de2000.p95, tolerance.de2000_p95)];
+    shares.into_iter().flatten().reduce(f64::max)
+}
+
+fn worst(results: &Results<'_>) -> Markup {
+    // one line for each surface, variant, light and part: the worst of its routes
+    let mut worst: BTreeMap<String, (f64, &Compare, &str)> = BTreeMap::new();
+    for unit in &results.units {
+        for (c, _) in &unit.compared {
+            let Some(used) = used(c) else { continue };
+            let entry = worst.entry(format!("{} {:?}", unit.anchor, c.part)).or_insert((
+                used,
+                *c,
+                &unit.anchor,
+            ));
+            if used > entry.0 {
+                *entry = (used, *c, &unit.anchor);
+            }
+        }
+    }
+    let mut sorted: Vec<_> = worst.into_values().collect();
+    sorted.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let beyond = sorted.iter().filter(|(_, c, _)| !c.pass).count();
+    sorted.truncate(NEAREST.max(beyond));
+    if sorted.is_empty() {
+        return nothing("no comparison with a tolerance", "cargo xtask compare");
+    }
+    let rows: Vec<Row> = sorted
+        .into_iter()
+        .map(|(used, c, anchor)| {
+            let part =
+                PARTS.iter().find(|(part, ..)| *part == c.part).map_or("", |(_, name, _)| name);
+            let row = vec![
+                Cell::markup(html! { a href={ "#" (anchor) } { (c.variant) } }),
+                Cell::text(&c.surface),
+                Cell::text(part),
+                Cell::text(&c.route),
+                Cell::text(&c.reference),
+                Cell::number(c.de2000.p95),
+                Cell::number(c.max_abs),
+                Cell::judged(100.0 * used, c.pass),
+            ];
+            (None, row)
+        })
+        .collect();
+    let names = [
+        "variant",
+        "surface",
+        "error",
+        "route",
+        "against",
+        "ΔE₀₀ p95",
+        "max |Δ|",
+        "% of the tolerance",
+    ];
+    table(
+        "worst",
+        "Share of the tolerance that is used, the worst route of each",
+        &heads(names),
+        &rows,
+    )
+}
+
+fn gaps(results: &Results<'_>) -> Markup {
+    if results.gaps.is_empty() {
+        return html! { p.nothing { "Everything that was asked for was taken." } };
+    }
+    let rows: Vec<Row> = results
+        .gaps
+        .iter()
+        .map(|gap| {
+            let name = |name: &Option<String>| name.as_ref().map_or_else(Cell::none, Cell::text);
+            let row = vec![
+                Cell::text(&gap.route),
+                name(&gap.surface),
+                name(&gap.variant),
+                match gap.failed {
+                    true => Cell::verdict(false, "", "failed"),
+                    false => Cell::text("not taken"),
+                },
+                Cell::prose(&gap.reason),
+            ];
+            (None, row)
+        })
+        .collect();
+    table(
+        "gaps",
+        "Routes, variants and adapters that were not taken, or not to their end",
+        &heads(["route", "surface", "variant", "kind", "reason"]),
+        &rows,
+    )
+}

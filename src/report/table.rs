@@ -1,0 +1,151 @@
+//! Tables that can be sorted, and figures beside them.
+
+use maud::{Markup, html};
+
+use super::number;
+
+/// A cell: what is shown and what it is sorted by.
+#[derive(Clone, Debug)]
+pub(super) struct Cell {
+    shown: Markup,
+    /// The number behind what is shown; none: sorted as text.
+    value: Option<f64>,
+    class: &'static str,
+}
+
+impl Cell {
+    /// Text.
+    pub(super) fn text(text: impl AsRef<str>) -> Cell {
+        Cell { shown: html! { (text.as_ref()) }, value: None, class: "" }
+    }
+
+    /// Sentences, which may take several lines.
+    pub(super) fn prose(text: impl AsRef<str>) -> Cell {
+        Cell { class: "prose", ..Cell::text(text) }
+    }
+
+    /// Anything, sorted by its text.
+    pub(super) fn markup(shown: Markup) -> Cell {
+        Cell { shown, value: None, class: "" }
+    }
+
+    /// A number with three digits.
+    pub(super) fn number(value: f64) -> Cell {
+        Cell::shown(value, number::figure(value))
+    }
+
+    /// A number shown in a form of its own.
+    pub(super) fn shown(value: f64, shown: impl AsRef<str>) -> Cell {
+        Cell { shown: html! { (shown.as_ref()) }, value: Some(value), class: "" }
+    }
+
+    /// A number, or a dash.
+    pub(super) fn maybe(value: Option<f64>) -> Cell {
+        value.map_or_else(Cell::none, Cell::number)
+    }
+
+    /// Nothing.
+    pub(super) fn none() -> Cell {
+        Cell { shown: html! { span.dim { "–" } }, value: None, class: "" }
+    }
+
+    /// A number that was judged; a failure shows by a sign, a frame and weight, not by colour alone.
+    pub(super) fn judged(value: f64, pass: bool) -> Cell {
+        let shown = number::figure(value);
+        match pass {
+            true => Cell::shown(value, shown),
+            false => Cell {
+                shown: html! { span.sign { "✗ " } (shown) span.unseen { " fails" } },
+                value: Some(value),
+                class: "bad",
+            },
+        }
+    }
+
+    /// How many failed; none is good.
+    pub(super) fn failures(count: usize) -> Cell {
+        let value = Some(count as f64);
+        match count {
+            0 => Cell { value, ..Cell::verdict(true, "0", "") },
+            _ => Cell { value, ..Cell::verdict(false, "", &count.to_string()) },
+        }
+    }
+
+    /// A whole number.
+    pub(super) fn count(count: usize) -> Cell {
+        Cell::shown(count as f64, count.to_string())
+    }
+
+    /// What is shown, outside of a table.
+    pub(super) fn words(&self) -> Markup {
+        html! { span class=(self.class) { (self.shown) } }
+    }
+
+    /// A verdict in words.
+    pub(super) fn verdict(good: bool, yes: &str, no: &str) -> Cell {
+        let (sign, word, class) = if good { ("✓ ", yes, "good") } else { ("✗ ", no, "bad") };
+        Cell { shown: html! { span.sign { (sign) } (word) }, value: None, class }
+    }
+}
+
+/// A column's head, and what it means.
+#[derive(Clone, Debug)]
+pub(super) struct Head(pub(super) String, pub(super) &'static str);
+
+/// Heads without explanation.
+pub(super) fn heads<const N: usize>(names: [&str; N]) -> Vec<Head> {
+    names.map(|name| Head(name.to_owned(), "")).to_vec()
+}
+
+/// A row with its anchor, if it has one.
+pub(super) type Row = (Option<String>, Vec<Cell>);
+
+/// A table in a box of its own, so that a wide one scrolls and the page does not. The first cell of a row is its head;
+/// columns of numbers stand to the right.
+pub(super) fn table(id: &str, caption: &str, heads: &[Head], rows: &[Row]) -> Markup {
+    let numeric = |column: usize| {
+        rows.iter().any(|(_, cells)| cells.get(column).is_some_and(|cell| cell.value.is_some()))
+    };
+    let numeric: Vec<bool> = (0..heads.len()).map(numeric).collect();
+    let class = |column: usize, own: &str| match (numeric.get(column), own) {
+        (Some(true), "") => Some("n".to_owned()),
+        (Some(true), own) => Some(format!("n {own}")),
+        (_, "") => None,
+        (_, own) => Some(own.to_owned()),
+    };
+    html! {
+        div.sheet { div.box tabindex="0" role="region" aria-label=(caption) {
+            table id=(id) {
+                caption { (caption) }
+                thead { tr {
+                    @for (i, Head(name, hint)) in heads.iter().enumerate() {
+                        th scope="col" class=[class(i, "")] title=[(!hint.is_empty()).then_some(hint)] { (name) }
+                    }
+                } }
+                tbody {
+                    @for (anchor, cells) in rows {
+                        tr id=[anchor.as_ref()] {
+                            @for (i, cell) in cells.iter().enumerate() {
+                                @if i == 0 {
+                                    th scope="row" class=[class(i, cell.class)] data-v=[cell.value] { (cell.shown) }
+                                } @else {
+                                    td class=[class(i, cell.class)] data-v=[cell.value] { (cell.shown) }
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        } }
+    }
+}
+
+/// A figure with its caption and a link to the table of its data.
+pub(super) fn figure(content: &Markup, caption: &Markup, data: &str) -> Markup {
+    html! {
+        figure {
+            (content)
+            figcaption { (caption) " " a.data href={ "#" (data) } { "Data" } }
+        }
+    }
+}
