@@ -80,6 +80,13 @@ pub struct Compare {
     pub settings: Value,
 }
 
+impl Compare {
+    /// The greater of the 95th percentiles of CIEDE2000 over all directions and over the map alone.
+    pub fn worst_p95(&self) -> f64 {
+        self.map.map_or(0.0, |map| map.de2000.p95).max(self.de2000.p95)
+    }
+}
+
 /// Colour differences over the pixels of a map. Half of the drawn directions of a comparison lie in the brightest lobes, by
 /// which they set its exposure; a map on its own is exposed for all that it shows, so that dim orders count.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -52,6 +52,7 @@ fn overview(id: &str, surface: &str, units: &[&Unit<'_>]) -> Markup {
                 colour(|c| c.de2000.mean),
                 colour(|c| c.de2000.p95),
                 colour(|c| c.de2000.max),
+                Cell::maybe(total.and_then(|c| c.map.map(|map| map.de2000.p95))),
                 Cell::maybe(total.and_then(|c| c.flip)),
                 p95(Part::Model),
                 p95(Part::Packing),
@@ -67,6 +68,7 @@ fn overview(id: &str, surface: &str, units: &[&Unit<'_>]) -> Markup {
         ("ΔE₀₀ mean", "against the exact reference, the worst route"),
         ("p95", "95th percentile of CIEDE2000 against the exact reference, the worst route"),
         ("max", "greatest CIEDE2000"),
+        ("map p95", "95th percentile over the map's pixels at the exposure of its picture"),
         ("FLIP", "mean over lit pixels"),
         ("model p95", PARTS[1].2),
         ("packing p95", PARTS[2].2),
@@ -101,7 +103,7 @@ fn strip(unit: &Unit<'_>) -> Markup {
                 h4 { (unit.variant) }
                 (verdict(unit).words())
                 @if let Some((c, _)) = unit.total() {
-                    span.dim { (figure(100.0 * c.lit)) " % of directions lit · exposure " (figure(c.exposure)) }
+                    span.dim { (figure(100.0 * c.lit)) " % of directions lit · exposure " (figure(c.exposure)) @if let Some(map) = c.map { " · map: " (figure(100.0 * map.lit)) " % lit, exposure " (figure(map.exposure)) } }
                 }
             }
             div.pair {
@@ -149,6 +151,7 @@ fn numbers(unit: &Unit<'_>) -> Markup {
             let allowed = c.tolerance.map_or(String::new(), |t| {
                 let limits = [
                     limit(t.de2000_p95).map(|l| format!("p95 ≤ {l}")),
+                    limit(t.map_p95).map(|l| format!("map ≤ {l}")),
                     limit(t.max_abs).map(|l| format!("max |Δ| ≤ {l}")),
                 ];
                 limits.into_iter().flatten().collect::<Vec<_>>().join(", ")
@@ -169,6 +172,13 @@ fn numbers(unit: &Unit<'_>) -> Markup {
                 ),
                 Cell::number(d.p99),
                 Cell::number(d.max),
+                match c.map {
+                    Some(map) => Cell::judged(
+                        map.de2000.p95,
+                        c.tolerance.is_none_or(|t| t.map_p95.is_none_or(|l| map.de2000.p95 <= l)),
+                    ),
+                    None => Cell::none(),
+                },
                 Cell::maybe(c.flip),
                 Cell::judged(
                     c.max_abs,
@@ -188,6 +198,7 @@ fn numbers(unit: &Unit<'_>) -> Markup {
         "p95",
         "p99",
         "max",
+        "map p95",
         "FLIP",
         "max |Δ|",
         "RMS",

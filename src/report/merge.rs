@@ -69,7 +69,7 @@ impl<'a> Unit<'a> {
     pub(super) fn worst(&self, part: Part) -> Option<&'a Compare> {
         let badness = |c: &Compare| match part {
             Part::Arithmetic | Part::Across => c.max_abs,
-            _ => c.de2000.p95,
+            _ => c.worst_p95(),
         };
         self.of(part).max_by(|a, b| badness(a).total_cmp(&badness(b)))
     }

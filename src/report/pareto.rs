@@ -88,7 +88,7 @@ fn error(results: &Results<'_>, bench: &Bench) -> Option<(f64, String)> {
     let same = of().filter(|u| u.light == bench.light);
     let worst = |units: &mut dyn Iterator<Item = &super::merge::Unit<'_>>| {
         units
-            .filter_map(|u| u.worst(Part::Total).map(|c| (c.de2000.p95, u.anchor.clone())))
+            .filter_map(|u| u.worst(Part::Total).map(|c| (c.worst_p95(), u.anchor.clone())))
             .max_by(|a, b| a.0.total_cmp(&b.0))
     };
     worst(&mut same.into_iter()).or_else(|| worst(&mut of()))

@@ -119,7 +119,7 @@ fn verdicts(results: &Results<'_>) -> Markup {
                     Cell::count(all.len()),
                     Cell::count(judged),
                     Cell::failures(failed),
-                    Cell::maybe(worst(|c| c.de2000.p95)),
+                    Cell::maybe(worst(Compare::worst_p95)),
                     Cell::maybe(worst(|c| c.max_abs)),
                 ];
                 (None, row)
@@ -173,7 +173,11 @@ fn controls(results: &Results<'_>) -> Markup {
 fn used(c: &Compare) -> Option<f64> {
     let tolerance = c.tolerance?;
     let share = |value: f64, limit: Option<f64>| limit.map(|limit| value / limit);
-    let shares = [share(c.max_abs, tolerance.max_abs), share(c.de2000.p95, tolerance.de2000_p95)];
+    let shares = [
+        share(c.max_abs, tolerance.max_abs),
+        share(c.de2000.p95, tolerance.de2000_p95),
+        share(c.map.map_or(0.0, |map| map.de2000.p95), tolerance.map_p95),
+    ];
     shares.into_iter().flatten().reduce(f64::max)
 }
 
@@ -211,7 +215,7 @@ fn worst(results: &Results<'_>) -> Markup {
                 Cell::text(part),
                 Cell::text(&c.route),
                 Cell::text(&c.reference),
-                Cell::number(c.de2000.p95),
+                Cell::number(c.worst_p95()),
                 Cell::number(c.max_abs),
                 Cell::judged(100.0 * used, c.pass),
             ];

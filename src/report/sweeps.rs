@@ -111,7 +111,7 @@ fn cell(value: &Value, unit: &Unit<'_>, with_exact: bool) -> Markup {
                     (map(&strip[2], &alt("difference × 10")))
                 }
                 b { a href={ "#" (unit.anchor) } { (value.shown()) } }
-                span.n { "ΔE₀₀ " (figure(compare.de2000.p95)) }
+                span.n { "ΔE₀₀ " (figure(compare.worst_p95())) }
             }
         }
     }
@@ -133,14 +133,14 @@ fn chart(title: &str, group: &Group<'_>) -> Plot {
     let point = |(i, (value, unit)): (usize, &(Value, &Unit<'_>))| {
         let (compare, _) = unit.total()?;
         Some(Point {
-            at: [all.as_ref().map_or(i as f64, |all| all[i]), compare.de2000.p95],
+            at: [all.as_ref().map_or(i as f64, |all| all[i]), compare.worst_p95()],
             spread: None,
             label: String::new(),
             note: format!(
                 "{} {}: ΔE₀₀ p95 {}",
                 called(&group.key),
                 value.shown(),
-                figure(compare.de2000.p95)
+                figure(compare.worst_p95())
             ),
             link: unit.anchor.clone(),
         })
@@ -178,7 +178,8 @@ fn numbers(id: &str, title: &str, group: &Group<'_>) -> Markup {
             };
             let d = c.de2000;
             let numbers = [d.mean, d.p50, d.p95, d.p99, d.max].map(Cell::number);
-            let rest = [Cell::maybe(c.flip), Cell::number(c.max_abs), Cell::text(&c.route)];
+            let map = Cell::maybe(c.map.map(|map| map.de2000.p95));
+            let rest = [map, Cell::maybe(c.flip), Cell::number(c.max_abs), Cell::text(&c.route)];
             let name = Cell::markup(html! { a href={ "#" (unit.anchor) } { (unit.variant) } });
             Some((None, [first, name].into_iter().chain(numbers).chain(rest).collect()))
         })
@@ -191,6 +192,7 @@ fn numbers(id: &str, title: &str, group: &Group<'_>) -> Markup {
         "p95",
         "p99",
         "max",
+        "map p95",
         "FLIP",
         "max |Δ|",
         "route",

@@ -4,12 +4,13 @@ mod args;
 mod task;
 mod text;
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use diffraction_shaders::height::{self, Surface};
 use diffraction_shaders::plan::{Plan, SurfaceSpec};
-use diffraction_shaders::record::{self, Gap, Record, Testbench};
+use diffraction_shaders::record::{self, Gap, Log, Record, Testbench};
 use diffraction_shaders::testbench::{
     Crop, Picture, Protocol, csv, expected_um, heatmap, layout, spread,
 };
@@ -22,6 +23,9 @@ use crate::reexec;
 
 pub(crate) use args::Args;
 use task::{Found, Task, gap};
+
+/// Pictures under `--out`.
+const PICTURES: &str = "pictures/testbench";
 
 pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     if args.runner().is_driver() {
@@ -37,6 +41,7 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     surface.notes.iter().for_each(|note| console.note(note));
     let protocol = protocol(args, spec, &surface)?;
     let crops = crops(args, spec, &surface)?;
+    let mut log = log(args)?;
     let bar = progress::bar(tasks.len() * crops.len(), "measuring");
     let mut results = Vec::new();
     for task in &tasks {
@@ -63,12 +68,20 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
                 None => format!("-{}", task.name),
             });
             let svg = write(args, spec, &one, suffix.as_deref().unwrap_or_default())?;
-            results.push(one.record(&spec.name, *crop, svg));
+            let result = one.record(&spec.name, *crop, svg);
+            keep(&mut log, &Record::Testbench(result.clone()))?;
+            results.push(result);
             found.push(one);
         }
         if args.windows(&surface.field).is_some() {
-            results.extend(together(spec, &found));
+            if let Some(result) = together(spec, &found) {
+                keep(&mut log, &Record::Testbench(result.clone()))?;
+                results.push(result);
+            }
         }
+    }
+    for gap in &gaps {
+        keep(&mut log, &Record::Gap(gap.clone()))?;
     }
     bar.finish_and_clear();
     let text = match args.json {
@@ -85,6 +98,19 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
+/// The file of records under `--out`.
+fn log(args: &Args) -> Result<Option<Log>> {
+    let Some(folder) = &args.out else { return Ok(None) };
+    let pictures = folder.join(PICTURES);
+    fs::create_dir_all(&pictures).with_context(|| pictures.display().to_string())?;
+    Ok(Some(Log::open(&folder.join(record::FILE))?))
+}
+
+/// Appends a result at once, so that an interrupted command loses none.
+fn keep(log: &mut Option<Log>, record: &Record) -> Result<()> {
+    Ok(log.as_mut().map_or(Ok(()), |log| log.append(record))?)
+}
+
 fn protocol(args: &Args, spec: &SurfaceSpec, surface: &Surface) -> Result<Protocol> {
     let (field, subject) = (&surface.field, height::subject(spec));
     field.check_pitch(&subject, args.wavelengths.0.min_nm)?;
@@ -99,7 +125,7 @@ fn protocol(args: &Args, spec: &SurfaceSpec, surface: &Surface) -> Result<Protoc
         wavelengths: args.wavelengths.0,
         expected_um,
         // pictures and tables show all angles
-        whole: args.csv.is_some() || args.svg.is_some(),
+        whole: args.csv.is_some() || args.svg.is_some() || args.out.is_some(),
     })
 }
 
@@ -114,8 +140,14 @@ fn write(args: &Args, spec: &SurfaceSpec, one: &Found, suffix: &str) -> Result<O
     if let Some(path) = &args.csv {
         write_whole(&suffixed(path, suffix), csv(&one.measurement).as_bytes())?;
     }
-    let Some(path) = &args.svg else { return Ok(None) };
-    let path = suffixed(path, suffix);
+    let (path, named) = match (&args.svg, &args.out) {
+        (Some(path), _) => (suffixed(path, suffix), None),
+        (None, Some(folder)) => {
+            let place = format!("{PICTURES}/{}{suffix}.svg", spec.name);
+            (folder.join(&place), Some(place))
+        }
+        (None, None) => return Ok(None),
+    };
     let title = format!(
         "{}, {}, θi {}°: period {:.3} nm, standard deviation {:.3} nm",
         spec.name,
@@ -126,7 +158,7 @@ fn write(args: &Args, spec: &SurfaceSpec, one: &Found, suffix: &str) -> Result<O
     );
     let picture = Picture { title: &title, yardstick: one.yardstick.as_ref() };
     write_whole(&path, heatmap(&one.measurement, &one.protocol, picture)?.as_bytes())?;
-    Ok(path.file_name().map(|name| name.to_string_lossy().into_owned()))
+    Ok(named.or_else(|| path.file_name().map(|name| name.to_string_lossy().into_owned())))
 }
 
 /// The file's name with something before its extension.

@@ -11,6 +11,8 @@ use crate::args::{Runner, SurfaceArgs, wavelength_nm};
 const EXAMPLE: &str = "Examples:
   cargo xtask testbench --plan plan.toml --surface blazed --svg blazed.svg
   cargo xtask testbench --surface fingers --variant preview --windows 9 --window-um 8 --json
+  cargo xtask testbench --surface blazed --out target/compare
+  cargo xtask report target/compare
 
 The viewer stays in the plane of incidence, which holds the surface's x axis for --phi-i 0 and an unrotated surface. theta_r is
 positive on the mirror side (phi_r = phi_i + 180°) and negative on the light's own side. The response is |P|² without the gain.
@@ -59,6 +61,9 @@ pub(crate) struct Args {
     /// Draw the response over wavelength and angle, and the periods.
     #[arg(long, value_name = "FILE.svg")]
     pub(super) svg: Option<PathBuf>,
+    /// Append the records to DIR/records.jsonl and draw into DIR/pictures, for a report.
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
     /// Print one JSON object per line.
     #[arg(long)]
     pub(super) json: bool,
