@@ -244,28 +244,30 @@ fn gaps(results: &Results<'_>) -> Markup {
     if results.gaps.is_empty() {
         return html! { p.nothing { "Everything that was asked for was taken." } };
     }
-    let rows: Vec<Row> = results
-        .gaps
-        .iter()
-        .map(|gap| {
-            let name = |name: &Option<String>| name.as_ref().map_or_else(Cell::none, Cell::text);
-            let row = vec![
-                Cell::text(&gap.route),
-                name(&gap.surface),
-                name(&gap.variant),
-                match gap.failed {
-                    true => Cell::verdict(false, "", "failed"),
-                    false => Cell::text("not taken"),
-                },
-                Cell::prose(&gap.reason),
-            ];
-            (None, row)
+    // one reason holds for many, and is told once: for every route, surface and variant that it concerns
+    let mut alike: BTreeMap<(bool, &str), [Vec<&str>; 3]> = BTreeMap::new();
+    for gap in &results.gaps {
+        let concerned = alike.entry((!gap.failed, &gap.reason)).or_default();
+        let names = [Some(&gap.route), gap.surface.as_ref(), gap.variant.as_ref()];
+        for (all, name) in concerned.iter_mut().zip(names) {
+            all.extend(name.map(String::as_str).filter(|name| !all.contains(name)));
+        }
+    }
+    let rows: Vec<Row> = alike
+        .into_iter()
+        .map(|((taken, reason), concerned)| {
+            let [routes, surfaces, variants] = concerned.map(|all| Cell::prose(all.join(", ")));
+            let kind = match taken {
+                false => Cell::verdict(false, "", "failed"),
+                true => Cell::text("not taken"),
+            };
+            (None, vec![kind, Cell::prose(reason), routes, surfaces, variants])
         })
         .collect();
     table(
         "gaps",
         "Routes, variants and adapters that were not taken, or not to their end",
-        &heads(["route", "surface", "variant", "kind", "reason"]),
+        &heads(["kind", "reason", "routes", "surfaces", "variants"]),
         &rows,
     )
 }
