@@ -242,3 +242,35 @@ fn modes_and_lights_are_sweeps_too() {
     has(sweeps, &["blazed: mode", "blazed: light", ">pq<", ">gems<", "θ 10°, φ 0°"]);
     assert!(!sweeps.contains("coarse"), "a variant of other terms differs in two settings");
 }
+
+/// No script fails, and nothing sticks out of a desk's window or a telephone's.
+#[cfg(feature = "routes")]
+#[test]
+fn a_browser_shows_it_without_errors_or_scrolling_sideways() {
+    use diffraction_shaders::runner::browser::check_page;
+    let folder = tempfile::tempdir().expect("folder");
+    let file = folder.path().join("report.html");
+    fs::write(&file, report(&everything()).html).expect("writes");
+    for width in [1280, 390] {
+        let found = match check_page(&file, [width, 900], None) {
+            Ok(found) => found,
+            Err(error) if std::env::var_os("DIFFRACTION_REQUIRE_TOOLS").is_none() => {
+                eprintln!("not run: {error}");
+                return;
+            }
+            Err(error) => panic!("{error}"),
+        };
+        assert_eq!(found.width, width);
+        assert!(found.scroll_width <= width, "{found:?}");
+        assert!(found.scroll_height > 2000, "{found:?}");
+        assert!(found.console.is_empty(), "{found:?}");
+    }
+    // and it would be seen: a script that the page's policy forbids, and something too wide
+    let html = report(&everything()).html;
+    let wrong =
+        html.replace("</main>", "<p style=\"width:3000px\">x</p><script>y()</script></main>");
+    assert_ne!(html, wrong);
+    fs::write(&file, wrong.replace("Content-Security-Policy", "no-policy")).expect("writes");
+    let found = check_page(&file, [390, 900], None).expect("opens");
+    assert!(found.scroll_width > 390 && !found.console.is_empty(), "{found:?}");
+}
