@@ -82,6 +82,7 @@ pub fn generate(
     done: &(dyn Fn(&str) + Sync),
 ) -> Result<Generated, Vec<Diagnostic>> {
     let surfaces = load(request)?;
+    Cache(request.cache).sweep();
     let mut gaps = Vec::new();
     let mut pairs = Vec::new();
     for surface in &surfaces {

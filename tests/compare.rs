@@ -136,18 +136,27 @@ impl Sink for Kept {
 
 impl Kept {
     fn compares(&self) -> Vec<&Compare> {
-        let one = |record| if let &Record::Compare(ref c) = record { Some(c) } else { None };
-        self.records.iter().filter_map(one).collect()
+        let one = self.records.iter().filter_map(|record| match record {
+            Record::Compare(c) => Some(c),
+            _ => None,
+        });
+        one.collect()
     }
 
     fn controls(&self) -> Vec<&Control> {
-        let one = |record| if let &Record::Control(ref c) = record { Some(c) } else { None };
-        self.records.iter().filter_map(one).collect()
+        let one = self.records.iter().filter_map(|record| match record {
+            Record::Control(c) => Some(c),
+            _ => None,
+        });
+        one.collect()
     }
 
     fn gaps(&self) -> Vec<&Gap> {
-        let one = |record| if let &Record::Gap(ref gap) = record { Some(gap) } else { None };
-        self.records.iter().filter_map(one).collect()
+        let one = self.records.iter().filter_map(|record| match record {
+            Record::Gap(gap) => Some(gap),
+            _ => None,
+        });
+        one.collect()
     }
 }
 

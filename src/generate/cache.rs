@@ -4,9 +4,15 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use crate::error::Result;
 use crate::package::Content;
+
+/// End of the name of a file that is being written.
+const PARTIAL: &str = "partial";
+/// Age of such a file whose writer is gone.
+const STALE: Duration = Duration::from_secs(3600);
 
 /// A folder, or none.
 #[derive(Clone, Copy)]
@@ -54,6 +60,18 @@ impl Cache<'_> {
         Ok(numbers)
     }
 
+    /// Removes what killed runs left unfinished, an hour old or more: nothing takes so long to write.
+    pub(super) fn sweep(self) {
+        let Some(entries) = self.0.and_then(|folder| fs::read_dir(folder).ok()) else { return };
+        for path in entries.flatten().map(|entry| entry.path()) {
+            let is_partial = path.extension().is_some_and(|e| e == PARTIAL);
+            let age = fs::metadata(&path).and_then(|m| m.modified()).map(|at| at.elapsed());
+            if is_partial && matches!(age, Ok(Ok(age)) if age >= STALE) {
+                let _ = fs::remove_file(&path);
+            }
+        }
+    }
+
     fn file(self, id: &str) -> Option<PathBuf> {
         self.0.map(|folder| folder.join(format!("{id}.bin")))
     }
@@ -61,7 +79,7 @@ impl Cache<'_> {
 
 /// Writes a whole file or none; whether it did.
 fn store(file: &Path, bytes: &[u8]) -> bool {
-    let partial = file.with_extension(format!("{}.partial", std::process::id()));
+    let partial = file.with_extension(format!("{}.{PARTIAL}", std::process::id()));
     let stored = file
         .parent()
         .map_or(Ok(()), fs::create_dir_all)
@@ -71,4 +89,26 @@ fn store(file: &Path, bytes: &[u8]) -> bool {
         let _ = fs::remove_file(&partial);
     }
     stored.is_ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs::File;
+    use std::time::SystemTime;
+
+    use super::*;
+
+    #[test]
+    fn what_killed_runs_left_goes_and_the_rest_stays() {
+        let folder = tempfile::tempdir().expect("folder");
+        let names = ["old.1.partial", "new.2.partial", "old.bin"];
+        for name in names {
+            let file = File::create(folder.path().join(name)).expect("creates");
+            if name.starts_with("old") {
+                file.set_modified(SystemTime::now() - 2 * STALE).expect("dates");
+            }
+        }
+        Cache(Some(folder.path())).sweep();
+        assert_eq!(names.map(|name| folder.path().join(name).exists()), [false, true, true]);
+    }
 }

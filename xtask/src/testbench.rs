@@ -73,11 +73,11 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
             results.push(result);
             found.push(one);
         }
-        if args.windows(&surface.field).is_some() {
-            if let Some(result) = together(spec, &found) {
-                keep(&mut log, &Record::Testbench(result.clone()))?;
-                results.push(result);
-            }
+        if args.windows(&surface.field).is_some()
+            && let Some(result) = together(spec, &found)
+        {
+            keep(&mut log, &Record::Testbench(result.clone()))?;
+            results.push(result);
         }
     }
     for gap in &gaps {
