@@ -1,6 +1,6 @@
 //! The command itself, where drivers are compiled in.
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use diffraction_shaders::compare::{Request, Sink, run as compare, steps};
 use diffraction_shaders::plan::Variant;
 use diffraction_shaders::record::{Gap, Log, Record};
@@ -25,12 +25,8 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
             .map(|name| plan.surface(name).cloned())
             .collect::<Result<_, _>>()?;
     }
-    if variants.is_empty() {
-        bail!(
-            "{}: the plan has no variant; add [variants] or a [[preset]]",
-            args.plan.plan.display()
-        );
-    }
+    // before anything is written: a route that was named may not be there
+    let (routes, missing) = open(&args.route)?;
     let mine = |record: &Record| {
         matches!(record, Record::Compare(_) | Record::Control(_) | Record::Gap(_))
     };
@@ -41,7 +37,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     };
     interrupt::install(&args.out, None)?;
     let mut recorder = Recorder::new(&args.out, log, known, args.json, console);
-    let routes = open(&args.route, &mut recorder)?;
+    missing.into_iter().try_for_each(|gap| recorder.record(Record::Gap(gap)))?;
     let exposure = match args.exposure {
         Exposure::Auto => None,
         Exposure::Value(value) => Some(value),
@@ -71,27 +67,25 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     Ok(outcome)
 }
 
-/// The routes that are there; the others become records. One that was named and is missing is an error.
-fn open(wanted: &[String], recorder: &mut Recorder<'_>) -> Result<Vec<Box<dyn Route>>> {
+/// The routes that are there, and why the others are not. One that was named and is missing is an error.
+fn open(wanted: &[String]) -> Result<(Vec<Box<dyn Route>>, Vec<Gap>)> {
     let drivers: Vec<String> = wanted.iter().filter(|name| *name != "twin").cloned().collect();
+    let (mut open, mut missing) = (Vec::new(), Vec::new());
     if drivers.is_empty() && !wanted.is_empty() {
-        return Ok(Vec::new());
+        return Ok((open, missing));
     }
-    let mut open = Vec::new();
     for found in routes::open(&drivers)? {
         match found.route {
             Ok(route) => open.push(route),
-            Err(error) if drivers.is_empty() => {
-                recorder.record(Record::Gap(Gap {
-                    route: found.name,
-                    surface: None,
-                    variant: None,
-                    reason: error.to_string(),
-                    failed: false,
-                }))?;
-            }
+            Err(error) if drivers.is_empty() => missing.push(Gap {
+                route: found.name,
+                surface: None,
+                variant: None,
+                reason: error.to_string(),
+                failed: false,
+            }),
             Err(error) => return Err(error.into()),
         }
     }
-    Ok(open)
+    Ok((open, missing))
 }
