@@ -21,8 +21,9 @@ use crate::height::{self, HeightField};
 use crate::plan::{Mode, SurfaceSpec, Variant};
 use crate::record::{Gap, Record};
 use crate::reference::Directions;
+use crate::resolve::resolve;
 use crate::runner::routes::Route;
-use crate::runner::{Exact, Prepared, Runner, Subject};
+use crate::runner::{Prepared, Runner, Subject};
 
 pub use controls::{CONTROLS, SURFACE as CONTROL_SURFACE};
 pub use pictures::{AMPLIFIED, difference, mean_flip};
@@ -144,7 +145,7 @@ fn run_surface(
     failures: &mut [u32],
     sink: &mut dyn Sink,
 ) -> Result<()> {
-    let subset = subset(request, spec, height);
+    let subset = subset(request, height);
     // by optics and light, since variants share them
     let mut truths: BTreeMap<(String, usize), Truth> = BTreeMap::new();
     for (index, variant) in request.variants.iter().enumerate() {
@@ -182,7 +183,9 @@ fn run_surface(
             let key = (serde_json::to_string(&variant.optics).unwrap_or_default(), light_index);
             if !truths.contains_key(&key) {
                 sink.begin(&format!("{}: exact, light {}°", spec.name, light[0]));
-                let number = truths.len();
+                // the same in a run that goes on with another's results
+                let same = |other: &Variant| other.optics == variant.optics;
+                let number = request.variants.iter().position(same).unwrap_or(index);
                 let truth = unit::truth(request, &unit, subject, number, sink)?;
                 truths.insert(key.clone(), truth);
             }
@@ -203,11 +206,10 @@ fn run_surface(
 }
 
 /// Which variants slow routes take on a surface: of every mode the cheapest, then the second of every mode, and so on.
-fn subset(request: &Request<'_>, spec: &SurfaceSpec, height: &HeightField) -> BTreeSet<usize> {
+fn subset(request: &Request<'_>, height: &HeightField) -> BTreeSet<usize> {
     let mut by_mode: BTreeMap<Mode, Vec<(u64, usize)>> = BTreeMap::new();
     for (index, variant) in request.variants.iter().enumerate() {
-        let subject = Subject { height, rotate_deg: spec.rotate_deg, variant };
-        if let Ok(resolved) = crate::resolve::resolve(subject.variant, subject.height) {
+        if let Ok(resolved) = resolve(variant, height) {
             by_mode.entry(variant.mode).or_default().push((resolved.cost.fetches, index));
         }
     }
@@ -232,9 +234,4 @@ fn gap(route: &str, at: Option<(&str, &str)>, reason: &str, failed: bool) -> Rec
         reason: reason.to_owned(),
         failed,
     })
-}
-
-/// The exact colours of a unit, by whatever runner: a separate function so that tests can ask for them too.
-fn exact(subject: Subject<'_>, directions: &[Directions]) -> Result<Vec<[f64; 3]>> {
-    Exact(subject).tristimulus(directions, &|_| ())
 }

@@ -10,10 +10,10 @@ use crate::picture;
 use crate::plan::Colour;
 use crate::record::{Compare, MapColours, Part, Record};
 use crate::runner::routes::Route;
-use crate::runner::{Prepared, Subject, TwinRunner, rounded};
+use crate::runner::{Exact, Prepared, Runner, Subject, TwinRunner, rounded};
 
 use super::tolerance::{is_inside, tolerance};
-use super::{Request, Sink, Truth, Unit, difference, exact, failed, mean_flip};
+use super::{Request, Sink, Truth, Unit, difference, failed, mean_flip};
 
 /// Routes of the two twins in records.
 const TWIN: &str = "twin";
@@ -37,7 +37,7 @@ pub(super) fn truth(
     let light: DVec3 = rounded(direction(unit.light[0], unit.light[1]));
     let directions = standard(height, &variant.optics, rotate_deg, light, unit.size);
     let map = crate::frame::view_directions(unit.size).len();
-    let colours = exact(subject, &directions)?;
+    let colours = Exact(subject).tristimulus(&directions, &|_| ())?;
     // a black surface has no exposure: comparing it tells so
     let exposure = request.exposure.or_else(|| auto_exposure(&colours)).unwrap_or(1.0);
     let map_exposure = request.exposure.or_else(|| auto_exposure(&colours[..map]));

@@ -67,8 +67,11 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     Ok(outcome)
 }
 
+/// Open routes, and why there are no more.
+type Opened = (Vec<Box<dyn Route>>, Vec<Gap>);
+
 /// The routes that are there, and why the others are not. One that was named and is missing is an error.
-fn open(wanted: &[String]) -> Result<(Vec<Box<dyn Route>>, Vec<Gap>)> {
+fn open(wanted: &[String]) -> Result<Opened> {
     let drivers: Vec<String> = wanted.iter().filter(|name| *name != "twin").cloned().collect();
     let (mut open, mut missing) = (Vec::new(), Vec::new());
     if drivers.is_empty() && !wanted.is_empty() {
