@@ -1,8 +1,31 @@
-// The transform of the phase function at one bin, as a power series.
+// The transform of the phase function at one bin, as a series: of powers, or with coefficients from a table.
 
 // Transforms of the terms at the bins that can be reached; the middle texel is bin (0, 0).
 @group(0) @binding(1) var terms: texture_2d_array<f32>;
 
+#ifdef TABULATED
+// Coefficients of the terms, four to a texel: columns are equal steps of z from its least value to 0.
+@group(0) @binding(4) var coefficients: texture_2d<f32>;
+
+// The coefficients of all terms at one z.
+struct Coefficients {
+    rows: array<vec4f, COEFFICIENT_ROWS>,
+}
+
+// What the series is in: coefficients, linear between the table's nodes.
+fn series_argument(w: f32, lambda_um: f32) -> Coefficients {
+    let tau = 0.5 * w * WAVELENGTH_MIN_UM / lambda_um;
+    let place = clamp(1.0 + tau, 0.0, 1.0) * f32(COEFFICIENT_COUNT - 1);
+    let index = min(i32(place), COEFFICIENT_COUNT - 2);
+    var argument: Coefficients;
+    for (var row = 0; row < COEFFICIENT_ROWS; row++) {
+        let before = textureLoad(coefficients, vec2i(index, row), 0);
+        let after = textureLoad(coefficients, vec2i(index + 1, row), 0);
+        argument.rows[row] = mix(before, after, place - f32(index));
+    }
+    return argument;
+}
+#else
 // What the series is in: z over its greatest value.
 fn series_argument(w: f32, lambda_um: f32) -> f32 {
     let tau = 0.5 * w * WAVELENGTH_MIN_UM / lambda_um;
@@ -13,6 +36,7 @@ fn series_argument(w: f32, lambda_um: f32) -> f32 {
     return tau;
 #endif
 }
+#endif
 
 #ifdef HALF
 // Scale of the first term.
@@ -21,6 +45,25 @@ fn series_scale() -> f32 {
 }
 #endif
 
+#ifdef TABULATED
+// The sum over terms of coefficient times table; of scaled tables, over their scale.
+fn bin_amplitude(bin: vec2i, argument: Coefficients) -> vec2f {
+    let texel = bin + vec2i(CENTRE_COLUMN, CENTRE_ROW);
+    var rows = argument.rows;
+    var sum = vec2f(0.0);
+    for (var layer = 0; layer < LAYER_COUNT; layer++) {
+        let transform = textureLoad(terms, texel, layer, 0);
+#ifdef PAIRED
+        let row = rows[layer / 2];
+        let pair = select(row.xy, row.zw, layer % 2 == 1);
+        sum += pair.x * transform.xy + pair.y * transform.zw;
+#else
+        sum += rows[layer / 4][layer % 4] * transform.xy;
+#endif
+    }
+    return sum;
+}
+#else
 #ifdef HOIST
 // The sum over terms of τ^n times the table, by Horner's rule; of scaled tables, over the scale of the first term.
 fn bin_amplitude(bin: vec2i, tau: f32) -> vec2f {
@@ -41,4 +84,5 @@ fn bin_amplitude(bin: vec2i, tau: f32) -> vec2f {
     return sum;
 #endif
 }
+#endif
 #endif
