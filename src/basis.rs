@@ -192,7 +192,8 @@ fn measured(curves: &[Curve], phase: f64, levels: &[Level]) -> Vec<f64> {
     let mut rest: Vec<(f64, f64)> =
         places.iter().flat_map(|s| heights.iter().map(move |x| wave(s, x))).collect();
     let greatest = |rest: &[(f64, f64)]| {
-        let squared = rest.iter().fold(0.0, |most: f64, (odd, even)| most.max(odd * odd + even * even));
+        let squared =
+            rest.iter().fold(0.0, |most: f64, (odd, even)| most.max(odd * odd + even * even));
         SLACK * squared.sqrt()
     };
     let mut found = vec![greatest(&rest)];

@@ -126,7 +126,12 @@ pub fn inspect(plan: &Plan, spec: &SurfaceSpec) -> Result<(Inspection, HeightFie
     Ok((inspection, field))
 }
 
-fn term_counts(basis: Basis, facts: &Facts, field: &HeightField, min_nm: f64) -> Result<TermCounts> {
+fn term_counts(
+    basis: Basis,
+    facts: &Facts,
+    field: &HeightField,
+    min_nm: f64,
+) -> Result<TermCounts> {
     let counts = |peak_to_valley_um: f64| -> Result<[u32; 3]> {
         // as if levelling and clipping left the shape of the relief as it is
         let share = if facts.peak_to_valley_um > 0.0 {

@@ -223,9 +223,10 @@ pub fn coefficients_table(expansion: &Expansion) -> Table {
     for row in 0..height {
         for column in 0..width {
             let tau = column as f64 / (width - 1) as f64 - 1.0;
-            texels.extend((4 * row..4 * row + 4).map(|n| {
-                if n < terms { expansion.coefficient(n, tau) } else { 0.0 }
-            }));
+            texels.extend(
+                (4 * row..4 * row + 4)
+                    .map(|n| if n < terms { expansion.coefficient(n, tau) } else { 0.0 }),
+            );
         }
     }
     Table {

@@ -7,23 +7,10 @@
 // Coefficients of the terms, four to a texel: columns are equal steps of z from its least value to 0.
 @group(0) @binding(4) var coefficients: texture_2d<f32>;
 
-// The coefficients of all terms at one z.
-struct Coefficients {
-    rows: array<vec4f, COEFFICIENT_ROWS>,
-}
-
-// What the series is in: coefficients, linear between the table's nodes.
-fn series_argument(w: f32, lambda_um: f32) -> Coefficients {
+// What the series is in: the place in the table.
+fn series_argument(w: f32, lambda_um: f32) -> f32 {
     let tau = 0.5 * w * WAVELENGTH_MIN_UM / lambda_um;
-    let place = clamp(1.0 + tau, 0.0, 1.0) * f32(COEFFICIENT_COUNT - 1);
-    let index = min(i32(place), COEFFICIENT_COUNT - 2);
-    var argument: Coefficients;
-    for (var row = 0; row < COEFFICIENT_ROWS; row++) {
-        let before = textureLoad(coefficients, vec2i(index, row), 0);
-        let after = textureLoad(coefficients, vec2i(index + 1, row), 0);
-        argument.rows[row] = mix(before, after, place - f32(index));
-    }
-    return argument;
+    return clamp(1.0 + tau, 0.0, 1.0) * f32(COEFFICIENT_COUNT - 1);
 }
 #else
 // What the series is in: z over its greatest value.
@@ -46,19 +33,34 @@ fn series_scale() -> f32 {
 #endif
 
 #ifdef TABULATED
-// The sum over terms of coefficient times table; of scaled tables, over their scale.
-fn bin_amplitude(bin: vec2i, argument: Coefficients) -> vec2f {
+// The sum over terms of coefficient times table, coefficients linear between their nodes; of scaled tables, over their
+// scale.
+fn bin_amplitude(bin: vec2i, place: f32) -> vec2f {
     let texel = bin + vec2i(CENTRE_COLUMN, CENTRE_ROW);
-    var rows = argument.rows;
+    let index = min(i32(place), COEFFICIENT_COUNT - 2);
     var sum = vec2f(0.0);
-    for (var layer = 0; layer < LAYER_COUNT; layer++) {
-        let transform = textureLoad(terms, texel, layer, 0);
+    for (var row = 0; row < COEFFICIENT_ROWS; row++) {
+        let before = textureLoad(coefficients, vec2i(index, row), 0);
+        let after = textureLoad(coefficients, vec2i(index + 1, row), 0);
+        let four = mix(before, after, place - f32(index));
 #ifdef PAIRED
-        let row = rows[layer / 2];
-        let pair = select(row.xy, row.zw, layer % 2 == 1);
-        sum += pair.x * transform.xy + pair.y * transform.zw;
+        let first = textureLoad(terms, texel, 2 * row, 0);
+        sum += four.x * first.xy + four.y * first.zw;
+        if (2 * row + 1 < LAYER_COUNT) {
+            let second = textureLoad(terms, texel, 2 * row + 1, 0);
+            sum += four.z * second.xy + four.w * second.zw;
+        }
 #else
-        sum += rows[layer / 4][layer % 4] * transform.xy;
+        sum += four.x * textureLoad(terms, texel, 4 * row, 0).xy;
+        if (4 * row + 1 < LAYER_COUNT) {
+            sum += four.y * textureLoad(terms, texel, 4 * row + 1, 0).xy;
+        }
+        if (4 * row + 2 < LAYER_COUNT) {
+            sum += four.z * textureLoad(terms, texel, 4 * row + 2, 0).xy;
+        }
+        if (4 * row + 3 < LAYER_COUNT) {
+            sum += four.w * textureLoad(terms, texel, 4 * row + 3, 0).xy;
+        }
 #endif
     }
     return sum;

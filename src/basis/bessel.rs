@@ -40,7 +40,10 @@ mod tests {
         for x in [0.0, 1e-9, 0.1, 1.0, 2.975, 5.95, -7.3, 30.0, 121.0] {
             for (n, got) in bessel(60, x).iter().enumerate() {
                 let want = libm::jn(n as i32, x);
-                assert!((got - want).abs() < 1e-14 + 1e-12 * want.abs(), "J_{n}({x}) = {got}, {want}");
+                assert!(
+                    (got - want).abs() < 1e-14 + 1e-12 * want.abs(),
+                    "J_{n}({x}) = {got}, {want}"
+                );
             }
         }
     }

@@ -78,7 +78,8 @@ mod tests {
     /// Hilbert's matrix of order 8: its least singular value is 1.11e-10 (the tenth digit of a method that squares is noise).
     #[test]
     fn small_values_keep_their_digits() {
-        let columns = (0..8).map(|i| (0..8).map(|j| 1.0 / f64::from(i + j + 1)).collect()).collect();
+        let columns =
+            (0..8).map(|i| (0..8).map(|j| 1.0 / f64::from(i + j + 1)).collect()).collect();
         let found = singular(columns);
         assert!((found[0].0 / 1.695_938_996_921_949 - 1.0).abs() < 1e-12, "{}", found[0].0);
         assert!((found[7].0 / 1.111_538_966e-10 - 1.0).abs() < 1e-4, "{:e}", found[7].0);

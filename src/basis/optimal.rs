@@ -46,7 +46,8 @@ pub fn optimal(phase: f64, levels: &[Level]) -> Vec<Curve> {
     let part = |odd: bool| -> Vec<(f64, Curve)> {
         let wave = |argument: f64| if odd { argument.sin() } else { argument.cos() };
         let column = |s: &f64| {
-            let value = |(level, weight): (&Level, &f64)| weight * wave(phase * s * level.places[1]);
+            let value =
+                |(level, weight): (&Level, &f64)| weight * wave(phase * s * level.places[1]);
             levels.iter().zip(&weights).map(value).collect()
         };
         let found = singular(half.iter().map(column).collect());

@@ -92,7 +92,8 @@ fn coefficients_meaning(
 ) -> (Vec<String>, BTreeMap<&'static str, String>) {
     let channels = [0, 1, 2, 3].map(|c| format!("coefficient of term 4 row + {c}"));
     let (last, z_max) = (table.width - 1, resolved.expansion.z_max);
-    let column = format!("z = (index/{last} - 1)·{z_max} per µm, z = 2π w/wavelength; linear between");
+    let column =
+        format!("z = (index/{last} - 1)·{z_max} per µm, z = 2π w/wavelength; linear between");
     let axes = BTreeMap::from([("column", column), ("row", "four terms each".to_owned())]);
     (channels.to_vec(), axes)
 }

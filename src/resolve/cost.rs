@@ -53,8 +53,8 @@ pub(super) fn cost(variant: &Variant, resolved: &Resolved, lobes: &Lobes) -> Cos
         evaluations: nodes,
         evaluations_mean: nodes as f64,
         term_fetches: nodes * taps * layers,
-        fetches: nodes * (taps * layers + coefficients + 1),
-        fetches_mean: (nodes * (taps * layers + coefficients + 1)) as f64,
+        fetches: nodes * (taps * (layers + coefficients) + 1),
+        fetches_mean: (nodes * (taps * (layers + coefficients) + 1)) as f64,
         table_bytes,
     };
     match variant.mode {

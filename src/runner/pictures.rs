@@ -83,7 +83,14 @@ impl<'a> Prepared<'a> {
             place.map_or(Table::ABSENT, |place| tables.swap_remove(place))
         };
         let (terms, spectrum, coefficients) = (take(TERMS), take(SPECTRUM), take(COEFFICIENTS));
-        Ok(Prepared { subject, sources: Sources::builtin(), resolved, terms, spectrum, coefficients })
+        Ok(Prepared {
+            subject,
+            sources: Sources::builtin(),
+            resolved,
+            terms,
+            spectrum,
+            coefficients,
+        })
     }
 
     /// The shader that reads a spectrum table of so many wavelengths.

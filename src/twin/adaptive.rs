@@ -39,7 +39,7 @@ pub fn tristimulus(twin: &Twin<'_>, Directions { wi, wr }: Directions) -> [f64; 
 
 /// A bin's intensity under the window at one wavelength.
 pub fn intensity(twin: &Twin<'_>, bin: DVec2, path: DVec3, lambda_um: f64) -> f64 {
-    let amplitude = bin_amplitude(twin, bin, &series_argument(twin, path.z, lambda_um));
+    let amplitude = bin_amplitude(twin, bin, series_argument(twin, path.z, lambda_um));
     amplitude.norm_sqr() * window_share(twin, bin, path.truncate(), 1.0 / lambda_um)
 }
 
@@ -105,7 +105,7 @@ fn lobe(twin: &Twin<'_>, bin: DVec2, path: DVec3, range: DVec2) -> [f64; 3] {
         let total = weight.element_sum();
         if total > 0.0 {
             let argument = series_argument(twin, path.z, total / moment);
-            xyz += bin_amplitude(twin, bin, &argument).norm_sqr() * weight;
+            xyz += bin_amplitude(twin, bin, argument).norm_sqr() * weight;
         }
     }
     (pace * xyz).to_array()

@@ -14,7 +14,7 @@ pub use super::Twin;
 pub fn response(twin: &Twin<'_>, path: DVec3, lambda_um: f64) -> f64 {
     let place = path.truncate() / lambda_um * DVec2::from(twin.resolved.patch_um);
     let nearest = (place + 0.5).floor();
-    let argument = series_argument(twin, path.z, lambda_um);
+    let tau = series_argument(twin, path.z, lambda_um);
     let sharpness = window_sharpness(twin, lambda_um);
     let radius = i64::from(twin.resolved.window_radius);
     let mut amplitude = Complex64::default();
@@ -22,7 +22,7 @@ pub fn response(twin: &Twin<'_>, path: DVec3, lambda_um: f64) -> f64 {
     for s in -radius..=radius {
         for r in -radius..=radius {
             let bin = nearest + DVec2::new(r as f64, s as f64);
-            let tap = bin_amplitude(twin, bin, &argument) * window(place - bin, sharpness);
+            let tap = bin_amplitude(twin, bin, tau) * window(place - bin, sharpness);
             amplitude += tap;
             intensity += tap.norm_sqr();
         }

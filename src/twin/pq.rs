@@ -18,7 +18,7 @@ pub fn response(twin: &Twin<'_>, path: DVec3, lambda_um: f64) -> f64 {
     let place = path.truncate() / lambda_um * DVec2::from(resolved.patch_um);
     let [columns, rows] = resolved.taps.map(f64::from);
     let first = (place - 0.5 * DVec2::new(columns - 1.0, rows - 1.0) + 0.5).floor();
-    let argument = series_argument(twin, path.z, lambda_um);
+    let tau = series_argument(twin, path.z, lambda_um);
     let [pixel_columns, pixel_rows] = resolved.pixels.map(f64::from);
     let mut amplitude = Complex64::default();
     for s in 0..resolved.taps[1] {
@@ -27,7 +27,7 @@ pub fn response(twin: &Twin<'_>, path: DVec3, lambda_um: f64) -> f64 {
         for r in 0..resolved.taps[0] {
             let column = first.x + f64::from(r);
             let tap = complex_product(weight, kernel(place.x - column, pixel_columns));
-            amplitude += complex_product(tap, bin_amplitude(twin, DVec2::new(column, row), &argument));
+            amplitude += complex_product(tap, bin_amplitude(twin, DVec2::new(column, row), tau));
         }
     }
     let [qx, qy] = resolved.periods.map(f64::from);
