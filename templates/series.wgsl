@@ -1,4 +1,8 @@
-// The transform of the phase function at one bin, as a series: of powers, or with coefficients from a table.
+#ifdef TABULATED
+// The transform of the phase function at one bin, as a series whose coefficients are a table.
+#else
+// The transform of the phase function at one bin, as a power series.
+#endif
 
 // Transforms of the terms at the bins that can be reached; the middle texel is bin (0, 0).
 @group(0) @binding(1) var terms: texture_2d_array<f32>;
