@@ -39,11 +39,14 @@ pub fn defines(
         ("PAIRED", variant.packing == Packing::Paired),
         ("ROTATED", rotate_deg != 0.0),
         ("SHADOWING", optics.shadowing),
+        ("TABULATED", resolved.expansion.is_tabulated()),
     ];
     let count = |n: usize| Constant::I32(i32::try_from(n).unwrap_or(i32::MAX));
     let constants = [
         ("CENTRE_COLUMN", count(resolved.bins.r_max)),
         ("CENTRE_ROW", count(resolved.bins.s_max)),
+        ("COEFFICIENT_COUNT", count(resolved.expansion.nodes())),
+        ("COEFFICIENT_ROWS", count(tables::coefficient_rows(&resolved.expansion))),
         ("COHERENCE_UM", Constant::F32(optics.coherence_um)),
         ("LAYER_COUNT", count(resolved.layers as usize)),
         ("MAJOR_COUNT", count(resolved.corridor.majors as usize)),
@@ -109,6 +112,9 @@ pub fn shapes(variant: &Variant, resolved: &Resolved, rotate_deg: f64) -> Result
         ));
     }
     all.push(spectrum(variant, resolved, rotate_deg)?);
+    if variant.mode != Mode::Gems && resolved.expansion.is_tabulated() {
+        all.push(tables::coefficients_table(&resolved.expansion));
+    }
     Ok(all)
 }
 

@@ -1,14 +1,28 @@
 //! Expansions `exp(i z h) ≈ phase · Σ_{n<T} a_n(z) b_n(h)` of the phase function, with their bounds.
 
+mod bessel;
+mod curve;
+mod jacobi;
+mod optimal;
+
 use crate::height::HeightField;
 use crate::plan::Basis;
+
+pub use bessel::bessel;
+pub use curve::Curve;
+
+use curve::{enough_nodes, nodes, series};
+use optimal::{Level, levels, optimal};
 
 /// A term basis laid on one surface.
 ///
 /// Taylor series: with `x = z_max·(h - origin)` and `τ = z/z_max ∈ [-1, 1]`, `b_n(h) = (i x)^n / n!` and `a_n = τ^n`.
 /// The factor `exp(i z origin)` is a pure phase and cancels in `|P|²`. Written so, no number of the surface enters the
 /// shader, and neither tables nor coefficients leave the range of a 32-bit float.
-#[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// The other bases have functions of their own, `b_n(h) = exp(i z_c (h - origin)) i^m v_n((h - origin)/reach)` and real
+/// `a_n(z)`, which a shader reads from a table at equal steps of `z` in `[-z_max, 0]` and takes as linear in between.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Expansion {
     /// Which basis.
     pub basis: Basis,
@@ -20,6 +34,10 @@ pub struct Expansion {
     pub reach_um: f64,
     /// Greatest `|z|`, 1/µm: `2·2π/λmin`.
     pub z_max: f64,
+    /// The terms of a basis with functions of its own; of a power series none. Those beyond the last are zero.
+    pub curves: Vec<Curve>,
+    /// Error after 0, 1, 2 … of these terms.
+    truncation: Vec<f64>,
 }
 
 impl Expansion {
@@ -27,25 +45,173 @@ impl Expansion {
     pub fn new(basis: Basis, terms: u32, height: &HeightField, min_nm: f64) -> Expansion {
         let (low_um, high_um) = height.range_um();
         let (origin_um, reach_um) = match basis {
-            Basis::Taylor => (0.5 * (low_um + high_um), 0.5 * (high_um - low_um)),
             Basis::TaylorZero => (low_um, high_um - low_um),
+            _ => (0.5 * (low_um + high_um), 0.5 * (high_um - low_um)),
         };
-        Expansion { basis, terms, origin_um, reach_um, z_max: greatest_z(min_nm) }
+        let z_max = greatest_z(min_nm);
+        let (curves, truncation) = match basis {
+            Basis::Taylor | Basis::TaylorZero => (Vec::new(), Vec::new()),
+            Basis::Chebyshev => chebyshev(z_max * reach_um),
+            Basis::Optimal => {
+                let part = |h: &f64| if reach_um > 0.0 { (h - origin_um) / reach_um } else { 0.0 };
+                let levels = levels(height.heights_um().iter().map(part));
+                let phase = 0.5 * z_max * reach_um;
+                let curves = optimal(phase, &levels);
+                let truncation = measured(&curves, phase, &levels);
+                (curves, truncation)
+            }
+        };
+        Expansion { basis, terms, origin_um, reach_um, z_max, curves, truncation }
     }
 
-    /// A-priori bound of the phase function's error for every height of the surface and every `z`.
+    /// Whether the coefficients are a table; otherwise they are powers of `z/z_max`.
+    pub fn is_tabulated(&self) -> bool {
+        is_tabulated(self.basis)
+    }
+
+    /// Bound of the phase function's error for every height of the surface and every `z`, that of the linear
+    /// interpolation between nodes included.
     pub fn bound(&self) -> f64 {
-        remainder(self.z_max * self.reach_um, self.terms)
+        match self.basis {
+            Basis::Taylor | Basis::TaylorZero => remainder(self.z_max * self.reach_um, self.terms),
+            _ => self.cut(self.terms) + self.between(self.nodes()),
+        }
     }
 
     /// The same expansion with the fewest terms whose bound is at most `error`.
     #[must_use]
     pub fn with_error(self, error: f64) -> Expansion {
         let x = self.z_max * self.reach_um;
-        let terms = (1..=MOST_TERMS).find(|&t| remainder(x, t) <= error).unwrap_or(MOST_TERMS);
+        let enough = |terms: &u32| match self.basis {
+            Basis::Taylor | Basis::TaylorZero => remainder(x, *terms) <= error,
+            _ => self.cut(*terms) + self.between(self.nodes_for(*terms)) <= error,
+        };
+        let terms = (1..=MOST_TERMS).find(enough).unwrap_or(MOST_TERMS);
         Expansion { terms, ..self }
     }
+
+    /// Greatest `|a_n b_n|` of every term.
+    pub fn term_sizes(&self) -> Vec<f64> {
+        let x = self.z_max * self.reach_um;
+        let size = |n: u32| match self.curves.get(n as usize) {
+            Some(curve) => curve.along_z.iter().map(|c| c.abs()).sum(),
+            None if self.is_tabulated() => 0.0,
+            None => remainder(x, n),
+        };
+        (0..self.terms).map(size).collect()
+    }
+
+    /// Middle of the z range that the tables are turned to, 1/µm: only half of it is left to the coefficients.
+    pub fn centre_z(&self) -> f64 {
+        if self.basis == Basis::Optimal { -0.5 * self.z_max } else { 0.0 }
+    }
+
+    /// Coefficient of a term at `z = τ·z_max`, `τ` in `[-1, 0]`.
+    pub fn coefficient(&self, term: usize, tau: f64) -> f64 {
+        match self.curves.get(term) {
+            Some(curve) if self.basis == Basis::Optimal => curve.coefficient(2.0 * tau + 1.0),
+            Some(curve) => curve.coefficient(tau),
+            None if self.is_tabulated() => 0.0,
+            None => tau.powi(term as i32),
+        }
+    }
+
+    /// Nodes of the table of coefficients, a power of two; 0 without one. Between the nodes the error is a small part of
+    /// that of the terms left out.
+    pub fn nodes(&self) -> usize {
+        if self.is_tabulated() { self.nodes_for(self.terms) } else { 0 }
+    }
+
+    fn nodes_for(&self, terms: u32) -> usize {
+        let mut count = FEWEST_NODES;
+        while count < MOST_NODES && self.between(count) > INTERPOLATION * self.cut(terms) {
+            count *= 2;
+        }
+        count
+    }
+
+    /// Error of linear interpolation, `δ²/8` times the greatest second derivative, that of `exp(i (z - z_c)(h - origin))`.
+    fn between(&self, count: usize) -> f64 {
+        (self.z_max * self.reach_um / (count - 1) as f64).powi(2) / 8.0
+    }
+
+    fn cut(&self, terms: u32) -> f64 {
+        let last = self.truncation.len().saturating_sub(1);
+        self.truncation.get((terms as usize).min(last)).copied().unwrap_or(1.0)
+    }
 }
+
+/// Whether the coefficients of a basis are a table.
+pub fn is_tabulated(basis: Basis) -> bool {
+    matches!(basis, Basis::Chebyshev | Basis::Optimal)
+}
+
+/// Fewest nodes of a table of coefficients.
+const FEWEST_NODES: usize = 64;
+/// Most nodes: the width of a texture that every profile allows.
+const MOST_NODES: usize = 2048;
+/// Error of interpolation, in parts of the error of the terms left out.
+const INTERPOLATION: f64 = 0.05;
+
+/// Jacobi and Anger: `exp(i phase s x) = Σ (2 - δ_n0) i^n J_n(phase s) T_n(x)`; after `T` terms an error of
+/// `Σ_{n≥T} 2 max|J_n|`.
+fn chebyshev(phase: f64) -> (Vec<Curve>, Vec<f64>) {
+    let count = enough_nodes(phase).min(MOST_TERMS as usize);
+    let twice = |n: usize| if n == 0 { 1.0 } else { 2.0 };
+    let values: Vec<Vec<f64>> =
+        nodes(enough_nodes(phase)).iter().map(|s| bessel(count, phase * s)).collect();
+    let curve = |n: usize| {
+        let along_z: Vec<f64> = values.iter().map(|all| twice(n) * all[n]).collect();
+        let mut along_h = vec![0.0; n + 1];
+        along_h[n] = 1.0;
+        Curve { along_z: series(&along_z), along_h, turns: n as u32 % 4 }
+    };
+    let at_most = |(n, value): (usize, &f64)| match n {
+        // beyond its argument a function is greatest at the end of the range, before that it is below 1/√2
+        _ if n as f64 >= phase => value.abs(),
+        0 => 1.0,
+        _ => std::f64::consts::FRAC_1_SQRT_2,
+    };
+    let end = bessel(2 * count, phase);
+    let mut truncation: Vec<f64> = end.iter().enumerate().map(|t| 2.0 * at_most(t)).collect();
+    for n in (1..truncation.len()).rev() {
+        truncation[n - 1] += truncation[n];
+    }
+    truncation.truncate(count + 1);
+    ((0..count).map(curve).collect(), truncation)
+}
+
+/// Greatest error after every number of terms over the z range and the heights that occur. Both waves and their terms are
+/// even or odd in `s` and in `x`, so that one quadrant shows all.
+fn measured(curves: &[Curve], phase: f64, levels: &[Level]) -> Vec<f64> {
+    let steps = 4 * enough_nodes(phase);
+    let places: Vec<f64> = (0..=steps).map(|i| i as f64 / steps as f64).collect();
+    let mut heights: Vec<f64> = levels.iter().flat_map(|level| level.places).collect();
+    heights.dedup();
+    let wave = |s: &f64, x: &f64| (phase * s * x).sin_cos();
+    let mut rest: Vec<(f64, f64)> =
+        places.iter().flat_map(|s| heights.iter().map(move |x| wave(s, x))).collect();
+    let greatest = |rest: &[(f64, f64)]| {
+        let squared =
+            rest.iter().fold(0.0, |most: f64, (odd, even)| most.max(odd * odd + even * even));
+        SLACK * squared.sqrt()
+    };
+    let mut found = vec![greatest(&rest)];
+    for curve in curves {
+        let along_h: Vec<f64> = heights.iter().map(|x| curve.height(*x)).collect();
+        for (row, s) in rest.chunks_mut(heights.len()).zip(&places) {
+            let coefficient = curve.coefficient(*s);
+            for ((odd, even), b) in row.iter_mut().zip(&along_h) {
+                *(if curve.turns == 1 { odd } else { even }) -= coefficient * b;
+            }
+        }
+        found.push(greatest(&rest));
+    }
+    found
+}
+
+/// Room for what lies between the places looked at.
+const SLACK: f64 = 1.02;
 
 /// More terms than this are never chosen nor accepted.
 pub const MOST_TERMS: u32 = 200;

@@ -114,9 +114,10 @@ pub fn inspect(plan: &Plan, spec: &SurfaceSpec) -> Result<(Inspection, HeightFie
         wanted_nm,
         wanted_pitch_um: wanted_nm / 4000.0,
         periods: periods(&field, tiled),
-        terms: [Basis::Taylor, Basis::TaylorZero]
+        terms: [Basis::Taylor, Basis::TaylorZero, Basis::Chebyshev, Basis::Optimal]
             .map(|basis| term_counts(basis, &facts, &field, wanted_nm))
-            .to_vec(),
+            .into_iter()
+            .collect::<Result<_>>()?,
         window: Window::new(&plan.optics, &facts, is_synthetic),
         variants,
         notes,
@@ -125,23 +126,31 @@ pub fn inspect(plan: &Plan, spec: &SurfaceSpec) -> Result<(Inspection, HeightFie
     Ok((inspection, field))
 }
 
-fn term_counts(basis: Basis, facts: &Facts, field: &HeightField, min_nm: f64) -> TermCounts {
-    let expansion = Expansion::new(basis, 1, field, min_nm);
-    let counts = |peak_to_valley_um: f64| {
-        // the reach of either series is proportional to the peak-to-valley height
+fn term_counts(
+    basis: Basis,
+    facts: &Facts,
+    field: &HeightField,
+    min_nm: f64,
+) -> Result<TermCounts> {
+    let counts = |peak_to_valley_um: f64| -> Result<[u32; 3]> {
+        // as if levelling and clipping left the shape of the relief as it is
         let share = if facts.peak_to_valley_um > 0.0 {
             peak_to_valley_um / facts.peak_to_valley_um
         } else {
             1.0
         };
-        let scaled = Expansion { reach_um: share * expansion.reach_um, ..expansion };
-        TERM_ERRORS.map(|error| scaled.with_error(error).terms)
+        let heights_um = field.heights_um().iter().map(|h| share * h).collect();
+        let (columns, rows) = (field.columns(), field.rows());
+        let (pitch_x_um, pitch_y_um) = (field.pitch_x_um(), field.pitch_y_um());
+        let scaled = HeightField::new(columns, rows, pitch_x_um, pitch_y_um, heights_um)?;
+        let expansion = Expansion::new(basis, 1, &scaled, min_nm);
+        Ok(TERM_ERRORS.map(|error| expansion.clone().with_error(error).terms))
     };
-    TermCounts {
+    Ok(TermCounts {
         basis,
         errors: TERM_ERRORS,
-        terms: counts(facts.peak_to_valley_um),
-        levelled: counts(facts.levelled_peak_to_valley_um),
-        trimmed: counts(facts.trimmed_peak_to_valley_um),
-    }
+        terms: counts(facts.peak_to_valley_um)?,
+        levelled: counts(facts.levelled_peak_to_valley_um)?,
+        trimmed: counts(facts.trimmed_peak_to_valley_um)?,
+    })
 }

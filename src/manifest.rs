@@ -8,7 +8,6 @@ use naga::{AddressSpace, ImageClass, ImageDimension, TypeInner};
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::basis::remainder;
 use crate::emit::{BindingName, EmittedFile, EntryPoint, Function};
 use crate::module::Module;
 use crate::optics;
@@ -300,10 +299,9 @@ fn error_bound(variant: &Variant, resolved: &Resolved) -> Option<ErrorBound> {
     })
 }
 
-/// Half a unit in the last place of every term at its largest, `x^n/n!` with `x = z_max·reach`.
+/// Half a unit in the last place of every term at its largest.
 fn packing_bound(variant: &Variant, resolved: &Resolved) -> f64 {
-    let x = resolved.expansion.z_max * resolved.expansion.reach_um;
-    let sum: f64 = (0..resolved.expansion.terms).map(|n| remainder(x, n)).sum();
+    let sum: f64 = resolved.expansion.term_sizes().iter().sum();
     sum * match variant.table {
         TableFormat::F32 => 2.0_f64.powi(-24),
         TableFormat::F16 => 2.0_f64.powi(-11),

@@ -248,6 +248,10 @@ pub enum Basis {
     Taylor,
     /// Taylor series about the lowest height, as in the texts.
     TaylorZero,
+    /// Chebyshev polynomials of the height, Bessel functions of `z` (Jacobi and Anger).
+    Chebyshev,
+    /// Singular functions over the z range and the heights of the surface.
+    Optimal,
 }
 
 /// A number that may be left to the tool.

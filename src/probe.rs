@@ -7,7 +7,6 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::basis::remainder;
 use crate::error::{Error, Result, Stage};
 use crate::field::Scratch;
 use crate::height::HeightField;
@@ -165,8 +164,7 @@ const CENTRED: f64 = 2e-5;
 /// units of 2⁻²⁴, where that is larger. The latter counts for a series about the lowest height, whose large terms cancel.
 pub fn tolerances(resolved: &Resolved, expected: &[[f64; 3]]) -> Vec<f64> {
     let greatest = |xyz: &[f64; 3]| xyz.iter().fold(0.0, |max: f64, v| max.max(v.abs()));
-    let x = resolved.expansion.z_max * resolved.expansion.reach_um;
-    let terms: f64 = (0..resolved.expansion.terms).map(|n| remainder(x, n)).sum();
+    let terms: f64 = resolved.expansion.term_sizes().iter().sum();
     let share = (terms * 2.0_f64.powi(-23)).clamp(CENTRED, 1.0);
     let floor = share * expected.iter().map(greatest).fold(f64::MIN_POSITIVE, f64::max);
     expected.iter().map(|xyz| floor.max(OWN * greatest(xyz))).collect()

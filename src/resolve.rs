@@ -75,6 +75,7 @@ pub fn resolve(variant: &Variant, height: &HeightField) -> Result<Resolved> {
             Expansion::new(variant.basis, 1, height, min_nm).with_error(variant.term_error)
         }
     };
+    check_reached(variant, &expansion)?;
     let periods = match (variant.mode, variant.periods) {
         (Mode::Pq, Some(periods)) => periods,
         (Mode::Pq, None) => patch_um.map(|size_um| {
@@ -132,6 +133,17 @@ pub fn resolve(variant: &Variant, height: &HeightField) -> Result<Resolved> {
 
 /// Most replicas along an axis.
 const MOST_PERIODS: f64 = 10000.0;
+
+/// Refuses an error that the interpolated coefficients of a basis cannot keep.
+fn check_reached(variant: &Variant, expansion: &Expansion) -> Result<()> {
+    let (bound, wanted) = (expansion.bound(), variant.term_error);
+    if variant.terms != Auto::Auto || !expansion.is_tabulated() || bound <= wanted {
+        return Ok(());
+    }
+    let cause = format!("no number of terms keeps `term_error = {wanted:e}`: {bound:.1e} is left");
+    Err(Error::new(Stage::Compute, &variant.name, cause)
+        .remedy("use a larger `term_error`, or basis = \"taylor\""))
+}
 
 /// Refuses `adaptive` where amplitudes of neighbouring bins interfere: it adds intensities.
 fn check_isolated(variant: &Variant, lobes: &Lobes) -> Result<()> {

@@ -5,6 +5,7 @@ pub mod container;
 use half::f16;
 use serde::{Deserialize, Serialize};
 
+use crate::basis::Expansion;
 use crate::plan::{Packing, TableFormat};
 use crate::spectrum::Sample;
 use crate::terms::Terms;
@@ -148,6 +149,9 @@ pub const SPECTRUM: u32 = 2;
 /// Binding of the probe's directions.
 pub const DIRECTIONS: u32 = 3;
 
+/// Binding of the table of coefficients.
+pub const COEFFICIENTS: u32 = 4;
+
 /// Scales of the terms in a table of 16-bit floats: term `n` is stored divided by `first · ratio^n`.
 ///
 /// A geometric sequence costs the shader nothing but one texel a pixel: the ratio goes into the argument of the power
@@ -208,6 +212,37 @@ pub fn terms_shape(bins: Bins, terms: usize, packing: Packing, format: TableForm
         layers,
         texels: Vec::new(),
     }
+}
+
+/// The table of coefficients, 2-D: column `i` of `count` is `z = (i/(count - 1) - 1)·z_max`; row `q` holds terms `4q` to
+/// `4q + 3`, zero if there is none.
+pub fn coefficients_table(expansion: &Expansion) -> Table {
+    let (width, terms) = (expansion.nodes(), expansion.terms as usize);
+    let height = coefficient_rows(expansion);
+    let mut texels = Vec::with_capacity(4 * width * height);
+    for row in 0..height {
+        for column in 0..width {
+            let tau = column as f64 / (width - 1) as f64 - 1.0;
+            texels.extend(
+                (4 * row..4 * row + 4)
+                    .map(|n| if n < terms { expansion.coefficient(n, tau) } else { 0.0 }),
+            );
+        }
+    }
+    Table {
+        name: "coefficients",
+        binding: COEFFICIENTS,
+        format: TexelFormat::Rgba32Float,
+        width,
+        height,
+        layers: 0,
+        texels,
+    }
+}
+
+/// Rows of the table of coefficients; 0 without one.
+pub fn coefficient_rows(expansion: &Expansion) -> usize {
+    if expansion.is_tabulated() { expansion.terms.div_ceil(4) as usize } else { 0 }
 }
 
 /// The spectrum table, 2-D. Row 0: one texel per node, X, Y, Z weights (quadrature included, of uniform wavelengths; per

@@ -20,6 +20,9 @@ impl Terms {
     /// Transforms all terms. Two real functions share one complex transform, `f + i g`, and are told apart by the
     /// symmetry `F(-r, -s) = F*(r, s)`; the powers of `i` are put on afterwards.
     pub fn new(height: &HeightField, expansion: &Expansion, bins: Bins) -> Terms {
+        if expansion.is_tabulated() {
+            return Terms { bins, tables: curves(height, expansion, bins) };
+        }
         let x: Vec<f64> = heights_upwards_um(height)
             .iter()
             .map(|h| expansion.z_max * (h - expansion.origin_um))
@@ -60,6 +63,26 @@ impl Terms {
         let (column, row) = (r + self.bins.r_max as i64, s + self.bins.s_max as i64);
         self.tables[term][row as usize * self.bins.width() + column as usize]
     }
+}
+
+/// The terms of a basis with functions of its own, one transform each: they are complex.
+fn curves(height: &HeightField, expansion: &Expansion, bins: Bins) -> Vec<Vec<Complex64>> {
+    let heights_um: Vec<f64> =
+        heights_upwards_um(height).iter().map(|h| h - expansion.origin_um).collect();
+    let shift: Vec<Complex64> =
+        heights_um.par_iter().map(|h| Complex64::cis(expansion.centre_z() * h)).collect();
+    let reach_um = if expansion.reach_um > 0.0 { expansion.reach_um } else { 1.0 };
+    let table = |n: usize| {
+        let Some(curve) = expansion.curves.get(n) else {
+            return vec![Complex64::default(); bins.len()];
+        };
+        let value = |(h, shift): (&f64, &Complex64)| {
+            times_i(curve.height((h / reach_um).clamp(-1.0, 1.0)) * shift, curve.turns)
+        };
+        let mut data: Vec<Complex64> = heights_um.par_iter().zip(&shift).map(value).collect();
+        ifft2(&mut data, axes(height), bins)
+    };
+    (0..expansion.terms as usize).map(table).collect()
 }
 
 /// `i^n · c`, exactly.

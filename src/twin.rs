@@ -27,6 +27,8 @@ pub struct Twin<'a> {
     pub terms: &'a Table,
     /// Spectrum table, rounded or not.
     pub spectrum: &'a Table,
+    /// Table of coefficients, rounded or not; empty where they are powers.
+    pub coefficients: &'a Table,
     /// The variant; only what the template's defines hold is read.
     pub variant: &'a Variant,
     /// Rotation of the surface, degrees.
@@ -42,7 +44,14 @@ impl<'a> Twin<'a> {
         rotate_deg: f64,
     ) -> Twin<'a> {
         let named = |name: &str| tables.iter().find(|t| t.name == name).unwrap_or(&ABSENT);
-        Twin { resolved, terms: named("terms"), spectrum: named("spectrum"), variant, rotate_deg }
+        Twin {
+            resolved,
+            terms: named("terms"),
+            spectrum: named("spectrum"),
+            coefficients: named("coefficients"),
+            variant,
+            rotate_deg,
+        }
     }
 
     /// Relative tristimulus values of `ρ`.

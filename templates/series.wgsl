@@ -1,8 +1,22 @@
+#ifdef TABULATED
+// The transform of the phase function at one bin, as a series whose coefficients are a table.
+#else
 // The transform of the phase function at one bin, as a power series.
+#endif
 
 // Transforms of the terms at the bins that can be reached; the middle texel is bin (0, 0).
 @group(0) @binding(1) var terms: texture_2d_array<f32>;
 
+#ifdef TABULATED
+// Coefficients of the terms, four to a texel: columns are equal steps of z from its least value to 0.
+@group(0) @binding(4) var coefficients: texture_2d<f32>;
+
+// What the series is in: the place in the table.
+fn series_argument(w: f32, lambda_um: f32) -> f32 {
+    let tau = 0.5 * w * WAVELENGTH_MIN_UM / lambda_um;
+    return clamp(1.0 + tau, 0.0, 1.0) * f32(COEFFICIENT_COUNT - 1);
+}
+#else
 // What the series is in: z over its greatest value.
 fn series_argument(w: f32, lambda_um: f32) -> f32 {
     let tau = 0.5 * w * WAVELENGTH_MIN_UM / lambda_um;
@@ -13,6 +27,7 @@ fn series_argument(w: f32, lambda_um: f32) -> f32 {
     return tau;
 #endif
 }
+#endif
 
 #ifdef HALF
 // Scale of the first term.
@@ -21,6 +36,40 @@ fn series_scale() -> f32 {
 }
 #endif
 
+#ifdef TABULATED
+// The sum over terms of coefficient times table, coefficients linear between their nodes; of scaled tables, over their
+// scale.
+fn bin_amplitude(bin: vec2i, place: f32) -> vec2f {
+    let texel = bin + vec2i(CENTRE_COLUMN, CENTRE_ROW);
+    let index = min(i32(place), COEFFICIENT_COUNT - 2);
+    var sum = vec2f(0.0);
+    for (var row = 0; row < COEFFICIENT_ROWS; row++) {
+        let before = textureLoad(coefficients, vec2i(index, row), 0);
+        let after = textureLoad(coefficients, vec2i(index + 1, row), 0);
+        let four = mix(before, after, place - f32(index));
+#ifdef PAIRED
+        let first = textureLoad(terms, texel, 2 * row, 0);
+        sum += four.x * first.xy + four.y * first.zw;
+        if (2 * row + 1 < LAYER_COUNT) {
+            let second = textureLoad(terms, texel, 2 * row + 1, 0);
+            sum += four.z * second.xy + four.w * second.zw;
+        }
+#else
+        sum += four.x * textureLoad(terms, texel, 4 * row, 0).xy;
+        if (4 * row + 1 < LAYER_COUNT) {
+            sum += four.y * textureLoad(terms, texel, 4 * row + 1, 0).xy;
+        }
+        if (4 * row + 2 < LAYER_COUNT) {
+            sum += four.z * textureLoad(terms, texel, 4 * row + 2, 0).xy;
+        }
+        if (4 * row + 3 < LAYER_COUNT) {
+            sum += four.w * textureLoad(terms, texel, 4 * row + 3, 0).xy;
+        }
+#endif
+    }
+    return sum;
+}
+#else
 #ifdef HOIST
 // The sum over terms of τ^n times the table, by Horner's rule; of scaled tables, over the scale of the first term.
 fn bin_amplitude(bin: vec2i, tau: f32) -> vec2f {
@@ -41,4 +90,5 @@ fn bin_amplitude(bin: vec2i, tau: f32) -> vec2f {
     return sum;
 #endif
 }
+#endif
 #endif

@@ -197,8 +197,8 @@ fn faults_of_optics_variants_presets_and_targets_are_told() {
             "plan.toml:7: preset.p.mode = \"baked\": mode \"baked\" is not available in this version",
         ),
         (
-            "[[preset]]\nname = \"p\"\nbasis = \"optimal\"",
-            "basis \"optimal\" is not available in this version",
+            "[[preset]]\nname = \"p\"\nreconstruction = \"prefiltered\"",
+            "reconstruction \"prefiltered\" is not available in this version",
         ),
         ("[[preset]]\nname = \"p\"\nterms = [31]", "preset.p.terms = [31]: is an array"),
         ("[[preset]]\nname = \"texts\"", "is the name of a built-in preset"),
@@ -368,7 +368,7 @@ fn the_canonical_text_is_what_the_hash_is_of() {
 #[test]
 fn what_is_not_available_is_rejected_with_its_reason() {
     let plan = with(concat!(
-        "[variants]\nmode = [\"full\", \"baked\", \"adaptive\"]\nbasis = [\"taylor\", \"optimal\"]\n",
+        "[variants]\nmode = [\"full\", \"baked\", \"adaptive\"]\nreconstruction = [\"window\", \"prefiltered\"]\n",
         "wavelengths = [{ step_nm = 5 }, { step_nm = 2.5 }]\nperiods = [\"auto\"]\n",
     ));
     assert_eq!(
@@ -379,13 +379,20 @@ fn what_is_not_available_is_rejected_with_its_reason() {
         plan.rejected.iter().map(|r| (r.name.as_str(), r.reason.as_str())).collect();
     assert_eq!(
         rejected[0],
-        ("full-optimal-t31", "basis \"optimal\" is not available in this version")
+        (
+            "full-taylor-t31-prefiltered",
+            "reconstruction \"prefiltered\" is not available in this version"
+        )
     );
     // The adaptive mode does not read the step.
-    assert_eq!(rejected.iter().filter(|(name, _)| name.starts_with("adaptive-optimal")).count(), 1);
-    let (_, both) = rejected.iter().find(|(name, _)| *name == "baked-optimal-t31").unwrap();
-    assert!(both.contains("mode \"baked\"") && both.contains("basis \"optimal\""), "{both}");
-    for key in ["reconstruction = \"prefiltered\"", "basis = \"chebyshev\"", "mode = \"baked\""] {
+    assert_eq!(rejected.iter().filter(|(name, _)| name.starts_with("adaptive-taylor")).count(), 1);
+    let (_, both) =
+        rejected.iter().find(|(name, _)| *name == "baked-taylor-t31-prefiltered").unwrap();
+    assert!(
+        both.contains("mode \"baked\"") && both.contains("reconstruction \"prefiltered\""),
+        "{both}"
+    );
+    for key in ["reconstruction = \"prefiltered\"", "mode = \"baked\""] {
         assert!(
             errors(&format!("{SURFACE}[variants]\n{key}\n"))
                 .contains("is not available in this version"),

@@ -166,6 +166,7 @@ fn build_empty(
         resolved,
         terms: Table::ABSENT,
         spectrum: Table::ABSENT,
+        coefficients: Table::ABSENT,
     };
     let timed = Timed {
         variant: EMPTY.to_owned(),

@@ -1,6 +1,5 @@
 //! The one table of what comparisons may differ by.
 
-use crate::basis::remainder;
 use crate::plan::{Basis, Mode, TableFormat, Variant};
 use crate::record::{Part, Tolerance};
 use crate::resolve::{Resolved, window_tail};
@@ -45,7 +44,7 @@ pub fn is_inside(tolerance: &Option<Tolerance>, max_abs: f64, [p95, map_p95]: [f
 /// Terms about the lowest height reach `x^n/n!`, `x = z_max·H`, before they cancel; each is rounded to 24 bits.
 fn cancellation(variant: &Variant, resolved: &Resolved) -> f64 {
     match variant.basis {
-        Basis::Taylor => 0.0,
+        Basis::Taylor | Basis::Chebyshev | Basis::Optimal => 0.0,
         Basis::TaylorZero => terms_sum(resolved) * 2.0_f64.powi(-24),
     }
 }
@@ -55,15 +54,14 @@ fn cancellation(variant: &Variant, resolved: &Resolved) -> f64 {
 /// 1.0e-2 on domes of 0.3 µm.
 fn packing(variant: &Variant) -> f64 {
     match (variant.table, variant.basis) {
-        (TableFormat::F32, Basis::Taylor) => F32,
+        (TableFormat::F32, Basis::Taylor | Basis::Chebyshev | Basis::Optimal) => F32,
         (TableFormat::F32, Basis::TaylorZero) => F32_FROM_ZERO,
         (TableFormat::F16, _) => F16,
     }
 }
 
 fn terms_sum(resolved: &Resolved) -> f64 {
-    let x = resolved.expansion.z_max * resolved.expansion.reach_um;
-    (0..resolved.expansion.terms).map(|n| remainder(x, n)).sum()
+    resolved.expansion.term_sizes().iter().sum()
 }
 
 /// 95th percentiles of CIEDE2000 against the exact reference.

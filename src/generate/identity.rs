@@ -7,7 +7,7 @@ use crate::package::sha256;
 use crate::plan::{
     Auto, Mode, Optics, SurfaceSource, SurfaceSpec, TableFormat, Variant, Wavelengths,
 };
-use crate::tables::{TERMS, Table};
+use crate::tables::{COEFFICIENTS, TERMS, Table};
 
 use super::TOOL_VERSION;
 
@@ -18,10 +18,10 @@ pub(super) fn table_id(
     surface_hash: &str,
     variant: &Variant,
 ) -> String {
-    if table.binding == TERMS {
-        terms_id(surface_hash, variant)
-    } else {
-        spectrum_id(spec, surface_hash, variant)
+    match table.binding {
+        TERMS => terms_id(surface_hash, variant),
+        COEFFICIENTS => coefficients_id(surface_hash, variant),
+        _ => spectrum_id(spec, surface_hash, variant),
     }
 }
 
@@ -51,10 +51,6 @@ pub(super) fn expected_id(surface_hash: &str, variant: &Variant) -> String {
 
 /// Identity of a term table: everything that its numbers and its size come from.
 fn terms_id(surface_hash: &str, variant: &Variant) -> String {
-    let terms = match variant.terms {
-        Auto::Value(terms) => json!(terms),
-        Auto::Auto => json!({ "error": variant.term_error }),
-    };
     let radius = match (variant.mode, variant.window_radius) {
         (Mode::Adaptive, _) => {
             let optics = &variant.optics;
@@ -71,13 +67,27 @@ fn terms_id(surface_hash: &str, variant: &Variant) -> String {
         TOOL_VERSION,
         surface_hash,
         variant.basis,
-        terms,
+        term_count(variant),
         radius,
         variant.wavelengths.min_nm,
         variant.packing,
         variant.table,
     ]);
     format!("terms-{}", &hash(&inputs)[..12])
+}
+
+/// Identity of a table of coefficients.
+fn coefficients_id(surface_hash: &str, variant: &Variant) -> String {
+    let min_nm = variant.wavelengths.min_nm;
+    let inputs = json!([TOOL_VERSION, surface_hash, variant.basis, term_count(variant), min_nm]);
+    format!("coefficients-{}", &hash(&inputs)[..12])
+}
+
+fn term_count(variant: &Variant) -> Value {
+    match variant.terms {
+        Auto::Value(terms) => json!(terms),
+        Auto::Auto => json!({ "error": variant.term_error }),
+    }
 }
 
 fn spectrum_id(spec: &SurfaceSpec, surface_hash: &str, variant: &Variant) -> String {

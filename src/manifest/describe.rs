@@ -22,6 +22,7 @@ pub fn describe(
     let dimension = if table.layers == 0 { "2d" } else { "2d-array" };
     let (channels, axes) = match table.name {
         "terms" => terms_meaning(table, resolved),
+        "coefficients" => coefficients_meaning(table, resolved),
         _ if variant.mode == Mode::Gems => grating_meaning(),
         _ => spectrum_meaning(variant),
     };
@@ -73,12 +74,28 @@ fn terms_meaning(
         ("row", bin("s", y, resolved.patch_um[1])),
         (
             "layer",
-            format!(
-                "{layer}; term n is ifft2((i z_max (h - origin))^n / n!), to be multiplied by (z/z_max)^n"
-            ),
+            if resolved.expansion.is_tabulated() {
+                format!("{layer}; term n is to be multiplied by its coefficient of z")
+            } else {
+                format!(
+                    "{layer}; term n is ifft2((i z_max (h - origin))^n / n!), to be multiplied by (z/z_max)^n"
+                )
+            },
         ),
     ]);
     (names.iter().map(|s| (*s).to_owned()).collect(), axes)
+}
+
+fn coefficients_meaning(
+    table: &Table,
+    resolved: &Resolved,
+) -> (Vec<String>, BTreeMap<&'static str, String>) {
+    let channels = [0, 1, 2, 3].map(|c| format!("coefficient of term 4 row + {c}"));
+    let (last, z_max) = (table.width - 1, resolved.expansion.z_max);
+    let column =
+        format!("z = (index/{last} - 1)·{z_max} per µm, z = 2π w/wavelength; linear between");
+    let axes = BTreeMap::from([("column", column), ("row", "four terms each".to_owned())]);
+    (channels.to_vec(), axes)
 }
 
 fn spectrum_meaning(variant: &Variant) -> (Vec<String>, BTreeMap<&'static str, String>) {

@@ -1,7 +1,7 @@
 //! What each mode reads, and the combinations that mean nothing.
 
 use super::variants::Draft;
-use super::{Coherence, CoherenceScaling, Colour, Mode, Optics};
+use super::{Basis, Coherence, CoherenceScaling, Colour, Mode, Optics};
 
 /// Whether a mode reads a key of the canonical configuration; `pq` with given periods has no use for a coherence length.
 pub(super) fn reads(mode: Mode, periods_given: bool, key: &str) -> bool {
@@ -48,6 +48,12 @@ pub(super) fn broken(mode: Mode, draft: &Draft) -> Vec<(&'static str, String)> {
             found.push((key, reason.to_owned()));
         }
     };
+    let tabulated = matches!(draft.basis.1, Some(Basis::Chebyshev | Basis::Optimal));
+    refuse(
+        tabulated && !draft.hoist && mode == Mode::Full,
+        "basis",
+        "hoist = false is the loop of the texts over powers, and the coefficients of this basis are no powers",
+    );
     match mode {
         Mode::Full => refuse(
             ensemble && !draft.hoist,

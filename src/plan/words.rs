@@ -19,8 +19,8 @@ pub(super) const MODES: Words<Mode> = &[
 pub(super) const BASES: Words<Basis> = &[
     ("taylor", Some(Basis::Taylor)),
     ("taylor-zero", Some(Basis::TaylorZero)),
-    ("chebyshev", None),
-    ("optimal", None),
+    ("chebyshev", Some(Basis::Chebyshev)),
+    ("optimal", Some(Basis::Optimal)),
 ];
 
 pub(super) const RECONSTRUCTIONS: Words<()> = &[("window", Some(())), ("prefiltered", None)];

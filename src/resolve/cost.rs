@@ -44,13 +44,17 @@ pub(super) fn cost(variant: &Variant, resolved: &Resolved, lobes: &Lobes) -> Cos
         variant.table,
     );
     let spectrum_bytes = 2 * 4 * 4 * nodes;
-    let table_bytes = shape.byte_count() as u64 + spectrum_bytes;
+    let rows = crate::tables::coefficient_rows(&resolved.expansion) as u64;
+    let coefficient_bytes = rows * resolved.expansion.nodes() as u64 * 4 * 4;
+    let table_bytes = shape.byte_count() as u64 + spectrum_bytes + coefficient_bytes;
+    // neighbouring texels of every row of coefficients
+    let coefficients = 2 * rows;
     let uniform = |taps: u64| Cost {
         evaluations: nodes,
         evaluations_mean: nodes as f64,
         term_fetches: nodes * taps * layers,
-        fetches: nodes * (taps * layers + 1),
-        fetches_mean: (nodes * (taps * layers + 1)) as f64,
+        fetches: nodes * (taps * (layers + coefficients) + 1),
+        fetches_mean: (nodes * (taps * (layers + coefficients) + 1)) as f64,
         table_bytes,
     };
     match variant.mode {
@@ -62,7 +66,7 @@ pub(super) fn cost(variant: &Variant, resolved: &Resolved, lobes: &Lobes) -> Cos
         Mode::Adaptive => {
             let (mean, worst) = mean_and_worst(lobes, resolved.corridor.panels);
             // two neighbouring texels of the spectrum at each node
-            let fetches = layers + 2 * u64::from(LOBE_NODES);
+            let fetches = layers + coefficients + 2 * u64::from(LOBE_NODES);
             Cost {
                 evaluations: worst,
                 evaluations_mean: mean,

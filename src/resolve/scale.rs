@@ -16,7 +16,9 @@ pub(super) fn scale(expansion: &Expansion) -> Scale {
     let x = expansion.z_max * expansion.reach_um;
     let mut bounds = vec![1.0];
     for n in 1..expansion.terms {
-        bounds.push(bounds[n as usize - 1] * x / f64::from(n));
+        // the functions of the other bases are at most 1, their sizes are in the coefficients
+        let part = if expansion.is_tabulated() { 1.0 } else { x / f64::from(n) };
+        bounds.push(bounds[n as usize - 1] * part);
     }
     let largest = bounds.iter().copied().fold(0.0, f64::max);
     let last = bounds.iter().rposition(|b| *b >= RELEVANT * largest).unwrap_or(0);

@@ -13,7 +13,7 @@ use crate::optics::gain;
 use crate::reference::Directions;
 use crate::resolve::{Resolved, resolve};
 use crate::spectrum::from_rgb;
-use crate::tables::{DIRECTIONS, SPECTRUM, TERMS, Table, TexelFormat};
+use crate::tables::{COEFFICIENTS, DIRECTIONS, SPECTRUM, TERMS, Table, TexelFormat};
 use crate::template::Sources;
 
 use super::{Progress, Runner, Subject, has_wavelengths};
@@ -68,6 +68,8 @@ pub struct Prepared<'a> {
     pub terms: Table,
     /// The spectrum table.
     pub spectrum: Table,
+    /// The table of coefficients; empty where they are powers.
+    pub coefficients: Table,
 }
 
 impl<'a> Prepared<'a> {
@@ -80,8 +82,15 @@ impl<'a> Prepared<'a> {
             let place = tables.iter().position(|table| table.binding == binding);
             place.map_or(Table::ABSENT, |place| tables.swap_remove(place))
         };
-        let (terms, spectrum) = (take(TERMS), take(SPECTRUM));
-        Ok(Prepared { subject, sources: Sources::builtin(), resolved, terms, spectrum })
+        let (terms, spectrum, coefficients) = (take(TERMS), take(SPECTRUM), take(COEFFICIENTS));
+        Ok(Prepared {
+            subject,
+            sources: Sources::builtin(),
+            resolved,
+            terms,
+            spectrum,
+            coefficients,
+        })
     }
 
     /// The shader that reads a spectrum table of so many wavelengths.
@@ -105,7 +114,7 @@ impl<'a> Prepared<'a> {
         directions: Option<&Table>,
     ) -> Result<D::Pipeline> {
         let module = self.module(spectrum.width)?;
-        let tables = [Some(&self.terms), Some(spectrum), directions];
+        let tables = [Some(&self.terms), Some(spectrum), Some(&self.coefficients), directions];
         let tables: Vec<BoundTable<'_>> =
             tables.into_iter().flatten().filter(|t| t.width > 0).map(|t| (t.binding, t)).collect();
         driver.pipeline(&module, entry, &tables)

@@ -1,4 +1,4 @@
-//! The power series of one bin in f64; see `templates/series.wgsl`.
+//! The series of one bin in f64; see `templates/series.wgsl`.
 
 use glam::DVec2;
 use rustfft::num_complex::Complex64;
@@ -7,10 +7,14 @@ use crate::plan::Packing;
 
 use super::Twin;
 
-/// What the series is in: z over its greatest value, times the ratio of the terms' scales.
+/// What the series is in: z over its greatest value, times the ratio of the terms' scales; or the place in the table of
+/// coefficients.
 pub fn series_argument(twin: &Twin<'_>, w: f64, lambda_um: f64) -> f64 {
     let tau = 0.5 * w * (twin.variant.wavelengths.min_nm * 1e-3) / lambda_um;
-    tau * twin.resolved.scale.ratio
+    match twin.coefficients.width {
+        0 => tau * twin.resolved.scale.ratio,
+        nodes => (1.0 + tau).clamp(0.0, 1.0) * (nodes - 1) as f64,
+    }
 }
 
 /// Scale of the first term.
@@ -18,17 +22,41 @@ pub fn series_scale(twin: &Twin<'_>) -> f64 {
     twin.resolved.scale.first
 }
 
-/// `Σ_n τ^n table_n` of one bin, by Horner's rule: `c_rs(z)` over the scale of the first term.
-pub fn bin_amplitude(twin: &Twin<'_>, bin: DVec2, tau: f64) -> Complex64 {
+/// The sum over terms of coefficient times table at one bin: `c_rs(z)` over the scale of the first term.
+pub fn bin_amplitude(twin: &Twin<'_>, bin: DVec2, argument: f64) -> Complex64 {
     let column = bin.x as i64 + twin.resolved.bins.r_max as i64;
     let row = bin.y as i64 + twin.resolved.bins.s_max as i64;
-    let mut sum = Complex64::default();
-    for layer in (0..twin.resolved.layers as usize).rev() {
+    let paired = twin.variant.packing == Packing::Paired;
+    let load = |layer: usize| {
         let [re, im, next_re, next_im] = twin.terms.load(column, row, layer);
-        if twin.variant.packing == Packing::Paired {
-            sum = sum * tau + Complex64::new(next_re, next_im);
+        (Complex64::new(re, im), Complex64::new(next_re, next_im))
+    };
+    let layers = twin.resolved.layers as usize;
+    let table = twin.coefficients;
+    let mut sum = Complex64::default();
+    if table.width == 0 {
+        // Horner's rule
+        for (first, second) in (0..layers).rev().map(load) {
+            if paired {
+                sum = sum * argument + second;
+            }
+            sum = sum * argument + first;
         }
-        sum = sum * tau + Complex64::new(re, im);
+        return sum;
+    }
+    let index = (argument as i64).min(table.width as i64 - 2);
+    let part = argument - index as f64;
+    for row in 0..table.height {
+        let (before, after) =
+            (table.load(index, row as i64, 0), table.load(index + 1, row as i64, 0));
+        let four: [f64; 4] = std::array::from_fn(|c| before[c] + part * (after[c] - before[c]));
+        // layers beyond the last read as zero
+        if paired {
+            let ((a, b), (c, d)) = (load(2 * row), load(2 * row + 1));
+            sum += a * four[0] + b * four[1] + c * four[2] + d * four[3];
+        } else {
+            sum += (0..4).map(|c| load(4 * row + c).0 * four[c]).sum::<Complex64>();
+        }
     }
     sum
 }
