@@ -11,6 +11,9 @@ pub mod result;
 pub mod rounds;
 pub mod scaling;
 pub mod stats;
+pub mod surface;
 
 #[cfg(feature = "gpu")]
 pub mod driver;
+#[cfg(feature = "gpu")]
+pub mod yardstick;

@@ -179,8 +179,11 @@ pub struct Bench {
     pub adapter: String,
     /// Direction of the light, theta and phi in degrees.
     pub light: [f64; 2],
-    /// Pixels along a side of the map.
+    /// Pixels of the map along x.
     pub size: usize,
+    /// Pixels along y, where they are not as many.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height: Option<usize>,
     /// Median time of a frame, ms.
     pub median_ms: f64,
     /// Median absolute deviation, ms.
@@ -224,7 +227,7 @@ pub struct Scaling {
     pub backend: String,
     /// The adapter's name.
     pub adapter: String,
-    /// What was varied: `pixels`, `terms`, `radius`, `wavelengths`.
+    /// What was varied: `pixels`, `terms`, `radius`, `wavelengths`, `patch`, `height`, `range`.
     pub axis: String,
     /// Its value.
     pub value: f64,

@@ -4,9 +4,10 @@
 use std::time::Duration;
 
 use diffraction_shaders::bench::clock::SystemClock;
-use diffraction_shaders::bench::driver::{Case, EMPTY, Group, Scene, measure};
+use diffraction_shaders::bench::driver::{Case, Group, Scene, measure};
 use diffraction_shaders::bench::result::{Place, bench};
 use diffraction_shaders::bench::rounds::Rules;
+use diffraction_shaders::bench::yardstick::Yardstick;
 use diffraction_shaders::height::HeightField;
 use diffraction_shaders::plan::{Auto, Mode, Optics, Variant, Wavelengths};
 use diffraction_shaders::record::Bench;
@@ -41,7 +42,7 @@ fn small(name: &str, terms: u32) -> Case {
         wavelengths: Wavelengths { min_nm: 400.0, max_nm: 700.0, step_nm: 100.0 },
         ..Variant::texts(&Optics::standard())
     };
-    Case::Map { variant: Box::new(variant), size: SIZE }
+    Case::Map { variant: Box::new(variant), height: None, frame: [SIZE; 2] }
 }
 
 fn run(gpu: &Gpu, height: &HeightField, cases: &[Case]) -> Group {
@@ -53,9 +54,17 @@ fn run(gpu: &Gpu, height: &HeightField, cases: &[Case]) -> Group {
 #[test]
 fn records_hold_what_was_measured() {
     on_both(|gpu| {
-        let optics = Box::new(Optics::standard());
-        let empty = Case::Empty { optics, size: SIZE };
-        let group = run(gpu, &grating(40), &[small("long", 12), small("short", 2), empty]);
+        let yardstick = |what| {
+            let optics = Box::new(Optics::standard());
+            Case::Yardstick { what, optics, frame: [SIZE; 2] }
+        };
+        let cases = [
+            small("long", 12),
+            small("short", 2),
+            yardstick(Yardstick::Empty),
+            yardstick(Yardstick::Ggx),
+        ];
+        let group = run(gpu, &grating(40), &cases);
         let timed: Vec<_> =
             group.cases.iter().map(|case| case.as_ref().expect("measured")).collect();
         let place = Place {
@@ -69,7 +78,7 @@ fn records_hold_what_was_measured() {
             .map(|case| bench(&place, group.timing, case, Some(timed[0])).expect("rounds"))
             .collect();
         let names: Vec<&str> = records.iter().map(|r| r.variant.as_str()).collect();
-        assert_eq!(names, ["long", "short", EMPTY]);
+        assert_eq!(names, ["long", "short", "empty", "ggx"]);
         for record in &records {
             let [low, high] = record.interval_ms;
             assert!(0.0 < low && low <= record.median_ms && record.median_ms <= high, "{record:?}");
@@ -98,9 +107,11 @@ fn what_does_not_build_is_an_error_and_the_rest_is_measured() {
             mode: Mode::Gems,
             ..Variant::texts(&Optics::standard())
         };
-        let gems = Case::Map { variant: Box::new(gems), size: SIZE };
+        let gems = Case::Map { variant: Box::new(gems), height: None, frame: [SIZE; 2] };
         let too_large = match small("large", 2) {
-            Case::Map { variant, .. } => Case::Map { variant, size: 1_000_000 },
+            Case::Map { variant, height, .. } => {
+                Case::Map { variant, height, frame: [1_000_000; 2] }
+            }
             other => other,
         };
         let group = run(gpu, &flat, &[gems, small("good", 2), too_large]);

@@ -6,25 +6,13 @@ use serde_json::Value;
 use super::clock::{Clock, ms};
 use super::result::{Timed, settings};
 use super::rounds::{self, Drawn, Executor, Rules, Samples, Timing};
+use super::yardstick::{self, Yardstick};
 use crate::error::Result;
 use crate::height::HeightField;
 use crate::optics::direction;
-use crate::plan::{Auto, Mode, Optics, Variant};
-use crate::resolve::resolve;
+use crate::plan::{Optics, Variant};
 use crate::runner::gpu::{Gpu, Pipeline};
 use crate::runner::{Prepared, Subject, params};
-use crate::tables::Table;
-use crate::template::Sources;
-
-/// Name of the shader that computes nothing but the gain: the floor below which a frame cannot fall.
-pub const EMPTY: &str = "empty";
-
-/// In place of a mode's template: the gain of the pixel and no texel.
-const EMPTY_TEMPLATE: &str = "
-fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
-    return vec3f(gain(wi, wr));
-}
-";
 
 /// Pixels along a side of the first draw, which makes the driver compile.
 const FIRST_DRAW: u32 = 8;
@@ -47,15 +35,19 @@ pub enum Case {
     Map {
         /// The variant.
         variant: Box<Variant>,
-        /// Pixels along a side.
-        size: usize,
+        /// Heights in place of the scene's, where those are varied.
+        height: Option<Box<HeightField>>,
+        /// Pixels along x and y.
+        frame: [usize; 2],
     },
-    /// The map of [`EMPTY`].
-    Empty {
+    /// A frame of something else.
+    Yardstick {
+        /// What.
+        what: Yardstick,
         /// Decide the gain.
         optics: Box<Optics>,
-        /// Pixels along a side.
-        size: usize,
+        /// Pixels along x and y.
+        frame: [usize; 2],
     },
 }
 
@@ -118,66 +110,48 @@ impl Executor for Subjected<'_> {
                 ));
             }
         };
-        let size = built.timed.size as u32;
-        let times = built.pipeline.frames(size, size, bytemuck::bytes_of(&built.params), frames)?;
+        let [width, height] = built.timed.frame.map(|side| side as u32);
+        let times =
+            built.pipeline.frames(width, height, bytemuck::bytes_of(&built.params), frames)?;
         Ok(Drawn { wall: times.wall, stamps: times.stamps })
     }
 }
 
 fn build(gpu: &Gpu, scene: &Scene<'_>, case: &Case, clock: &dyn Clock) -> Result<Built> {
-    let Scene { height, rotate_deg, light } = *scene;
-    let (prepared, size) = match case {
-        Case::Map { variant, size } => {
-            (Prepared::new(Subject { height, rotate_deg, variant })?, *size)
-        }
-        Case::Empty { optics, size } => return build_empty(gpu, scene, optics, *size, clock),
-    };
-    let variant = prepared.subject.variant;
-    let cost = prepared.resolved.cost;
-    let timed = Timed {
-        variant: variant.name.clone(),
-        settings: settings(variant),
-        size,
-        pipeline_ms: 0.0,
-        table_bytes: cost.table_bytes,
-        fetches: cost.fetches_mean,
-        samples: Samples::default(),
-    };
-    compile(gpu, &prepared, direction(light[0], light[1]), timed, clock)
-}
-
-fn build_empty(
-    gpu: &Gpu,
-    scene: &Scene<'_>,
-    optics: &Optics,
-    size: usize,
-    clock: &dyn Clock,
-) -> Result<Built> {
-    let texts = Variant::texts(optics);
-    let resolved = resolve(&Variant { terms: Auto::Value(1), ..texts.clone() }, scene.height)?;
-    // the mode whose template needs nothing of the others
-    let variant = Variant { name: EMPTY.to_owned(), mode: Mode::Gems, ..texts };
-    let mut sources = Sources::builtin();
-    sources.0.insert("gems".to_owned(), EMPTY_TEMPLATE.to_owned());
-    let prepared = Prepared {
-        // turning a surface that is not read takes its table
-        subject: Subject { height: scene.height, rotate_deg: 0.0, variant: &variant },
-        sources,
-        resolved,
-        terms: Table::ABSENT,
-        spectrum: Table::ABSENT,
-        coefficients: Table::ABSENT,
-    };
-    let timed = Timed {
-        variant: EMPTY.to_owned(),
-        settings: Value::Null,
-        size,
+    let light = direction(scene.light[0], scene.light[1]);
+    let timed = |variant: String, settings, frame| Timed {
+        variant,
+        settings,
+        frame,
         pipeline_ms: 0.0,
         table_bytes: 0,
         fetches: 0.0,
         samples: Samples::default(),
     };
-    compile(gpu, &prepared, direction(scene.light[0], scene.light[1]), timed, clock)
+    match case {
+        Case::Map { variant, height, frame } => {
+            let height = height.as_deref().unwrap_or(scene.height);
+            let subject = Subject { height, rotate_deg: scene.rotate_deg, variant };
+            let prepared = Prepared::new(subject)?;
+            let cost = prepared.resolved.cost;
+            let timed = Timed {
+                table_bytes: cost.table_bytes,
+                fetches: cost.fetches_mean,
+                ..timed(variant.name.clone(), settings(variant), *frame)
+            };
+            compile(gpu, &prepared, light, timed, clock)
+        }
+        Case::Yardstick { what, optics, frame } => {
+            let variant = yardstick::variant(*what, optics);
+            let prepared = yardstick::prepared(*what, scene.height, &variant)?;
+            let timed = Timed {
+                table_bytes: prepared.spectrum.byte_count() as u64,
+                fetches: what.fetches(),
+                ..timed(what.name().to_owned(), Value::Null, *frame)
+            };
+            compile(gpu, &prepared, light, timed, clock)
+        }
+    }
 }
 
 /// The driver may put its work off until the first draw, so that is part of it.
@@ -193,6 +167,6 @@ fn compile(
     let first = params(light, [FIRST_DRAW; 2]);
     pipeline.frames(FIRST_DRAW, FIRST_DRAW, bytemuck::bytes_of(&first), 1)?;
     let pipeline_ms = ms(clock.wall() - begun);
-    let params = params(light, [timed.size as u32; 2]);
+    let params = params(light, timed.frame.map(|side| side as u32));
     Ok(Built { pipeline, params, timed: Timed { pipeline_ms, ..timed } })
 }

@@ -4,7 +4,6 @@ use serde_json::Value;
 
 use super::rounds::{Samples, Timing, ratios};
 use super::stats::{interval, median, summary};
-use crate::frame::view_directions;
 use crate::plan::Variant;
 use crate::record::{Bench, Scaling};
 
@@ -28,8 +27,8 @@ pub struct Timed {
     pub variant: String,
     /// Its canonical configuration; null where nothing is configured.
     pub settings: Value,
-    /// Pixels along a side of the map.
-    pub size: usize,
+    /// Pixels of the frame along x and y.
+    pub frame: [usize; 2],
     /// Creation of the pipeline and upload of its tables, first draw of a few pixels included, ms.
     pub pipeline_ms: f64,
     /// Bytes of all tables.
@@ -61,7 +60,8 @@ pub fn bench(
         backend: place.backend.clone(),
         adapter: place.adapter.clone(),
         light: place.light,
-        size: timed.size,
+        size: timed.frame[0],
+        height: (timed.frame[1] != timed.frame[0]).then_some(timed.frame[1]),
         median_ms: time.median,
         mad_ms: time.mad,
         interval_ms: time.interval,
@@ -71,7 +71,7 @@ pub fn bench(
         outliers: time.outliers,
         frames_per_run: timed.samples.frames,
         clock: timing.name().to_owned(),
-        ns_per_pixel: time.median * 1e6 / disc_pixels(timed.size) as f64,
+        ns_per_pixel: time.median * 1e6 / disc_pixels(timed.frame) as f64,
         table_bytes: timed.table_bytes,
         baseline: ratio.and(baseline).map(|baseline| baseline.variant.clone()),
         ratio,
@@ -95,9 +95,15 @@ pub fn scaling(place: &Place, axis: &str, value: f64, timed: &Timed) -> Option<S
     })
 }
 
-/// Pixels of a map that lie inside the disc, the only ones with anything to compute: about 0.785 of all.
-pub fn disc_pixels(size: usize) -> usize {
-    view_directions(size).len()
+/// Pixels of a map that lie inside the disc, an ellipse where the frame is no square: the only ones with anything to compute,
+/// about 0.785 of all.
+pub fn disc_pixels([width, height]: [usize; 2]) -> usize {
+    let place = |index: usize, side: usize| ((2 * index + 1) as f64 / side as f64 - 1.0).powi(2);
+    let inside = |row: usize| {
+        let y = place(row, height);
+        (0..width).filter(|column| place(*column, width) + y < 1.0).count()
+    };
+    (0..height).map(inside).sum()
 }
 
 #[cfg(test)]
@@ -115,7 +121,7 @@ mod tests {
         Timed {
             variant: variant.into(),
             settings: Value::Null,
-            size: 2,
+            frame: [2, 2],
             pipeline_ms: 1.0,
             table_bytes: 8,
             fetches: 3.0,

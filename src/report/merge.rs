@@ -197,7 +197,7 @@ fn key(record: &Record) -> String {
         Record::Gap(g) => format!("{:?}", ("gap", &g.route, &g.surface, &g.variant, &g.reason)),
         Record::Bench(b) => {
             let place = (&b.surface, &b.variant, &b.backend, &b.adapter);
-            format!("{:?}", ("bench", place, b.light, b.size))
+            format!("{:?}", ("bench", place, b.light, b.size, b.height))
         }
         Record::Scaling(s) => {
             let place = (&s.surface, &s.variant, &s.backend, &s.adapter);

@@ -27,8 +27,8 @@ pub(super) fn section(results: &Results<'_>) -> Markup {
 }
 
 /// Where times can be compared: backend, adapter, surface, light, size.
-fn place(b: &Bench) -> (&str, &str, &str, [f64; 2], usize) {
-    (&b.backend, &b.adapter, &b.surface, b.light, b.size)
+fn place(b: &Bench) -> (&str, &str, &str, [f64; 2], [usize; 2]) {
+    (&b.backend, &b.adapter, &b.surface, b.light, [b.size, b.height.unwrap_or(b.size)])
 }
 
 /// A variant with its time and error.
@@ -57,7 +57,7 @@ fn one(results: &Results<'_>, number: usize, benches: &[&Bench]) -> Markup {
     let title = format!("{} on {}:{}", first.surface, first.backend, first.adapter);
     let data = format!("times-{number}");
     let caption = html! {
-        b { (title) } ", light " (number::light(first.light)) ", " (first.size) " × " (first.size)
+        b { (title) } ", light " (number::light(first.light)) ", " (first.size) " × " (first.height.unwrap_or(first.size))
         " pixels: ΔE₀₀ p95 against the exact reference, and the median time of a frame with its 95 % interval. Numbers are those of the table."
         @if without > 0 { " " (without) " variants have no comparison here and are in the table only." }
     };

@@ -38,6 +38,9 @@ fn one(number: usize, points: &[&Scaling]) -> Markup {
         "terms" => "terms of the series",
         "radius" => "radius of the window, bins",
         "wavelengths" => "wavelengths",
+        "range" => "range of wavelengths, nm",
+        "patch" => "width of the patch, µm",
+        "height" => "peak to valley, nm",
         other => other,
     };
     let title = format!(

@@ -25,7 +25,8 @@ const EXAMPLE: &str = "Examples:
   cargo xtask bench --plan plan.toml --surface blazed --variant 'full-*' --backend vulkan
   cargo xtask bench --plan plan.toml --save before
   cargo xtask bench --plan plan.toml --compare-to before --out measured
-  cargo xtask bench --plan plan.toml --surface blazed --variant preview --scaling
+  cargo xtask bench --plan plan.toml --surface blazed --variant preview --size 1920x1080 --ggx
+  cargo xtask bench --plan plans/growth.toml --scaling --out growth
 
 Times depend on what else the machine does; ratios hardly do, since baseline and variants are drawn in turns.";
 
@@ -52,9 +53,9 @@ pub(crate) struct Args {
     /// Direction of the light in degrees.
     #[arg(long, value_name = "THETA,PHI", default_value = "20,0", allow_hyphen_values = true)]
     light: Light,
-    /// Side of the map in pixels.
-    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=8192))]
-    size: u32,
+    /// Pixels of the map: its side, or width and height.
+    #[arg(long, value_name = "N|WxH", default_value = "256", value_parser = frame)]
+    size: Frame,
     /// The variant that ratios are against; `texts` is the shader as printed.
     #[arg(long, value_name = "NAME", default_value = Variant::TEXTS)]
     baseline: String,
@@ -64,7 +65,11 @@ pub(crate) struct Args {
     /// Also draw a shader that computes nothing but the gain: the floor of every time.
     #[arg(long)]
     empty: bool,
-    /// Vary pixels, terms, radius and wavelengths of each variant instead, one at a time.
+    /// Also draw an ordinary material: a GGX lobe and one texel of base colour.
+    #[arg(long)]
+    ggx: bool,
+    /// Vary pixels, terms, radius, wavelengths and their range of each variant, width and heights of the surface instead, one at a
+    /// time.
     #[arg(long)]
     scaling: bool,
     /// Keep the results under this name, in target/bench or in --out.
@@ -111,6 +116,21 @@ fn seconds(text: &str) -> Result<f64, String> {
     value.ok_or_else(|| "expected a number of seconds from 0 to 86400".to_owned())
 }
 
+/// Pixels along x and y.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Frame([usize; 2]);
+
+fn frame(text: &str) -> Result<Frame, String> {
+    let side = |text: &str| text.parse::<usize>().ok().filter(|side| (1..=8192).contains(side));
+    let sides = match text.split_once('x') {
+        Some((width, height)) => side(width).zip(side(height)),
+        None => side(text).map(|side| (side, side)),
+    };
+    sides.map(|(width, height)| Frame([width, height])).ok_or_else(|| {
+        "expected a side from 1 to 8192, or width and height such as 1920x1080".to_owned()
+    })
+}
+
 /// A name that is a file's name and no other file's of an output folder.
 fn name(text: &str) -> Result<String, String> {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
@@ -130,5 +150,13 @@ mod tests {
         assert_eq!(name("v1.2-rc_3"), Ok("v1.2-rc_3".to_owned()));
         assert!(["", "..", "a/b", ".x", "records", "a b"].iter().all(|text| name(text).is_err()));
         assert!(["-1", "nan", "inf", "x"].iter().all(|text| seconds(text).is_err()));
+    }
+
+    #[test]
+    fn frames_have_one_side_or_two() {
+        assert_eq!(frame("256"), Ok(Frame([256, 256])));
+        assert_eq!(frame("1920x1080"), Ok(Frame([1920, 1080])));
+        let bad = ["0", "1x", "x", "2x0", "9000", "3x4x5", "-1", ""];
+        assert!(bad.iter().all(|text| frame(text).is_err()));
     }
 }

@@ -26,7 +26,7 @@ pub(super) fn times(rows: &[Row], before: Option<&[Bench]>) -> String {
             first.backend,
             first.adapter,
             first.size,
-            first.size,
+            first.height.unwrap_or(first.size),
             first.light[0],
             first.light[1],
             baseline.unwrap_or_default()
@@ -120,7 +120,14 @@ fn since(bench: &Bench, before: &[Bench]) -> String {
 
 fn same_place(a: &Bench, b: &Bench) -> bool {
     let place = |r: &Bench| {
-        (r.surface.clone(), r.backend.clone(), r.adapter.clone(), r.size, r.light.map(f64::to_bits))
+        (
+            r.surface.clone(),
+            r.backend.clone(),
+            r.adapter.clone(),
+            r.size,
+            r.height,
+            r.light.map(f64::to_bits),
+        )
     };
     place(a) == place(b)
 }
@@ -177,6 +184,7 @@ mod tests {
             adapter: "x".into(),
             light: [20.0, 0.0],
             size: 256,
+            height: None,
             median_ms,
             mad_ms: 0.1,
             interval_ms: [0.9 * median_ms, 1.1 * median_ms],

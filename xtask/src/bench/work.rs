@@ -5,14 +5,16 @@ use std::time::Duration;
 
 use anyhow::{Result, bail};
 use diffraction_shaders::bench::clock::SystemClock;
-use diffraction_shaders::bench::driver::{Case, EMPTY, Group, Scene, measure};
-use diffraction_shaders::bench::result::{Place, bench, scaling};
+use diffraction_shaders::bench::driver::{Case, Group, Scene, measure};
+use diffraction_shaders::bench::result::{self, Place, bench};
 use diffraction_shaders::bench::rounds::Rules;
-use diffraction_shaders::bench::scaling::Axis;
+use diffraction_shaders::bench::scaling::{self, Axis};
 use diffraction_shaders::bench::stats::median;
+use diffraction_shaders::bench::yardstick::Yardstick;
 use diffraction_shaders::height::{self, Surface};
 use diffraction_shaders::plan::{SurfaceSpec, Variant};
 use diffraction_shaders::record::Gap;
+use diffraction_shaders::resolve::resolve;
 use diffraction_shaders::runner::gpu::{AdapterInfo, Gpu};
 use indicatif::ProgressBar;
 
@@ -55,8 +57,10 @@ pub(super) fn run(args: &Args, budget: Duration, console: &Console) -> Result<Ou
     };
     let variants = plan.select(&args.variant)?;
     let baseline = plan.variant(Some(&args.baseline))?;
-    if args.empty && variants.iter().any(|variant| variant.name == EMPTY) {
-        bail!("--empty: a variant of the plan is called {EMPTY} too; rename it");
+    for what in yardsticks(args) {
+        if variants.iter().any(|variant| variant.name == what.name()) {
+            bail!("--{0}: a variant of the plan is called {0} too; rename it", what.name());
+        }
     }
     let mut output = Output::open(args, console)?;
     let mut surfaces = Vec::new();
@@ -139,16 +143,20 @@ impl Run<'_> {
     }
 
     fn times(&self, site: &mut Site<'_>, output: &mut Output<'_>) -> Result<()> {
-        let size = self.args.size as usize;
-        let map = |variant: &Variant| Case::Map { variant: Box::new(variant.clone()), size };
+        let frame = self.args.size.0;
+        let map = |variant: &Variant| {
+            let variant = Box::new(variant.clone());
+            Case::Map { variant, height: None, frame }
+        };
         let others = site.variants.iter().filter(|variant| variant.name != self.baseline.name);
         let others: Vec<Case> = others.map(map).collect();
         let mut groups: Vec<Vec<Case>> = others.chunks(GROUP).map(<[Case]>::to_vec).collect();
         if groups.is_empty() {
             groups.push(Vec::new());
         }
-        if self.args.empty {
-            groups[0].push(Case::Empty { optics: Box::new(self.baseline.optics.clone()), size });
+        for what in yardsticks(self.args) {
+            let optics = Box::new(self.baseline.optics.clone());
+            groups[0].push(Case::Yardstick { what, optics, frame });
         }
         for (number, group) in groups.into_iter().enumerate() {
             if self.stopped() {
@@ -183,7 +191,8 @@ impl Run<'_> {
                 if self.stopped() {
                     return Ok(());
                 }
-                let points = axis.points(variant, self.args.size as usize);
+                let surface = site.scene.height;
+                let points = axis.points(variant, self.args.size.0, surface)?;
                 if points.is_empty() {
                     let why =
                         format!("mode {} does not read {}", variant.mode.as_str(), axis.name());
@@ -191,17 +200,31 @@ impl Run<'_> {
                     self.bar.inc(STEPS as u64);
                     continue;
                 }
-                let case = |variant: &Variant, size| Case::Map {
-                    variant: Box::new(variant.clone()),
-                    size,
+                let mut possible = Vec::new();
+                for point in points {
+                    let height = point.height.as_ref().unwrap_or(surface);
+                    match resolve(&point.variant, height) {
+                        Ok(_) => possible.push(point),
+                        Err(error) => {
+                            let why = format!("{} {}: {error}", axis.name(), point.value);
+                            output.gap(gap(&site.place, Some(&variant.name), &why, false))?;
+                        }
+                    }
+                }
+                let points = possible;
+                let case = |point: &scaling::Point| Case::Map {
+                    variant: Box::new(point.variant.clone()),
+                    height: point.height.clone().map(Box::new),
+                    frame: point.frame,
                 };
-                let cases: Vec<Case> = points.iter().map(|p| case(&p.variant, p.size)).collect();
+                let cases: Vec<Case> = points.iter().map(case).collect();
                 let group = self.group(site, &cases, output);
                 let mut measured = Vec::new();
                 for (point, outcome) in points.iter().zip(&group.cases) {
                     match outcome {
                         Ok(timed) => {
-                            let record = scaling(&site.place, axis.name(), point.value, timed);
+                            let record =
+                                result::scaling(&site.place, axis.name(), point.value, timed);
                             let cpu_ms = median(&timed.samples.cpu_ms).unwrap_or_default();
                             let point = |record| Point { record, work: point.work, cpu_ms };
                             measured.extend(record.map(point));
@@ -230,10 +253,16 @@ impl Run<'_> {
     }
 }
 
+/// What is drawn beside the variants.
+fn yardsticks(args: &Args) -> Vec<Yardstick> {
+    let asked = [(args.empty, Yardstick::Empty), (args.ggx, Yardstick::Ggx)];
+    asked.into_iter().filter(|(on, _)| *on).map(|(_, what)| what).collect()
+}
+
 fn name(case: &Case) -> &str {
     match case {
         Case::Map { variant, .. } => &variant.name,
-        Case::Empty { .. } => EMPTY,
+        Case::Yardstick { what, .. } => what.name(),
     }
 }
 
