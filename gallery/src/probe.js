@@ -4,25 +4,27 @@ import { listVariants, loadProbes, loadVariant } from "./package.js";
 const SWAPPED = "swapped channels";
 const FLIPPED = "flipped bitangent";
 
-/**
- * Evaluates the probes of every variant: one object each with `worst`, the greatest error over its tolerance, and
- * `controls`, the same for wrong integrations.
- */
+/** [`probeVariant`] for all variants. */
 export async function probePackage(files, engine, target) {
   const results = [];
-  for (const place of await listVariants(files)) {
-    const variant = await loadVariant(files, place, target);
-    const probes = await loadProbes(files, place);
-    const pairs = probes.map(({ wi, wr }) => [wi, wr]);
-    const pixels = await engine.probe(variant, pairs);
-    const flipped = await engine.probe(variant, pairs.map((pair) => pair.map(([x, y, z]) => [x, -y, z])));
-    const swapped = pixels.slice();
-    for (let i = 0; i < pixels.length; i += 4) [swapped[i], swapped[i + 2]] = [pixels[i + 2], pixels[i]];
-    const controls = { [SWAPPED]: worst(swapped, probes), [FLIPPED]: worst(flipped, probes) };
-    const { surface, variant: name } = place;
-    results.push({ surface, variant: name, count: probes.length, worst: worst(pixels, probes), controls });
-  }
+  for (const place of await listVariants(files)) results.push(await probeVariant(files, engine, target, place));
   return results;
+}
+
+/**
+ * Evaluates the probes of a variant: `worst` is the greatest error over its tolerance, `controls` the same for wrong
+ * integrations.
+ */
+export async function probeVariant(files, engine, target, place) {
+  const variant = await loadVariant(files, place, target);
+  const probes = await loadProbes(files, place);
+  const pairs = probes.map(({ wi, wr }) => [wi, wr]);
+  const pixels = await engine.probe(variant, pairs);
+  const flipped = await engine.probe(variant, pairs.map((pair) => pair.map(([x, y, z]) => [x, -y, z])));
+  const swapped = pixels.slice();
+  for (let i = 0; i < pixels.length; i += 4) [swapped[i], swapped[i + 2]] = [pixels[i + 2], pixels[i]];
+  const controls = { [SWAPPED]: worst(swapped, probes), [FLIPPED]: worst(flipped, probes) };
+  return { surface: place.surface, variant: place.variant, count: probes.length, worst: worst(pixels, probes), controls };
 }
 
 /**

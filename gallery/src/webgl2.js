@@ -81,9 +81,10 @@ const CORNERS = "in vec3 position;\nvoid main() { gl_Position = vec4(position, 1
 export async function open(canvas) {
   const renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
   const gl = renderer.getContext();
+  const unmasked = gl.getExtension("WEBGL_debug_renderer_info");
   return {
     renderer,
-    driver: gl.getParameter(gl.RENDERER),
+    driver: gl.getParameter(unmasked?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER),
     /** A material for bodies, with `set(uniforms)` and `dispose()`. */
     material: (variant) => bodyMaterial(variant),
     /** Draws, and returns when the picture is done. */

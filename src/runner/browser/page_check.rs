@@ -93,18 +93,23 @@ fn read(log: &str) -> Option<PageCheck> {
         scroll_width: u32,
         scroll_height: u32,
     }
-    let mut sizes = None;
-    let mut console = Vec::new();
-    for line in log.lines().filter(|line| line.contains(":CONSOLE")) {
-        let (_, said) = line.split_once("] ")?;
-        let said = said.rsplit_once(", source: ").map_or(said, |(said, _)| said).trim_matches('"');
-        match said.strip_prefix(MARK) {
-            Some(json) => sizes = serde_json::from_str::<Sizes>(json).ok(),
-            None => console.push(said.to_owned()),
-        }
-    }
+    let (sizes, console): (Vec<String>, Vec<String>) =
+        console(log).into_iter().partition(|said| said.starts_with(MARK));
+    let sizes = sizes.last()?.strip_prefix(MARK).map(serde_json::from_str::<Sizes>);
+    let sizes = sizes.and_then(|sizes| sizes.ok());
     let Sizes { width, scroll_width, scroll_height } = sizes?;
     Some(PageCheck { width, scroll_width, scroll_height, console })
+}
+
+/// The lines of the console in what the browser said.
+pub(super) fn console(log: &str) -> Vec<String> {
+    let lines = log.lines().filter(|line| line.contains(":CONSOLE"));
+    let said = |line: &str| -> Option<String> {
+        let (_, said) = line.split_once("] ")?;
+        let said = said.rsplit_once(", source: ").map_or(said, |(said, _)| said);
+        Some(said.trim_matches('"').to_owned())
+    };
+    lines.filter_map(said).collect()
 }
 
 /// The address of a file.

@@ -1,0 +1,135 @@
+// One body, one light, one camera: draws when something changed, coarsely while things move and finely at rest.
+import { DoubleSide, Mesh, OrthographicCamera, PerspectiveCamera, Scene, Vector3 } from "three";
+import { BODIES } from "./bodies.js";
+
+/** Longest picture while things move, milliseconds. */
+const MOVING_MS = 70;
+/** Time without a change after which things are at rest, milliseconds. */
+const REST_MS = 250;
+/** What a slow driver does in a moving picture's time: texels fetched. The first picture of a variant trusts nothing else. */
+const FETCHES = 2e7;
+
+/**
+ * The stage. `state` is `{ body, azimuth, elevation, distance, light, stops, resting }`: angles in radians, `light` a unit
+ * vector in world space, exposure in powers of two, the longest picture at rest in milliseconds. `onFrame` gets `{ ms, width, height }`.
+ */
+export function createStage(state, onFrame) {
+  const scene = new Scene();
+  const perspective = new PerspectiveCamera(32, 1, 0.1, 20);
+  const flat = new OrthographicCamera(-1, 1, 1, -1, 0.1, 20);
+  const geometries = {};
+  let engine, made, mesh, canvas;
+  let changed = 0, perPixel = 0, ratio = 0, isRunning = false, isDirty = false;
+  let waiting = [];
+
+  function camera() {
+    const isMap = state.body === "map";
+    const aspect = canvas.clientWidth / Math.max(1, canvas.clientHeight);
+    if (isMap) {
+      const half = 1.05;
+      const [x, y] = aspect > 1 ? [half * aspect, half] : [half, half / aspect];
+      Object.assign(flat, { left: -x, right: x, top: y, bottom: -y });
+      flat.position.set(0, 0, 5);
+      flat.lookAt(0, 0, 0);
+      flat.updateProjectionMatrix();
+      return flat;
+    }
+    const { azimuth, elevation, distance } = state;
+    // narrow views stand back
+    const far = distance * Math.max(1, 1.1 / aspect);
+    perspective.aspect = aspect;
+    perspective.up.set(0, Math.cos(elevation) < 0 ? -1 : 1, 0);
+    perspective.position.set(Math.sin(azimuth) * Math.cos(elevation), Math.sin(elevation), Math.cos(azimuth) * Math.cos(elevation));
+    perspective.position.multiplyScalar(far);
+    perspective.lookAt(0, 0, 0);
+    perspective.updateProjectionMatrix();
+    return perspective;
+  }
+
+  /** The finest ratio of drawn to CSS pixels within a time; the first picture's is a guess by what a pixel costs. */
+  function affordable(ms) {
+    const pixels = canvas.clientWidth * canvas.clientHeight;
+    // while nothing was measured, the guess holds for things at rest, too
+    const most = perPixel ? ms / perPixel : FETCHES / made.fetches;
+    return Math.min(window.devicePixelRatio || 1, Math.max(0.05, Math.sqrt(most / Math.max(1, pixels))));
+  }
+
+  async function draw() {
+    const { renderer } = engine;
+    renderer.setPixelRatio(ratio);
+    renderer.setSize(canvas.clientWidth, canvas.clientHeight, false);
+    const name = state.body;
+    mesh.geometry = geometries[name] ??= BODIES[name]();
+    const view = camera();
+    made.set({ eye: view.position, light: state.light, exposure: 2 ** state.stops, is_map: name === "map" });
+    const begun = performance.now();
+    await engine.draw(scene, view);
+    // clocks of browsers are coarse
+    const ms = Math.max(0.1, performance.now() - begun);
+    const { width, height } = canvas;
+    // the first picture contains the driver's compiler
+    if (made.isWarm) perPixel = ms / (width * height);
+    made.isWarm = true;
+    onFrame({ ms, width, height });
+  }
+
+  async function run() {
+    if (isRunning || !made) return;
+    isRunning = true;
+    try {
+      for (;;) {
+        isDirty = false;
+        const isResting = performance.now() - changed > REST_MS;
+        const wanted = affordable(isResting ? state.resting : MOVING_MS);
+        ratio = isResting && perPixel ? Math.max(ratio, wanted) : wanted;
+        await draw();
+        if (isDirty) continue;
+        const finest = affordable(state.resting);
+        if (perPixel && ratio > 0.9 * finest) break;
+        await new Promise((done) => setTimeout(done, isResting || !perPixel ? 0 : REST_MS));
+      }
+    } finally {
+      isRunning = false;
+    }
+    waiting.forEach((done) => done());
+    waiting = [];
+  }
+
+  return {
+    /** Something in the state changed. */
+    touch() {
+      changed = performance.now();
+      isDirty = true;
+      return run();
+    },
+    /** Resolves when the picture is as fine as it gets. */
+    idle: () => (isRunning || isDirty ? new Promise((done) => waiting.push(done)) : Promise.resolve()),
+    /** Takes another engine with its canvas, or another variant on it. */
+    async show(newEngine, newCanvas, variant) {
+      // a picture on its way keeps what it draws with
+      while (isRunning) await this.idle();
+      made?.dispose();
+      if (engine !== newEngine) {
+        engine?.dispose();
+        for (const geometry of Object.values(geometries)) geometry.dispose();
+      }
+      [engine, canvas] = [newEngine, newCanvas];
+      made = engine.material(variant);
+      made.fetches = Math.max(1, variant.manifest.cost.fetches);
+      made.material.side = DoubleSide;
+      made.set({ diffuser: variant.manifest.core.diffuser_scale ?? 1 });
+      perPixel = 0;
+      scene.clear();
+      mesh = new Mesh(geometries[state.body] ??= BODIES[state.body](), made.material);
+      mesh.frustumCulled = false;
+      scene.add(mesh);
+      return this.touch();
+    },
+    /** From view space, x right, y up, z to the viewer, to world space; the map's camera stands still. */
+    toWorld: (v) => v.clone().applyQuaternion(camera().quaternion),
+    toView: (v) => v.clone().applyQuaternion(camera().quaternion.clone().invert()),
+  };
+}
+
+/** A light that anyone sees something by. */
+export const FIRST_LIGHT = new Vector3(-0.35, 0.45, 0.82).normalize();
