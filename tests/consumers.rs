@@ -73,14 +73,15 @@ fn examples_draw_maps() {
     let run = run.unwrap();
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     let by_python = image::open(&picture).unwrap().to_rgba8();
-    // the same numbers to a shade, and not the same upside down
+    // the same to a few shades, and not the same upside down
     let differ = |flip: bool| {
         let row = |y: u32| if flip { 255 - y } else { y };
         let pairs = by_wgpu.enumerate_pixels().map(|(x, y, p)| (p, by_python.get_pixel(x, row(y))));
-        pairs.filter(|(a, b)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 3)).count()
+        pairs.filter(|(a, b)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 8)).count()
     };
-    assert!(differ(false) < 30, "{} pixels differ", differ(false));
-    assert!(differ(true) > 1000, "{} pixels differ upside down", differ(true));
+    // the rim may take part or not
+    assert!(differ(false) < 100, "{} pixels differ", differ(false));
+    assert!(differ(true) > 3000, "{} pixels differ upside down", differ(true));
 }
 
 #[test]

@@ -15,7 +15,7 @@ const API_NAMES = { webgl2: "WebGL2", webgpu: "WebGPU" };
 const $ = (id) => document.getElementById(id);
 const asked = new URLSearchParams(location.search);
 const state = {
-  body: "snake", azimuth: 0.35, elevation: 0.45, distance: 5, light: FIRST_LIGHT.clone(), stops: -2,
+  body: "snake", azimuth: 0.35, elevation: 0.45, distance: 4.4, light: FIRST_LIGHT.clone(), stops: -1,
   resting: Number(asked.get("rest") ?? 1200),
 };
 const stage = createStage(state, showFrame);

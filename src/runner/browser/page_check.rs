@@ -8,6 +8,7 @@ use std::time::Duration;
 use serde::Deserialize;
 
 use super::chromium::Chromium;
+use super::flags;
 use crate::error::{Error, Result, Stage};
 
 /// How long a page may take to load.
@@ -67,7 +68,7 @@ pub fn check_page(
     fs::write(&page, text).map_err(about)?;
     let picture = screenshot.map_or_else(|| folder.path().join("picture.png"), Path::to_owned);
     let picture = absolute(&picture).map_err(about)?;
-    let flags = [
+    let settings = [
         "--allow-file-access-from-files".to_owned(),
         "--enable-logging=stderr".to_owned(),
         "--hide-scrollbars".to_owned(),
@@ -76,7 +77,8 @@ pub fn check_page(
         format!("--window-size={width},{height}"),
         format!("--screenshot={}", picture.display()),
     ];
-    let flags: Vec<&str> = flags.iter().map(String::as_str).collect();
+    let settings = settings.iter().map(String::as_str);
+    let flags: Vec<&str> = flags::ANY_GL.into_iter().chain(settings).collect();
     let log = Chromium::start(None, &flags, &address(&page))?.finish(LIMIT)?;
     let unseen = |what| Error::new(Stage::Run, html.display(), what);
     if !picture.is_file() {
