@@ -31,6 +31,7 @@ pub struct Variant {
     queue: wgpu::Queue,
     module: wgpu::ShaderModule,
     tables: Vec<(u32, wgpu::TextureView)>,
+    sampler: Option<(u32, wgpu::Sampler)>,
     adapter: String,
     manifest: Value,
 }
@@ -53,18 +54,27 @@ impl Variant {
         let source = wgpu::ShaderSource::Wgsl(fs::read_to_string(folder.join(file))?.into());
         let module =
             device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
+        let bindings = manifest["bindings"].as_array().ok_or("no bindings")?;
+        let number = |binding: &Value| binding["binding"].as_u64().unwrap_or(0) as u32;
         let mut tables = Vec::new();
         for table in manifest["tables"].as_array().ok_or("no tables")? {
             let shape = json(table["description"].as_str().ok_or("no description")?)?;
             let bytes = fs::read(folder.join(table["data"].as_str().ok_or("no data")?))?;
-            let is_this = |binding: &&Value| binding["name"] == table["binding"];
-            let binding = manifest["bindings"].as_array().and_then(|all| all.iter().find(is_this));
-            let binding = binding.and_then(|b| b["binding"].as_u64()).ok_or("no binding")?;
-            tables.push((binding as u32, texture(&device, &queue, &shape, &bytes)?));
+            let binding = bindings.iter().find(|b| b["name"] == table["binding"]);
+            let binding = number(binding.ok_or("a table without a binding")?);
+            tables.push((binding, texture(&device, &queue, &shape, &bytes)?));
         }
+        // of variants that let the driver interpolate
+        let linear = wgpu::SamplerDescriptor {
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            ..Default::default()
+        };
+        let sampler = bindings.iter().find(|b| b["kind"] == "sampler");
+        let sampler = sampler.map(|b| (number(b), device.create_sampler(&linear)));
         let info = adapter.get_info();
         let adapter = format!("{} {}", info.backend, info.name);
-        Ok(Variant { adapter, device, queue, module, tables, manifest })
+        Ok(Variant { adapter, device, queue, module, tables, sampler, manifest })
     }
 
     /// What the entry point gives for `width × height` pixels, the highest row first, and what it reads besides the tables.
@@ -108,6 +118,10 @@ impl Variant {
                 resource: wgpu::BindingResource::TextureView(view),
             })
             .collect();
+        entries.extend(self.sampler.iter().map(|(binding, sampler)| wgpu::BindGroupEntry {
+            binding: *binding,
+            resource: wgpu::BindingResource::Sampler(sampler),
+        }));
         entries.push(wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() });
         let layout = &pipeline.get_bind_group_layout(0);
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -221,6 +235,7 @@ fn texture(
         "rgba16float" => wgpu::TextureFormat::Rgba16Float,
         "rg32float" => wgpu::TextureFormat::Rg32Float,
         "rgba32float" => wgpu::TextureFormat::Rgba32Float,
+        "rgb9e5ufloat" => wgpu::TextureFormat::Rgb9e5Ufloat,
         other => return Err(format!("{other}: not a format of tables").into()),
     };
     let size = wgpu::Extent3d { width, height, depth_or_array_layers: layers };

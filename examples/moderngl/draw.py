@@ -44,12 +44,25 @@ def program(context, folder, main):
         create = context.texture_array if is_array else context.texture
         size += (shape["layers"],) if is_array else ()
         data = (folder / table["data"]).read_bytes()
-        dtype = "f2" if shape["format"].endswith("16float") else "f4"
-        texture = create(size, len(shape["format"][:-7]), data, dtype=dtype, alignment=1)
-        texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        binding = next(b for b in manifest["bindings"] if b["name"] == table["binding"])
+        if shape["format"] == "rgb9e5ufloat":
+            texture = create(size, 3, shared_exponents(data), dtype="f4", alignment=1)
+        else:
+            dtype = "f2" if shape["format"].endswith("16float") else "f4"
+            texture = create(size, len(shape["format"][:-7]), data, dtype=dtype, alignment=1)
+        filter = moderngl.LINEAR if binding["sample_type"] == "float" else moderngl.NEAREST
+        texture.filter = (filter, filter)
+        texture.repeat_x = texture.repeat_y = False
         texture.use(unit)
         made[table["binding"]] = unit
     return made, len(manifest["tables"])
+
+
+def shared_exponents(data):
+    """Three numbers of nine bits with one exponent, as floats: moderngl has no such type."""
+    bits = np.frombuffer(data, "<u4")
+    mantissas = (bits[:, None] >> np.array([0, 9, 18])) & 511
+    return np.ldexp(mantissas.astype("f4"), (bits >> 27).astype("i4")[:, None] - 24).astype("f4").tobytes()
 
 
 def draw(context, made, width, height):

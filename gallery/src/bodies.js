@@ -37,7 +37,7 @@ function map() {
 /** A tube swept along a coil, tangents along the body. */
 function snake() {
   const step = 1e-3;
-  return grid(640, 72, (s, t) => {
+  return grid(560, 56, (s, t) => {
     const angle = 2 * Math.PI * t;
     const place = skin(s, angle);
     const [ahead, behind] = [Math.min(s + step, 1), Math.max(s - step, 0)];

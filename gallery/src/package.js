@@ -26,7 +26,7 @@ export async function listVariants(files) {
 
 /**
  * A variant: `{ manifest, text, signature, tables }`. `text` is the function form for `target`, `signature` that of a
- * function in it; a table is `{ name, isArray, format, width, height, layers, bytes }`.
+ * function in it; a table is `{ name, isArray, isFiltered, format, width, height, layers, bytes }`.
  */
 export async function loadVariant(files, { folder }, target) {
   const manifest = JSON.parse(await files.text(folder + "manifest.json"));
@@ -37,7 +37,9 @@ export async function loadVariant(files, { folder }, target) {
     const { format, width, height, layers } = shape;
     const bytes = await files.bytes(resolve(folder, table.data));
     if (bytes.byteLength !== shape.bytes) throw new Error(`${table.data}: ${bytes.byteLength} bytes for ${shape.bytes}`);
-    return { name: table.binding, isArray: shape.dimension === "2d-array", format, width, height, layers, bytes };
+    const { sample_type } = manifest.bindings.find((binding) => binding.name === table.binding);
+    const [isArray, isFiltered] = [shape.dimension === "2d-array", sample_type === "float"];
+    return { name: table.binding, isArray, isFiltered, format, width, height, layers, bytes };
   };
   const [text, ...tables] = await Promise.all([files.text(folder + form.file), ...manifest.tables.map(read)]);
   const signature = (name) => form.functions.find((f) => f.name === name).signature;
@@ -47,13 +49,6 @@ export async function loadVariant(files, { folder }, target) {
 /** The probes of a variant. */
 export async function loadProbes(files, { folder }) {
   return JSON.parse(await files.text(folder + "probe.json")).probes;
-}
-
-/** Channels of a texel and whether they are 16-bit, from WebGPU's name of the format. */
-export function texel(format) {
-  const match = format.match(/^(r|rg|rgba)(16|32)float$/);
-  if (!match) throw new Error(`${format}: not a format of tables`);
-  return { channels: match[1].length, isHalf: match[2] === "16" };
 }
 
 function resolve(folder, relative) {

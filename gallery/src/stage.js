@@ -4,6 +4,8 @@ import { BODIES } from "./bodies.js";
 
 /** Longest picture while things move, milliseconds. */
 const MOVING_MS = 70;
+/** Least ratio of drawn to CSS pixels. */
+const COARSEST = 0.12;
 /** Time without a change after which things are at rest, milliseconds. */
 const REST_MS = 250;
 /** What a slow driver does in a moving picture's time: texels fetched. The first picture of a variant trusts nothing else. */
@@ -19,7 +21,7 @@ export function createStage(state, onFrame) {
   const flat = new OrthographicCamera(-1, 1, 1, -1, 0.1, 20);
   const geometries = {};
   let engine, made, mesh, canvas;
-  let changed = 0, perPixel = 0, ratio = 0, isRunning = false, isDirty = false;
+  let changed = 0, lastMs = 0, ratio = 0, isRunning = false, isDirty = false;
   let waiting = [];
 
   function camera() {
@@ -46,12 +48,12 @@ export function createStage(state, onFrame) {
     return perspective;
   }
 
-  /** The finest ratio of drawn to CSS pixels within a time; the first picture's is a guess by what a pixel costs. */
+  /** The finest ratio of drawn to CSS pixels within a time, by the last picture; the first one's is a guess by what a pixel costs. */
   function affordable(ms) {
-    const pixels = canvas.clientWidth * canvas.clientHeight;
-    // while nothing was measured, the guess holds for things at rest, too
-    const most = perPixel ? ms / perPixel : FETCHES / made.fetches;
-    return Math.min(window.devicePixelRatio || 1, Math.max(0.05, Math.sqrt(most / Math.max(1, pixels))));
+    const most = window.devicePixelRatio || 1;
+    const pixels = Math.max(1, canvas.clientWidth * canvas.clientHeight);
+    const wanted = lastMs ? ratio * Math.sqrt(ms / lastMs) : Math.sqrt(FETCHES / made.fetches / pixels);
+    return Math.min(most, Math.max(COARSEST, wanted));
   }
 
   async function draw() {
@@ -68,7 +70,7 @@ export function createStage(state, onFrame) {
     const ms = Math.max(0.1, performance.now() - begun);
     const { width, height } = canvas;
     // the first picture contains the driver's compiler
-    if (made.isWarm) perPixel = ms / (width * height);
+    if (made.isWarm) lastMs = ms;
     made.isWarm = true;
     onFrame({ ms, width, height });
   }
@@ -80,13 +82,13 @@ export function createStage(state, onFrame) {
       for (;;) {
         isDirty = false;
         const isResting = performance.now() - changed > REST_MS;
-        const wanted = affordable(isResting ? state.resting : MOVING_MS);
-        ratio = isResting && perPixel ? Math.max(ratio, wanted) : wanted;
+        const isMeasured = lastMs > 0;
+        ratio = isResting && isMeasured ? Math.max(ratio, affordable(state.resting)) : affordable(MOVING_MS);
         await draw();
-        if (isDirty) continue;
-        const finest = affordable(state.resting);
-        if (perPixel && ratio > 0.9 * finest) break;
-        await new Promise((done) => setTimeout(done, isResting || !perPixel ? 0 : REST_MS));
+        if (isDirty || !isMeasured) continue;
+        if (!isResting) await new Promise((done) => setTimeout(done, REST_MS));
+        // some of the time does not depend on the pixels: so the finest is reached in steps
+        else if (lastMs > state.resting / 2 || ratio >= (window.devicePixelRatio || 1)) break;
       }
     } finally {
       isRunning = false;
@@ -115,10 +117,11 @@ export function createStage(state, onFrame) {
       }
       [engine, canvas] = [newEngine, newCanvas];
       made = engine.material(variant);
-      made.fetches = Math.max(1, variant.manifest.cost.fetches);
+      // arithmetic counts, too
+      made.fetches = 50 + variant.manifest.cost.fetches;
       made.material.side = DoubleSide;
       made.set({ diffuser: variant.manifest.core.diffuser_scale ?? 1 });
-      perPixel = 0;
+      lastMs = 0;
       scene.clear();
       mesh = new Mesh(geometries[state.body] ??= BODIES[state.body](), made.material);
       mesh.frustumCulled = false;

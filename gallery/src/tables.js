@@ -1,10 +1,17 @@
-// Tables as textures of three.js: raw texels, nearest, no mipmaps, no colour space.
+// Tables as textures of three.js: raw texels, no mipmaps, no colour space.
 import {
-  DataArrayTexture, DataTexture, FloatType, HalfFloatType, NearestFilter, NoColorSpace, RedFormat, RGBAFormat, RGFormat,
+  DataArrayTexture, DataTexture, FloatType, HalfFloatType, LinearFilter, NearestFilter, NoColorSpace, RGBAFormat, RGBFormat,
+  RGFormat, UnsignedInt5999Type,
 } from "three";
-import { texel } from "./package.js";
 
-const FORMATS = { 1: RedFormat, 2: RGFormat, 4: RGBAFormat };
+/** By WebGPU's names: format and type of three.js, and the array that holds texels. */
+const FORMATS = {
+  rg16float: [RGFormat, HalfFloatType, Uint16Array],
+  rgba16float: [RGBAFormat, HalfFloatType, Uint16Array],
+  rg32float: [RGFormat, FloatType, Float32Array],
+  rgba32float: [RGBAFormat, FloatType, Float32Array],
+  rgb9e5ufloat: [RGBFormat, UnsignedInt5999Type, Uint32Array],
+};
 
 /** Textures by the names that the function forms use. */
 export function textures(tables) {
@@ -21,13 +28,14 @@ export function directions(pairs) {
   return texture({ isArray: false, format: "rgba32float", width: pairs.length, height: 2, bytes: texels.buffer });
 }
 
-function texture({ isArray, format, width, height, layers, bytes }) {
-  const { channels, isHalf } = texel(format);
-  const texels = isHalf ? new Uint16Array(bytes) : new Float32Array(bytes);
+function texture({ isArray, isFiltered, format, width, height, layers, bytes }) {
+  if (!FORMATS[format]) throw new Error(`${format}: not a format of tables`);
+  const [channels, type, Numbers] = FORMATS[format];
+  const texels = new Numbers(bytes);
   const made = isArray ? new DataArrayTexture(texels, width, height, layers) : new DataTexture(texels, width, height);
-  made.format = FORMATS[channels];
-  made.type = isHalf ? HalfFloatType : FloatType;
-  made.minFilter = made.magFilter = NearestFilter;
+  made.format = channels;
+  made.type = type;
+  made.minFilter = made.magFilter = isFiltered ? LinearFilter : NearestFilter;
   made.generateMipmaps = false;
   made.flipY = false;
   made.unpackAlignment = 1;

@@ -1,6 +1,6 @@
 // The function form of WGSL behind three.js's WebGPURenderer, as a node of its shading language.
 import { FloatType, LinearSRGBColorSpace, NearestFilter, NoBlending, NoToneMapping, RenderTarget, Vector3 } from "three";
-import { attribute, screenCoordinate, texture, uniform, varying, wgslFn } from "three/tsl";
+import { attribute, sampler, screenCoordinate, texture, uniform, varying, wgslFn } from "three/tsl";
 import { NodeMaterial, QuadMesh, WebGPURenderer } from "three/webgpu";
 import { directions, textures } from "./tables.js";
 
@@ -67,9 +67,13 @@ export async function open(canvas) {
 /** A shell's node around a variant: `make(parameters, tables)` is its text, given the tables' declarations and names. */
 function shell(variant, bound, make, inputs) {
   const declared = variant.signature("diffraction").match(/wr: vec3f((?:, [^)]*)?)\)/)[1];
-  const names = [...declared.matchAll(/, (\w+):/g)].map(([, name]) => name);
+  const parameters = [...declared.matchAll(/, (\w+): (\w+)/g)].map(([, name, type]) => ({ name, type }));
+  const names = parameters.map(({ name }) => name);
+  const filtered = variant.tables.find((table) => table.isFiltered)?.name;
   const text = make(declared, names.map((name) => `, ${name}`).join(""));
-  const nodes = Object.fromEntries(names.map((name) => [name, texture(bound[name])]));
+  // a sampler is that of the table which it reads
+  const node = ({ name, type }) => (type === "sampler" ? sampler(texture(bound[filtered])) : texture(bound[name]));
+  const nodes = Object.fromEntries(parameters.map((parameter) => [parameter.name, node(parameter)]));
   return wgslFn(text, [wgslFn(variant.text)])({ ...inputs, ...nodes });
 }
 
