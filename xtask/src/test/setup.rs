@@ -70,11 +70,13 @@ enum Sign {
     VulkanDriver(&'static str),
 }
 
-const PACKAGES: [(&str, Sign); 12] = [
+const PACKAGES: [(&str, Sign); 13] = [
     ("mesa-vulkan-drivers", Sign::VulkanDriver("lvp_icd")),
     ("libvulkan1", Sign::Library("libvulkan.so.1")),
     ("libegl1", Sign::Library("libEGL.so.1")),
     ("libgles2", Sign::Library("libGLESv2.so.2")),
+    // what Python's OpenGL looks for
+    ("libgl1", Sign::Library("libGL.so.1")),
     // llvmpipe itself, which libegl1 does not depend on in Debian 12
     ("libgl1-mesa-dri", Sign::Dri),
     ("spirv-tools", Sign::Program("spirv-val")),
@@ -201,6 +203,6 @@ mod tests {
             vulkan_drivers: vec!["lvp_icd.x86_64.json".to_owned()],
             installed: vec!["libvulkan1", "spirv-cross"],
         };
-        assert_eq!(missing(&some), ["libgles2", "glslang-tools", "chromium"]);
+        assert_eq!(missing(&some), ["libgles2", "libgl1", "glslang-tools", "chromium"]);
     }
 }
