@@ -91,10 +91,11 @@ export function createStage(state, onFrame) {
         else if (lastMs > state.resting / 2 || ratio >= (window.devicePixelRatio || 1)) break;
       }
     } finally {
-      isRunning = false;
+      isRunning = isDirty = false;
+      // also after an error, which whoever called gets
+      waiting.forEach((done) => done());
+      waiting = [];
     }
-    waiting.forEach((done) => done());
-    waiting = [];
   }
 
   return {

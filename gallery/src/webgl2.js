@@ -90,11 +90,21 @@ export async function open(canvas) {
     /** Draws, and returns when the picture is done. */
     draw: async (scene, camera) => {
       renderer.render(scene, camera);
-      gl.finish();
+      await done(gl);
     },
     probe: (variant, pairs) => probe(renderer, variant, pairs),
     dispose: () => renderer.dispose(),
   };
+}
+
+/** Resolves when the driver is done; `finish` does not wait in browsers, and reading a pixel stalls with a warning. */
+async function done(gl) {
+  const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+  gl.flush();
+  while (!gl.isContextLost() && gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) {
+    await new Promise((next) => setTimeout(next, 2));
+  }
+  gl.deleteSync(fence);
 }
 
 function bodyMaterial({ text, tables }) {

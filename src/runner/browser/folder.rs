@@ -137,8 +137,8 @@ mod tests {
         let address = server.address();
         let host = address.strip_prefix("http://").expect("an address").trim_end_matches('/');
         let mut stream = TcpStream::connect(host).expect("the port is open");
-        write!(stream, "GET {path} HTTP/1.1\r\nhost: {host}\r\nconnection: close\r\n\r\n")
-            .expect("writes");
+        let request = format!("GET {path} HTTP/1.1\r\nhost: {host}\r\nconnection: close\r\n\r\n");
+        stream.write_all(request.as_bytes()).expect("writes");
         assert!(server.answer(Duration::from_secs(10)).expect("answers").is_none());
         let mut text = String::new();
         stream.read_to_string(&mut text).expect("reads");
@@ -169,7 +169,7 @@ mod tests {
             "/../secret",
             "/%2e%2e/secret",
             "/..%2fsecret",
-            "/a b/../../secret",
+            "/a%20b/../../secret",
             "//etc/passwd",
             "/link",
             "/none",
