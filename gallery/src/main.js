@@ -16,7 +16,7 @@ const $ = (id) => document.getElementById(id);
 const asked = new URLSearchParams(location.search);
 const state = {
   body: "snake", azimuth: 0.35, elevation: 0.45, distance: 4.4, light: FIRST_LIGHT.clone(), stops: -1,
-  resting: Number(asked.get("rest") ?? 1200),
+  ratio: Number(asked.get("ratio")) || 0,
 };
 const stage = createStage(state, showFrame);
 const drawDot = lightPad($("pad"), $("dot"), () => stage.toView(state.light), (v) => {

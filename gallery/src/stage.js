@@ -2,8 +2,9 @@
 import { DoubleSide, Mesh, OrthographicCamera, PerspectiveCamera, Scene, Vector3 } from "three";
 import { BODIES } from "./bodies.js";
 
-/** Longest picture while things move, milliseconds. */
+/** Longest picture while things move, and at rest, milliseconds. */
 const MOVING_MS = 70;
+const RESTING_MS = 1200;
 /** Least ratio of drawn to CSS pixels. */
 const COARSEST = 0.12;
 /** Time without a change after which things are at rest, milliseconds. */
@@ -12,8 +13,9 @@ const REST_MS = 250;
 const FETCHES = 2e7;
 
 /**
- * The stage. `state` is `{ body, azimuth, elevation, distance, light, stops, resting }`: angles in radians, `light` a unit
- * vector in world space, exposure in powers of two, the longest picture at rest in milliseconds. `onFrame` gets `{ ms, width, height }`.
+ * The stage. `state` is `{ body, azimuth, elevation, distance, light, stops, ratio }`: angles in radians, `light` a unit vector
+ * in world space, exposure in powers of two, the ratio of drawn to CSS pixels or 0 for what the time allows. `onFrame` gets
+ * `{ ms, width, height }`.
  */
 export function createStage(state, onFrame) {
   const scene = new Scene();
@@ -50,6 +52,7 @@ export function createStage(state, onFrame) {
 
   /** The finest ratio of drawn to CSS pixels within a time, by the last picture; the first one's is a guess by what a pixel costs. */
   function affordable(ms) {
+    if (state.ratio) return state.ratio;
     const most = window.devicePixelRatio || 1;
     const pixels = Math.max(1, canvas.clientWidth * canvas.clientHeight);
     const wanted = lastMs ? ratio * Math.sqrt(ms / lastMs) : Math.sqrt(FETCHES / made.fetches / pixels);
@@ -83,12 +86,13 @@ export function createStage(state, onFrame) {
         isDirty = false;
         const isResting = performance.now() - changed > REST_MS;
         const isMeasured = lastMs > 0;
-        ratio = isResting && isMeasured ? Math.max(ratio, affordable(state.resting)) : affordable(MOVING_MS);
+        ratio = isResting && isMeasured ? Math.max(ratio, affordable(RESTING_MS)) : affordable(MOVING_MS);
         await draw();
-        if (isDirty || !isMeasured) continue;
+        if (isDirty || (!isMeasured && !state.ratio)) continue;
+        if (state.ratio) break;
         if (!isResting) await new Promise((done) => setTimeout(done, REST_MS));
         // some of the time does not depend on the pixels: so the finest is reached in steps
-        else if (lastMs > state.resting / 2 || ratio >= (window.devicePixelRatio || 1)) break;
+        else if (lastMs > RESTING_MS / 2 || ratio >= (window.devicePixelRatio || 1)) break;
       }
     } finally {
       isRunning = isDirty = false;

@@ -84,7 +84,7 @@ function press(at, element, key, times) {
 }
 
 async function run() {
-  const at = await open(`rest=150&api=${asked.get("api")}&surface=${asked.get("surface") ?? ""}&variant=${asked.get("variant") ?? ""}`);
+  const at = await open(`ratio=0.3&api=${asked.get("api")}&surface=${asked.get("surface") ?? ""}&variant=${asked.get("variant") ?? ""}`);
   const { gallery } = at;
   const changes = {};
   let before = await picture(at);
