@@ -13,6 +13,8 @@
 //! * Pictures are handed out row by row from the top: row 0 is next to y = +1.
 
 mod chromium;
+mod drive;
+mod folder;
 mod link;
 mod page_check;
 mod pipeline;
@@ -33,6 +35,8 @@ use super::pictures::{BAND_ROWS, BoundTable, Driver, DriverRunner, Prepared};
 use super::stages::stages;
 use super::{Progress, Subject};
 
+pub use drive::{Driven, drive_page};
+pub use folder::FolderServer;
 use link::{Link, Message};
 pub use page_check::{PageCheck, check_page};
 pub use pipeline::Pipeline;

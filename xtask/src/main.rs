@@ -19,6 +19,7 @@ mod reexec;
 mod render;
 mod report;
 mod runners;
+mod serve;
 mod test;
 mod testbench;
 mod unchanged;
@@ -65,6 +66,8 @@ enum Command {
     Bench(bench::Args),
     /// Show results of compare, bench and testbench on one HTML page.
     Report(report::Args),
+    /// Serve the gallery to a browser on this machine.
+    Serve(serve::Args),
     Test(test::Args),
 }
 
@@ -101,6 +104,7 @@ fn main() -> ExitCode {
         Command::Testbench(args) => testbench::run(&args, &console).map(ExitCode::from),
         Command::Bench(args) => bench::run(&args, &console).map(ExitCode::from),
         Command::Report(args) => report::run(&args, &console).map(ExitCode::from),
+        Command::Serve(args) => serve::run(&args, &console).map(ExitCode::from),
         Command::Test(args) => test::run(&args),
     };
     match outcome {

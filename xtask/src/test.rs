@@ -1,5 +1,6 @@
 //! `cargo xtask test`: sets up what the tests need and runs all of them.
 
+mod modules;
 mod setup;
 
 use std::{
@@ -13,7 +14,8 @@ use anyhow::Context as _;
 
 /// Sets up what the tests need, and runs all of them.
 ///
-/// Missing software drivers and validators are installed with apt-get, where that takes no password. Then come formatting,
+/// Missing software drivers, validators, node and Python are installed with apt-get, where that takes no password; the gallery's
+/// libraries by npm, those of the Python example by pip, both into folders of the workspace. Then come formatting,
 /// lints, documentation and tests, all of them even if one fails.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
@@ -31,13 +33,13 @@ pub struct Args {
 
 /// Runs the command. 0: all steps passed; 1: one failed; 2: one could not be run, or a tool is missing.
 pub fn run(args: &Args) -> anyhow::Result<ExitCode> {
+    let root =
+        Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask lies in the workspace")?;
     if !args.no_setup
-        && let setup::Outcome::Missing = setup::run()?
+        && let setup::Outcome::Missing = setup::run(root)?
     {
         return Ok(ExitCode::from(2));
     }
-    let root =
-        Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask lies in the workspace")?;
     let mut done = Vec::new();
     for step in steps(&args.cargo_test) {
         eprintln!("\n== {}: cargo {}", step.name, step.arguments.join(OsStr::new(" ")).display());

@@ -269,6 +269,7 @@ fn outputs_and_directions() {
     let twin = ["eval", "--surface", "grating", "--runner", "twin", "--directions", "good.csv"];
     place.refused(&[&twin[..], &["--wavelength-nm", "390"]].concat(), &["390", "400"]);
     place.refused(&["validate", "absent"], &["absent"]);
+    place.refused(&["serve", "--dir", "absent"], &["absent", "index.html", "serve --help"]);
     place.refused(&["validate", "--require", "nothing"], &["nothing", "naga"]);
 }
 

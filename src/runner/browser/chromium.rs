@@ -98,7 +98,7 @@ impl Chromium {
     }
 
     /// What it said on stderr.
-    fn said(&self) -> String {
+    pub(super) fn said(&self) -> String {
         let log = fs::read(self.profile.path().join(LOG)).unwrap_or_default();
         String::from_utf8_lossy(&log).into_owned()
     }

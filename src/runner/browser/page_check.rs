@@ -8,6 +8,7 @@ use std::time::Duration;
 use serde::Deserialize;
 
 use super::chromium::Chromium;
+use super::flags;
 use crate::error::{Error, Result, Stage};
 
 /// How long a page may take to load.
@@ -67,7 +68,7 @@ pub fn check_page(
     fs::write(&page, text).map_err(about)?;
     let picture = screenshot.map_or_else(|| folder.path().join("picture.png"), Path::to_owned);
     let picture = absolute(&picture).map_err(about)?;
-    let flags = [
+    let settings = [
         "--allow-file-access-from-files".to_owned(),
         "--enable-logging=stderr".to_owned(),
         "--hide-scrollbars".to_owned(),
@@ -76,7 +77,8 @@ pub fn check_page(
         format!("--window-size={width},{height}"),
         format!("--screenshot={}", picture.display()),
     ];
-    let flags: Vec<&str> = flags.iter().map(String::as_str).collect();
+    let settings = settings.iter().map(String::as_str);
+    let flags: Vec<&str> = flags::ANY_GL.into_iter().chain(settings).collect();
     let log = Chromium::start(None, &flags, &address(&page))?.finish(LIMIT)?;
     let unseen = |what| Error::new(Stage::Run, html.display(), what);
     if !picture.is_file() {
@@ -93,18 +95,23 @@ fn read(log: &str) -> Option<PageCheck> {
         scroll_width: u32,
         scroll_height: u32,
     }
-    let mut sizes = None;
-    let mut console = Vec::new();
-    for line in log.lines().filter(|line| line.contains(":CONSOLE")) {
-        let (_, said) = line.split_once("] ")?;
-        let said = said.rsplit_once(", source: ").map_or(said, |(said, _)| said).trim_matches('"');
-        match said.strip_prefix(MARK) {
-            Some(json) => sizes = serde_json::from_str::<Sizes>(json).ok(),
-            None => console.push(said.to_owned()),
-        }
-    }
+    let (sizes, console): (Vec<String>, Vec<String>) =
+        console(log).into_iter().partition(|said| said.starts_with(MARK));
+    let sizes = sizes.last()?.strip_prefix(MARK).map(serde_json::from_str::<Sizes>);
+    let sizes = sizes.and_then(|sizes| sizes.ok());
     let Sizes { width, scroll_width, scroll_height } = sizes?;
     Some(PageCheck { width, scroll_width, scroll_height, console })
+}
+
+/// The lines of the console in what the browser said.
+pub(super) fn console(log: &str) -> Vec<String> {
+    let lines = log.lines().filter(|line| line.contains(":CONSOLE"));
+    let said = |line: &str| -> Option<String> {
+        let (_, said) = line.split_once("] ")?;
+        let said = said.rsplit_once(", source: ").map_or(said, |(said, _)| said);
+        Some(said.trim_matches('"').to_owned())
+    };
+    lines.filter_map(said).collect()
 }
 
 /// The address of a file.

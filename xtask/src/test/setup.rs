@@ -1,8 +1,9 @@
-//! The Debian packages that the tests need, installed where that takes no password.
+//! The Debian packages that the tests need, installed where that takes no password; then what npm and pip bring.
 
+use super::modules;
 use std::{
     env, fs,
-    path::PathBuf,
+    path::{Path, PathBuf},
     process::{Command, Stdio},
 };
 
@@ -15,11 +16,18 @@ pub enum Outcome {
     Missing,
 }
 
-/// Looks for every package and installs those that are missing.
-pub fn run() -> anyhow::Result<Outcome> {
+/// Looks for every package and installs those that are missing. `root` is the workspace.
+pub fn run(root: &Path) -> anyhow::Result<Outcome> {
+    match packages() {
+        Outcome::Ready => modules::run(root),
+        Outcome::Missing => Ok(Outcome::Missing),
+    }
+}
+
+fn packages() -> Outcome {
     let missing = missing(&Machine::look());
     if missing.is_empty() {
-        return Ok(Outcome::Ready);
+        return Outcome::Ready;
     }
     let list = missing.join(" ");
     let advice =
@@ -28,11 +36,11 @@ pub fn run() -> anyhow::Result<Outcome> {
         eprintln!(
             "the tests need what Debian calls {list}; install it by your system's means, or pass --no-setup"
         );
-        return Ok(Outcome::Missing);
+        return Outcome::Missing;
     }
     let Some(prefix) = privilege() else {
         eprintln!("the tests need {list}; run\n  {advice}\nor pass --no-setup");
-        return Ok(Outcome::Missing);
+        return Outcome::Missing;
     };
     eprintln!("== setup: apt-get install {list}");
     // an old list of packages may still do
@@ -43,9 +51,9 @@ pub fn run() -> anyhow::Result<Outcome> {
     let left = self::missing(&Machine::look());
     if !installed || !left.is_empty() {
         eprintln!("{list}: not installed (run\n  {advice}\nor pass --no-setup)");
-        return Ok(Outcome::Missing);
+        return Outcome::Missing;
     }
-    Ok(Outcome::Ready)
+    Outcome::Ready
 }
 
 /// By what a package is known to be there, whoever installed it.
@@ -56,15 +64,19 @@ enum Sign {
     Library(&'static str),
     /// A file of Mesa's GL drivers; later versions have a library instead.
     Dri,
+    /// A module of Python that runs.
+    Module(&'static str),
     /// The description of a Vulkan driver, by the beginning of its file's name.
     VulkanDriver(&'static str),
 }
 
-const PACKAGES: [(&str, Sign); 9] = [
+const PACKAGES: [(&str, Sign); 13] = [
     ("mesa-vulkan-drivers", Sign::VulkanDriver("lvp_icd")),
     ("libvulkan1", Sign::Library("libvulkan.so.1")),
     ("libegl1", Sign::Library("libEGL.so.1")),
     ("libgles2", Sign::Library("libGLESv2.so.2")),
+    // what Python's OpenGL looks for
+    ("libgl1", Sign::Library("libGL.so.1")),
     // llvmpipe itself, which libegl1 does not depend on in Debian 12
     ("libgl1-mesa-dri", Sign::Dri),
     ("spirv-tools", Sign::Program("spirv-val")),
@@ -72,6 +84,11 @@ const PACKAGES: [(&str, Sign); 9] = [
     ("spirv-cross", Sign::Program("spirv-cross")),
     // a browser, and SwiftShader, a second driver of Vulkan, which it brings
     ("chromium", Sign::Program("chromium")),
+    // the gallery is built by node, its libraries come by npm
+    ("nodejs", Sign::Program("node")),
+    ("npm", Sign::Program("npm")),
+    // a folder of its own for what pip brings
+    ("python3-venv", Sign::Module("ensurepip")),
 ];
 
 /// What was found on this machine.
@@ -86,6 +103,7 @@ impl Machine {
     fn look() -> Machine {
         let programs = PACKAGES.iter().filter_map(|(_, sign)| match sign {
             Sign::Program(name) => find(name).map(|_| *name),
+            Sign::Module(name) => output("python3", &["-m", name, "--version"]).map(|_| *name),
             _ => None,
         });
         let folders =
@@ -116,7 +134,7 @@ impl Machine {
             |name: &str| self.libraries.lines().any(|line| line.trim_start().starts_with(name));
         self.installed.contains(&package)
             || match sign {
-                Sign::Program(name) => self.programs.contains(name),
+                Sign::Program(name) | Sign::Module(name) => self.programs.contains(name),
                 Sign::Library(name) => library(name),
                 Sign::Dri => library("libgallium"),
                 Sign::VulkanDriver(name) => {
@@ -178,13 +196,13 @@ mod tests {
         };
         assert_eq!(missing(&bare).len(), PACKAGES.len());
         let some = Machine {
-            programs: vec!["spirv-val"],
+            programs: vec!["spirv-val", "node", "npm", "ensurepip"],
             libraries:
                 "2 libs found\n\tlibEGL.so.1 (libc6) => there\n\tlibgallium-25.so (libc6) => there"
                     .to_owned(),
             vulkan_drivers: vec!["lvp_icd.x86_64.json".to_owned()],
             installed: vec!["libvulkan1", "spirv-cross"],
         };
-        assert_eq!(missing(&some), ["libgles2", "glslang-tools", "chromium"]);
+        assert_eq!(missing(&some), ["libgles2", "libgl1", "glslang-tools", "chromium"]);
     }
 }

@@ -1,0 +1,167 @@
+// The function form of GLSL ES 3.00 behind three.js's WebGLRenderer.
+import {
+  BufferAttribute, BufferGeometry, FloatType, GLSL3, Mesh, NearestFilter, NoBlending, OrthographicCamera,
+  RawShaderMaterial, Scene, Vector3, WebGLRenderer, WebGLRenderTarget,
+} from "three";
+import { directions, textures } from "./tables.js";
+
+export const target = "glsl-es300";
+
+const HEAD = "precision highp float;\nprecision highp int;\nprecision highp sampler2D;\nprecision highp sampler2DArray;\n";
+
+const VERTEX = `${HEAD}
+in vec3 position;
+in vec3 normal;
+in vec4 tangent;
+in vec3 body;
+uniform mat4 modelViewMatrix;
+uniform mat4 projectionMatrix;
+out vec3 v_place;
+out vec3 v_normal;
+out vec4 v_tangent;
+out vec3 v_body;
+void main() {
+    v_place = position;
+    v_normal = normal;
+    v_tangent = tangent;
+    v_body = body;
+    gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+}`;
+
+// world space is the bodies' own; the same in WGSL is in webgpu.js
+const FRAGMENT = `
+in vec3 v_place;
+in vec3 v_normal;
+in vec4 v_tangent;
+in vec3 v_body;
+uniform vec3 eye;
+uniform vec3 light;
+uniform float diffuser;
+uniform float exposure;
+uniform bool is_map;
+layout(location = 0) out vec4 colour;
+
+void main() {
+    vec3 n = normalize(v_normal);
+    vec3 t = normalize(v_tangent.xyz - n * dot(n, v_tangent.xyz));
+    vec3 b = cross(n, t) * v_tangent.w;
+    vec3 to_eye = normalize(eye - v_place);
+    vec3 wi = vec3(dot(light, t), dot(light, b), dot(light, n));
+    vec3 wr = vec3(dot(to_eye, t), dot(to_eye, b), dot(to_eye, n));
+    vec3 radiance = vec3(0.0);
+    if (is_map) {
+        float inside = 1.0 - dot(v_place.xy, v_place.xy);
+        if (inside <= 0.0) { discard; }
+        radiance = diffuser * diffraction(light, vec3(v_place.xy, sqrt(inside)));
+    } else if (wi.z > 0.0 && wr.z > 0.0) {
+        float cos_half = dot(normalize(wi + wr), wr);
+        float reflected = 0.04 + 0.96 * pow(1.0 - cos_half, 5.0);
+        radiance = diffuser * diffraction(wi, wr) + (1.0 - reflected) * wi.z * v_body;
+    }
+    // keeps hues: the greatest channel tends to 1
+    vec3 shown = exposure * max(radiance, vec3(0.0));
+    shown /= 1.0 + max(shown.r, max(shown.g, shown.b));
+    vec3 low = 12.92 * shown;
+    vec3 high = 1.055 * pow(shown, vec3(1.0 / 2.4)) - 0.055;
+    colour = vec4(mix(high, low, lessThanEqual(shown, vec3(0.0031308))), 1.0);
+}`;
+
+const PROBE = `
+uniform sampler2D engine_directions;
+layout(location = 0) out vec4 colour;
+void main() {
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    vec3 wi = texelFetch(engine_directions, ivec2(at.x, 0), 0).xyz;
+    vec3 wr = texelFetch(engine_directions, ivec2(at.x, 1), 0).xyz;
+    colour = vec4(at.y == 0 ? tristimulus(wi, wr) : diffraction(wi, wr), 1.0);
+}`;
+
+const CORNERS = "in vec3 position;\nvoid main() { gl_Position = vec4(position, 1.0); }";
+
+export async function open(canvas) {
+  const renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
+  const gl = renderer.getContext();
+  const unmasked = gl.getExtension("WEBGL_debug_renderer_info");
+  return {
+    renderer,
+    driver: gl.getParameter(unmasked?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER),
+    /** A material for bodies, with `set(uniforms)` and `dispose()`. */
+    material: (variant) => bodyMaterial(variant),
+    /** Draws, and returns when the picture is done. */
+    draw: async (scene, camera) => {
+      renderer.render(scene, camera);
+      await done(gl);
+    },
+    probe: (variant, pairs) => probe(renderer, variant, pairs),
+    dispose: () => renderer.dispose(),
+  };
+}
+
+/** Resolves when the driver is done; `finish` does not wait in browsers, and reading a pixel stalls with a warning. */
+async function done(gl) {
+  const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+  gl.flush();
+  while (!gl.isContextLost() && gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) {
+    await new Promise((next) => setTimeout(next, 2));
+  }
+  gl.deleteSync(fence);
+}
+
+function bodyMaterial({ text, tables }) {
+  const bound = textures(tables);
+  const uniforms = {
+    eye: { value: new Vector3() },
+    light: { value: new Vector3(0, 0, 1) },
+    diffuser: { value: 1 },
+    exposure: { value: 1 },
+    is_map: { value: false },
+  };
+  const material = raw(VERTEX, text + FRAGMENT, bound, uniforms);
+  const set = (values) => {
+    for (const [name, value] of Object.entries(values)) {
+      if (value.isVector3) uniforms[name].value.copy(value);
+      else uniforms[name].value = value;
+    }
+  };
+  return { material, set, dispose: () => dispose(material, bound) };
+}
+
+/** XYZ and RGB for each pair of directions. */
+async function probe(renderer, { text, tables }, pairs) {
+  if (!renderer.extensions.has("EXT_color_buffer_float")) throw new Error("no 32-bit float targets");
+  const bound = { ...textures(tables), engine_directions: directions(pairs) };
+  const material = raw(CORNERS, text + PROBE, bound, {});
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]), 3));
+  const mesh = new Mesh(geometry, material);
+  mesh.frustumCulled = false;
+  const scene = new Scene();
+  scene.add(mesh);
+  const options = { type: FloatType, minFilter: NearestFilter, magFilter: NearestFilter, depthBuffer: false };
+  const picture = new WebGLRenderTarget(pairs.length, 2, options);
+  renderer.setRenderTarget(picture);
+  renderer.render(scene, new OrthographicCamera());
+  renderer.setRenderTarget(null);
+  const pixels = new Float32Array(pairs.length * 8);
+  renderer.readRenderTargetPixels(picture, 0, 0, pairs.length, 2, pixels);
+  picture.dispose();
+  geometry.dispose();
+  dispose(material, bound);
+  return pixels;
+}
+
+function raw(vertex, fragment, bound, uniforms) {
+  const values = Object.entries(bound).map(([name, value]) => [name, { value }]);
+  return new RawShaderMaterial({
+    glslVersion: GLSL3,
+    vertexShader: vertex,
+    fragmentShader: HEAD + fragment,
+    uniforms: { ...Object.fromEntries(values), ...uniforms },
+    blending: NoBlending,
+  });
+}
+
+function dispose(material, bound) {
+  material.dispose();
+  for (const texture of Object.values(bound)) texture.dispose();
+}

@@ -1,0 +1,116 @@
+// Uses the gallery as a person would, in a frame, and posts what came of it to `result`. The address may hold `api`, and
+// `pictures`: then what was drawn is posted, too.
+const frame = document.querySelector("iframe");
+const asked = new URLSearchParams(location.search);
+
+/** The page, when its first picture is there. */
+async function open(query) {
+  await new Promise((done) => {
+    frame.onload = done;
+    frame.src = `index.html?${query}`;
+  });
+  const page = frame.contentWindow;
+  const errors = [];
+  page.addEventListener("error", (event) => errors.push(event.message));
+  page.addEventListener("unhandledrejection", (event) => errors.push(String(event.reason)));
+  const { gallery } = page;
+  await gallery.ready;
+  await gallery.idle();
+  return { page, gallery, errors, $: (id) => page.document.getElementById(id) };
+}
+
+/** What the canvas shows, 64 × 64 pixels over a grey ground, and its PNG where asked for. */
+async function picture({ gallery }) {
+  await gallery.idle();
+  // a canvas of WebGPU can be read as a file, but not be drawn
+  const png = gallery.canvas().toDataURL("image/png");
+  const image = new Image();
+  image.src = png;
+  await image.decode();
+  const small = new OffscreenCanvas(64, 64).getContext("2d");
+  small.fillStyle = "#808080";
+  small.fillRect(0, 0, 64, 64);
+  small.drawImage(image, 0, 0, 64, 64);
+  return { pixels: small.getImageData(0, 0, 64, 64).data, png: asked.has("pictures") ? png : null };
+}
+
+/** Mean absolute difference of two pictures, 0 to 255. */
+function difference(a, b) {
+  return a.pixels.reduce((sum, value, i) => sum + Math.abs(value - b.pixels[i]), 0) / a.pixels.length;
+}
+
+function choose(at, id, value) {
+  const select = at.$(id);
+  select.value = value ?? [...select.options].find((option) => !option.selected).value;
+  select.dispatchEvent(new at.page.Event("change", { bubbles: true }));
+}
+
+/** A finger or mouse from one place of an element to another, in parts of its size. */
+function drag(at, element, from, to) {
+  const box = element.getBoundingClientRect();
+  const send = (type, [x, y]) => {
+    const [clientX, clientY] = [box.left + x * box.width, box.top + y * box.height];
+    const options = { clientX, clientY, pointerId: 1, isPrimary: true, bubbles: true, pointerType: "touch" };
+    element.dispatchEvent(new at.page.PointerEvent(type, options));
+  };
+  // no such pointer exists, so none can be captured
+  element.setPointerCapture = () => {};
+  element.hasPointerCapture = () => true;
+  send("pointerdown", from);
+  send("pointermove", to);
+  send("pointerup", to);
+}
+
+const ACTS = {
+  "same again": () => {},
+  light: (at) => drag(at, at.$("pad"), [0.5, 0.5], [0.8, 0.35]),
+  "light by keys": (at) => press(at, at.$("pad"), "ArrowLeft", 6),
+  orbit: (at) => drag(at, at.gallery.canvas(), [0.4, 0.5], [0.6, 0.55]),
+  "orbit by keys": (at) => press(at, at.gallery.canvas(), "ArrowLeft", 4),
+  nearer: (at) => press(at, at.gallery.canvas(), "+", 3),
+  exposure: (at) => {
+    at.$("stops").value = Number(at.$("stops").value) + 3;
+    at.$("stops").dispatchEvent(new at.page.Event("input", { bubbles: true }));
+  },
+  sphere: (at) => choose(at, "body", "sphere"),
+  surface: (at) => choose(at, "surface"),
+  disc: (at) => choose(at, "body", "disc"),
+  map: (at) => choose(at, "body", "map"),
+  "light on the map": (at) => drag(at, at.$("pad"), [0.5, 0.5], [0.4, 0.6]),
+};
+
+function press(at, element, key, times) {
+  for (let i = 0; i < times; i++) element.dispatchEvent(new at.page.KeyboardEvent("keydown", { key, bubbles: true }));
+}
+
+async function run() {
+  const at = await open(`ratio=0.3&api=${asked.get("api")}&surface=${asked.get("surface") ?? ""}&variant=${asked.get("variant") ?? ""}`);
+  const { gallery } = at;
+  const changes = {};
+  let before = await picture(at);
+  const pictures = { first: before.png };
+  for (const [name, act] of Object.entries(ACTS)) {
+    act(at);
+    const after = await picture(at);
+    changes[name] = difference(before, after);
+    pictures[name] = after.png;
+    before = after;
+  }
+  const probes = await gallery.probe();
+  at.$("check").click();
+  await gallery.idle();
+  const checked = at.$("checked").textContent;
+  // another engine on another canvas, and back
+  for (const other of ["webgl2", "webgpu", asked.get("api")]) choose(at, "api", other);
+  const last = await picture(at);
+  changes["another renderer and back"] = difference(before, last);
+  const message = at.$("message").hidden ? null : at.$("message").textContent;
+  return {
+    driver: gallery.driver(), first_picture_ms: gallery.firstPicture(), changes, probes, message, errors: at.errors,
+    checked, pictures,
+  };
+}
+
+run()
+  .catch((error) => ({ failed: error.stack }))
+  .then((result) => fetch("result", { method: "POST", body: JSON.stringify(result) }));
