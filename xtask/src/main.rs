@@ -21,6 +21,7 @@ mod report;
 mod runners;
 mod test;
 mod testbench;
+mod tune;
 mod unchanged;
 mod validate;
 
@@ -63,6 +64,8 @@ enum Command {
     Testbench(testbench::Args),
     /// Measure the time of every variant on every adapter.
     Bench(bench::Args),
+    /// Find the cheapest variant of a surface within an error budget.
+    Tune(tune::Args),
     /// Show results of compare, bench and testbench on one HTML page.
     Report(report::Args),
     Test(test::Args),
@@ -100,6 +103,7 @@ fn main() -> ExitCode {
         Command::Compare(args) => compare::run(&args, &console).map(ExitCode::from),
         Command::Testbench(args) => testbench::run(&args, &console).map(ExitCode::from),
         Command::Bench(args) => bench::run(&args, &console).map(ExitCode::from),
+        Command::Tune(args) => tune::run(&args, &console).map(ExitCode::from),
         Command::Report(args) => report::run(&args, &console).map(ExitCode::from),
         Command::Test(args) => test::run(&args),
     };
