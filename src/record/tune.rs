@@ -96,6 +96,9 @@ pub struct Time {
     pub ratio: f64,
     /// 95 % confidence interval of the ratio.
     pub ratio_interval: [f64; 2],
+    /// The same interval of the fastest one's time within the budget over this one's, round by round: where it reaches 1,
+    /// the two cannot be told apart. None where they were not drawn in turns with each other.
+    pub pace: Option<[f64; 2]>,
     /// Rounds that were measured.
     pub runs: usize,
 }
@@ -129,7 +132,7 @@ pub enum Verdict {
     Within,
     /// Over the budget.
     Over,
-    /// Far over the budget at a first look.
+    /// Far over the budget, at a first look or under one light.
     Far,
     /// No candidate: what ratios are against.
     Baseline,
@@ -164,7 +167,7 @@ impl Verdict {
             Verdict::Winner => "winner",
             Verdict::Within => "within the budget, slower",
             Verdict::Over => "over the budget",
-            Verdict::Far => "far over the budget at a first look",
+            Verdict::Far => "far over the budget",
             Verdict::Baseline => "baseline",
             Verdict::Implied => "less accurate by every bound than one over the budget",
             Verdict::Costlier => "costs no less than one of the same form within the budget",

@@ -22,7 +22,8 @@ pub const DRAWN: usize = 2048;
 const SEED: u64 = 1;
 /// One in so many directions of the first light is taken at a first look.
 const LOOK: usize = 8;
-/// A 95th percentile at a first look that is this many times the budget is not measured further.
+/// A candidate whose 95th percentile is this many times the budget, at a first look or under a light, is not measured
+/// further.
 const FAR: f64 = 2.0;
 
 /// The exact colours of a surface under some lights.
@@ -84,43 +85,50 @@ impl Truth {
     /// A first look under the first light, and errors under all of them where that is not far over the budget.
     pub fn measure(&self, subject: Subject<'_>, budget_de: f64) -> Found {
         let measured = TwinRunner::new(subject, true).and_then(|twin| {
-            let look = self.look(subject, &twin)?;
-            match look > FAR * budget_de {
-                true => Ok(Found::Far(look)),
-                false => self.errors(subject, &twin).map(Found::Errors),
+            let mut errors = Vec::new();
+            if let Some(first) = self.lights.first() {
+                let look = first.look(&subject.variant.name, &twin)?;
+                if look > FAR * budget_de {
+                    return Ok(Found::Far(look, first.light));
+                }
             }
+            for lit in &self.lights {
+                let error = lit.error(&subject.variant.name, &twin)?;
+                if error.worst_p95() > FAR * budget_de {
+                    return Ok(Found::Far(error.worst_p95(), error.light));
+                }
+                errors.push(error);
+            }
+            Ok(Found::Errors(errors))
         });
         measured.unwrap_or_else(|error| Found::Failed(error.to_string()))
     }
 
-    /// The errors under all lights.
+    /// The errors under all lights, however large.
     pub fn of(&self, subject: Subject<'_>) -> Result<Vec<LightError>> {
-        self.errors(subject, &TwinRunner::new(subject, true)?)
+        let twin = TwinRunner::new(subject, true)?;
+        self.lights.iter().map(|lit| lit.error(&subject.variant.name, &twin)).collect()
     }
+}
 
-    fn look(&self, subject: Subject<'_>, twin: &TwinRunner<'_>) -> Result<f64> {
-        let Some(lit) = self.lights.first() else { return Ok(0.0) };
-        let places = || (0..lit.directions.len()).step_by(LOOK);
-        let directions: Vec<Directions> = places().map(|i| lit.directions[i]).collect();
-        let expected: Vec<[f64; 3]> = places().map(|i| lit.colours[i]).collect();
+impl Lit {
+    fn look(&self, name: &str, twin: &TwinRunner<'_>) -> Result<f64> {
+        let places = || (0..self.directions.len()).step_by(LOOK);
+        let directions: Vec<Directions> = places().map(|i| self.directions[i]).collect();
+        let expected: Vec<[f64; 3]> = places().map(|i| self.colours[i]).collect();
         let colours = twin.tristimulus(&directions, &|_| ())?;
-        let name = &subject.variant.name;
-        Ok(compare(name, &expected, &colours, Some(lit.exposure))?.de2000.p95)
+        Ok(compare(name, &expected, &colours, Some(self.exposure))?.de2000.p95)
     }
 
-    fn errors(&self, subject: Subject<'_>, twin: &TwinRunner<'_>) -> Result<Vec<LightError>> {
-        let name = &subject.variant.name;
-        let one = |lit: &Lit| {
-            let colours = twin.tristimulus(&lit.directions, &|_| ())?;
-            let all = compare(name, &lit.colours, &colours, Some(lit.exposure))?;
-            let map = lit.map_exposure.and_then(|exposure| {
-                let [expected, colours] = [&lit.colours, &colours].map(|c| &c[..lit.map]);
-                compare_map(name, expected, colours, lit.brightest, exposure)
-            });
-            let map_p95 = map.map(|map| map.de2000.p95);
-            let max = map.map_or(0.0, |map| map.de2000.max).max(all.de2000.max);
-            Ok(LightError { light: lit.light, p95: all.de2000.p95, max, map_p95 })
-        };
-        self.lights.iter().map(one).collect()
+    fn error(&self, name: &str, twin: &TwinRunner<'_>) -> Result<LightError> {
+        let colours = twin.tristimulus(&self.directions, &|_| ())?;
+        let all = compare(name, &self.colours, &colours, Some(self.exposure))?;
+        let map = self.map_exposure.and_then(|exposure| {
+            let [expected, colours] = [&self.colours, &colours].map(|c| &c[..self.map]);
+            compare_map(name, expected, colours, self.brightest, exposure)
+        });
+        let map_p95 = map.map(|map| map.de2000.p95);
+        let max = map.map_or(0.0, |map| map.de2000.max).max(all.de2000.max);
+        Ok(LightError { light: self.light, p95: all.de2000.p95, max, map_p95 })
     }
 }

@@ -22,8 +22,8 @@ const FEW: f64 = 10.0;
 pub enum Found {
     /// Errors under each light.
     Errors(Vec<LightError>),
-    /// A 95th percentile at a first look, too large to go on.
-    Far(f64),
+    /// A 95th percentile too large to go on, and the light under which it was seen.
+    Far(f64, [f64; 2]),
     /// It could not be computed.
     Failed(String),
 }
@@ -77,7 +77,9 @@ pub fn search<E>(
             let name = &candidates[at].variant.name;
             let state = match measure(&candidates[at])? {
                 Found::Errors(errors) => State::Measured(errors),
-                Found::Far(p95) => State::Lost(Verdict::Far, format!("p95 {p95:.2}")),
+                Found::Far(p95, [theta, phi]) => {
+                    State::Lost(Verdict::Far, format!("p95 {p95:.1} at light {theta},{phi}"))
+                }
                 Found::Failed(why) => State::Lost(Verdict::Failed, why),
             };
             let within = state.worst_p95().is_some_and(|p95| p95 <= budget_de);
@@ -112,7 +114,13 @@ pub fn to_time(candidates: &[Candidate], states: &[State], budget_de: f64) -> Ve
     let mut within: Vec<usize> =
         measured.iter().filter(|(_, p95)| *p95 <= budget_de).map(|(i, _)| *i).collect();
     by_cost(candidates, &mut within);
+    // of every form one, since a texel of one form may take longer than one of another
+    let mut seen = BTreeSet::new();
+    let (firsts, rest): (Vec<usize>, Vec<usize>) =
+        within.iter().partition(|i| seen.insert(candidates[**i].form.as_str()));
+    let mut within = [firsts, rest].concat();
     within.truncate(MOST_WITHIN);
+    by_cost(candidates, &mut within);
     let Some(&cheapest) = within.first() else { return Vec::new() };
     let cheaper = |i: usize| candidates[i].fetches() < candidates[cheapest].fetches();
     let mut near: Vec<(usize, f64)> = measured
@@ -126,9 +134,9 @@ pub fn to_time(candidates: &[Candidate], states: &[State], budget_de: f64) -> Ve
 }
 
 /// Most candidates within the budget that are timed.
-const MOST_WITHIN: usize = 16;
+const MOST_WITHIN: usize = 12;
 /// Most of those that miss it.
-const MOST_NEAR: usize = 4;
+const MOST_NEAR: usize = 3;
 /// … by no more than this factor.
 const NEAR: f64 = 5.0;
 

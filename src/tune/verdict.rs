@@ -62,6 +62,7 @@ pub fn time(bench: &Bench) -> Option<Time> {
         ns_per_pixel: bench.ns_per_pixel,
         ratio: bench.ratio?,
         ratio_interval: bench.ratio_interval?,
+        pace: None,
         runs: bench.runs,
     })
 }
@@ -105,8 +106,8 @@ pub fn settle(run: &Run<'_>, results: &Results) -> Vec<Tune> {
     records
 }
 
-/// Of those within the budget that have a time the fastest. Those whose ratios cannot be told from its by their intervals
-/// tie with it; of these the error decides, then the tables' bytes, then the name.
+/// Of those within the budget that have a time the fastest. Those that cannot be told from it, by their paces or else by
+/// their ratios, tie with it; of these the error decides, then the tables' bytes, then the name.
 pub fn winner(records: &[Tune]) -> Option<usize> {
     let timed: Vec<(usize, Time)> = records
         .iter()
@@ -115,7 +116,10 @@ pub fn winner(records: &[Tune]) -> Option<usize> {
         .filter_map(|(i, r)| Some((i, r.time?)))
         .collect();
     let fastest = timed.iter().max_by(|a, b| a.1.ratio.total_cmp(&b.1.ratio))?.1;
-    let ties = timed.iter().filter(|(_, t)| t.ratio_interval[1] >= fastest.ratio_interval[0]);
+    let ties = timed.iter().filter(|(_, time)| match time.pace {
+        Some([_, most]) => most >= 1.0,
+        None => time.ratio_interval[1] >= fastest.ratio_interval[0],
+    });
     let error = |i: usize| records[i].worst_p95().unwrap_or(f64::INFINITY);
     let (place, _) = ties.min_by(|(a, _), (b, _)| {
         let rest = |i: usize| (records[i].table_bytes, &records[i].variant);

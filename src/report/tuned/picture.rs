@@ -15,6 +15,9 @@ const SIZE: [f64; 2] = [960.0, 620.0];
 /// Edges of the drawing: left, top, right, bottom.
 const AREA: [f64; 4] = [78.0, 126.0, 930.0, 556.0];
 
+/// The baseline is no point of the drawing where it is this many times slower than the slowest other one.
+const FAR: f64 = 3.0;
+
 const STYLE: &str = "
 svg { color-scheme: light dark; font: 13px system-ui, 'Segoe UI', Roboto, 'Helvetica Neue', sans-serif;
   --paper: #fcfbf9; --ink: #1d1c1a; --dim: #66625b; --rule: #e3dfd7; --good: #00664a;
@@ -30,7 +33,6 @@ svg { color-scheme: light dark; font: 13px system-ui, 'Segoe UI', Roboto, 'Helve
 .s4 { --c: var(--c4); } .s5 { --c: var(--c5); } .s6 { --c: var(--c6); } .s7 { --c: var(--c7); }
 .mark { fill: var(--c); stroke: var(--c); stroke-width: 1.5; } .over .mark { fill: var(--paper); }
 .ring { fill: none; stroke: var(--ink); stroke-width: 2; }
-.spread { stroke: var(--c); stroke-width: 1.5; }
 .label { font-size: 12px; paint-order: stroke; stroke: var(--paper); stroke-width: 4px; stroke-linejoin: round; }
 .won { font-weight: 700; }
 ";
@@ -52,6 +54,15 @@ pub fn front_picture(records: &[Tune]) -> Option<String> {
         return None;
     }
     let [left, top, right, bottom] = AREA;
+    // the baseline would push all others to one side
+    let texts = placed.iter().find(|(t, _)| t.verdict == Verdict::Baseline).copied();
+    let slowest = |placed: &[(&Tune, [f64; 2])]| placed.iter().map(|p| p.1[0]).fold(0.0, f64::max);
+    let others: Vec<_> =
+        placed.iter().filter(|(t, _)| t.verdict != Verdict::Baseline).copied().collect();
+    let outside = texts.filter(|(_, at)| !others.is_empty() && at[0] > FAR * slowest(&others));
+    if outside.is_some() {
+        placed = others;
+    }
     let axis = |label: &str| Axis { label: label.to_owned(), scale: Scale::Log };
     let x = fit(&axis("ns per pixel"), placed.iter().map(|(_, at)| at[0]), [left, right]);
     let errors = placed.iter().map(|(_, at)| at[1]).chain([first.budget_de]);
@@ -63,7 +74,6 @@ pub fn front_picture(records: &[Tune]) -> Option<String> {
         corners.iter().map(|at| place(*at)).map(|[x, y]| format!("{},{}", r(x), r(y))).collect();
     let budget = y.place(first.budget_de);
     let lights: Vec<String> = first.lights.iter().map(|l| number::light(*l)).collect();
-    let texts = placed.iter().find(|(t, _)| t.verdict == Verdict::Baseline).map(|(_, at)| at[0]);
     let svg = html! {
         svg xmlns="http://www.w3.org/2000/svg" viewBox={ "0 0 " (SIZE[0]) " " (SIZE[1]) } width=(SIZE[0]) height=(SIZE[1]) role="img"
             aria-label={ "Error against time of candidates for " (first.surface) } {
@@ -74,7 +84,10 @@ pub fn front_picture(records: &[Tune]) -> Option<String> {
             (legend(&modes))
             rect.within x=(left) y=(r(budget)) width=(right - left) height=(r((bottom - budget).max(0.0))) {}
             (grid(&x, &y))
-            @if let Some(texts) = texts { (ratios(&x, texts)) }
+            @if let Some((_, at)) = texts { (ratios(&x, at[0])) }
+            @if let Some((_, [ns, p95])) = outside {
+                text.dim x=(right - 6.0) y=(top + 20.0) text-anchor="end" { "texts: " (figure(ns)) " ns, p95 " (figure(p95)) " →" }
+            }
             line.budget x1=(left) x2=(right) y1=(r(budget)) y2=(r(budget)) {}
             text.good x=(right - 6.0) y=(r(budget - 7.0)) text-anchor="end" { "budget " (number::plain(first.budget_de)) }
             text x=((left + right) / 2.0) y=(bottom + 46.0) text-anchor="middle" { "time of a pixel, ns" }
@@ -138,7 +151,10 @@ fn legend(modes: &[String]) -> Markup {
 fn marks(placed: &[(&Tune, [f64; 2])], modes: &[String], x: &Fitted, y: &Fitted) -> Markup {
     let place = |at: [f64; 2]| [x.place(at[0]), y.place(at[1])];
     let label = |t: &Tune| match (t.verdict, t.time) {
-        (Verdict::Winner, Some(time)) => format!("{}, {}× texts", t.variant, figure(time.ratio)),
+        (Verdict::Winner, Some(time)) => {
+            // room for the ring
+            format!("\u{a0}\u{a0}{}, {}× texts\u{a0}\u{a0}", t.variant, figure(time.ratio))
+        }
         (Verdict::Baseline, _) => t.variant.clone(),
         _ if t.front => t.variant.clone(),
         _ => String::new(),
@@ -155,13 +171,15 @@ fn marks(placed: &[(&Tune, [f64; 2])], modes: &[String], x: &Fitted, y: &Fitted)
             g class={ "s" (series % 8) @if over { " over" } } {
                 title { (tune.variant) ": " (tune.verdict.words()) }
                 (mark(series, [*px, *py]))
-                @if tune.verdict == Verdict::Winner { circle.ring cx=(r(*px)) cy=(r(*py)) r="10" {} }
             }
         }
         @for ((tune, _), ((_, text), at)) in placed.iter().zip(texts.iter().zip(beside)) {
             @if let Some([lx, ly]) = at {
                 text class={ "label" @if tune.verdict == Verdict::Winner { " won" } } x=(r(lx)) y=(r(ly)) text-anchor="middle" { (text) }
             }
+        }
+        @for ((tune, _), ([px, py], _)) in placed.iter().zip(&texts) {
+            @if tune.verdict == Verdict::Winner { circle.ring cx=(r(*px)) cy=(r(*py)) r="9" {} }
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::list::table;
 /// Names that are told for each reason.
 const NAMES: usize = 3;
 /// Reasons that are told for each verdict.
-const REASONS: usize = 6;
+const REASONS: usize = 3;
 
 /// What was measured, the front, the winner and its preset, and why the others lost.
 pub(super) fn text(records: &[Tune], all: bool) -> String {

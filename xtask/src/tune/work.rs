@@ -20,7 +20,8 @@ use diffraction_shaders::tune::search::{search, to_time};
 use diffraction_shaders::tune::verdict::{Baseline, Results, Run, settle};
 use indicatif::ProgressBar;
 
-use super::{Args, Fits, text, timing};
+use super::timing::{self, Timee};
+use super::{Args, Fits, text};
 use crate::console::Console;
 use crate::files::write_whole;
 use crate::{Outcome, interrupt, progress};
@@ -131,11 +132,17 @@ fn results(
 
     let bar = progress::bar(STEPS, "times");
     let chosen = to_time(&candidates, &states, budget_de);
-    let variants: Vec<(usize, &Variant)> =
-        chosen.iter().map(|place| (*place, &candidates[*place].variant)).collect();
+    let timed: Vec<Timee<'_>> = chosen
+        .into_iter()
+        .map(|place| Timee {
+            place,
+            candidate: &candidates[place],
+            within: states[place].worst_p95().is_some_and(|p95| p95 <= budget_de),
+        })
+        .collect();
     let scene = Scene { height, rotate_deg, light: run.lights[0] };
     let share = |share: f64| bar.set_position((STEPS as f64 * share) as u64);
-    let (times, time) = timing::times(gpu, &scene, args, &variants, &share, &stopped);
+    let (times, time) = timing::times(gpu, &scene, args, &timed, &share, &stopped);
     bar.finish_and_clear();
     if stopped() {
         interrupt::exit();
