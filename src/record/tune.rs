@@ -32,6 +32,8 @@ pub struct Tune {
     pub max_table_mib: Option<f64>,
     /// Errors under each light; empty where they were not measured, or only at a first look.
     pub errors: Vec<LightError>,
+    /// The 95th percentile at which measuring ended, where it was far over the budget.
+    pub far_p95: Option<f64>,
     /// Time of a frame; none where it was not measured.
     pub time: Option<Time>,
     /// Texels that a lit pixel reads, on average; none where the candidate cannot be laid on the surface.

@@ -33,16 +33,18 @@ pub enum Found {
 pub enum State {
     /// Errors under each light.
     Measured(Vec<LightError>),
-    /// Not measured, or not to the end, and why.
+    /// A 95th percentile too large to go on, and the light under which it was seen.
+    Far(f64, [f64; 2]),
+    /// Not measured, and why.
     Lost(Verdict, String),
 }
 
 impl State {
-    /// The greatest 95th percentile of what was measured.
+    /// The greatest 95th percentile of what was measured to the end.
     pub fn worst_p95(&self) -> Option<f64> {
         match self {
             State::Measured(errors) => errors.iter().map(LightError::worst_p95).reduce(f64::max),
-            State::Lost(..) => None,
+            State::Far(..) | State::Lost(..) => None,
         }
     }
 }
@@ -77,9 +79,7 @@ pub fn search<E>(
             let name = &candidates[at].variant.name;
             let state = match measure(&candidates[at])? {
                 Found::Errors(errors) => State::Measured(errors),
-                Found::Far(p95, [theta, phi]) => {
-                    State::Lost(Verdict::Far, format!("p95 {p95:.1} at light {theta},{phi}"))
-                }
+                Found::Far(p95, light) => State::Far(p95, light),
                 Found::Failed(why) => State::Lost(Verdict::Failed, why),
             };
             let within = state.worst_p95().is_some_and(|p95| p95 <= budget_de);
@@ -123,10 +123,8 @@ pub fn to_time(candidates: &[Candidate], states: &[State], budget_de: f64) -> Ve
     by_cost(candidates, &mut within);
     let Some(&cheapest) = within.first() else { return Vec::new() };
     let cheaper = |i: usize| candidates[i].fetches() < candidates[cheapest].fetches();
-    let mut near: Vec<(usize, f64)> = measured
-        .into_iter()
-        .filter(|(i, p95)| *p95 > budget_de && *p95 <= NEAR * budget_de && cheaper(*i))
-        .collect();
+    let mut near: Vec<(usize, f64)> =
+        measured.into_iter().filter(|(i, p95)| *p95 > budget_de && cheaper(*i)).collect();
     near.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
     within.extend(near.into_iter().take(MOST_NEAR).map(|(i, _)| i));
     by_cost(candidates, &mut within);
@@ -137,8 +135,6 @@ pub fn to_time(candidates: &[Candidate], states: &[State], budget_de: f64) -> Ve
 const MOST_WITHIN: usize = 12;
 /// Most of those that miss it.
 const MOST_NEAR: usize = 3;
-/// … by no more than this factor.
-const NEAR: f64 = 5.0;
 
 /// Candidates by their form, cheapest first; the form with the cheapest first.
 fn forms(candidates: &[Candidate]) -> Vec<Vec<usize>> {

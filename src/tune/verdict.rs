@@ -145,6 +145,9 @@ fn judged(
 ) -> Tune {
     let (mut verdict, mut why, errors) = match state {
         State::Lost(verdict, why) => (*verdict, why.clone(), Vec::new()),
+        State::Far(p95, [theta, phi]) => {
+            (Verdict::Far, format!("p95 {p95:.1} at light {theta},{phi}"), Vec::new())
+        }
         State::Measured(errors) => {
             let within = state.worst_p95().is_some_and(|p95| p95 <= run.limits.budget_de);
             let verdict = if within { Verdict::Within } else { Verdict::Over };
@@ -158,10 +161,15 @@ fn judged(
         }
         _ => {}
     }
+    let far_p95 = match state {
+        State::Far(p95, _) => Some(*p95),
+        _ => None,
+    };
     Tune {
         verdict,
         why,
         errors,
+        far_p95,
         time: time.and_then(|time| time.as_ref().ok().copied()),
         fetches: Some(candidate.fetches()),
         table_bytes: Some(candidate.table_bytes()),
@@ -187,6 +195,7 @@ fn empty(run: &Run<'_>, name: &str, preset: String) -> Tune {
         fits: run.limits.fits.map(|profile| profile.name().to_owned()),
         max_table_mib: run.limits.max_table_mib,
         errors: Vec::new(),
+        far_p95: None,
         time: None,
         fetches: None,
         table_bytes: None,

@@ -116,12 +116,16 @@ fn grid(x: &Fitted, y: &Fitted) -> Markup {
 /// A scale along the top: how many times as fast as the baseline.
 fn ratios(x: &Fitted, texts_ns: f64) -> Markup {
     let [left, top, right, _] = AREA;
-    let ticks = (-1..=6).flat_map(|e| [1.0, 2.0, 5.0].map(|m| m * 10_f64.powi(e)));
     let inside = |ratio: &f64| (left + 1.0..right - 1.0).contains(&x.place(texts_ns / ratio));
-    let mut ticks: Vec<f64> = ticks.filter(inside).collect();
-    if ticks.len() > 7 {
-        ticks.retain(|ratio| ratio.log10().fract().abs() < 1e-9);
-    }
+    let of = |multiples: &[f64]| -> Vec<f64> {
+        let all = (-1..=6).flat_map(|e| multiples.iter().map(move |m| m * 10_f64.powi(e)));
+        all.filter(inside).collect()
+    };
+    // as many as can be read
+    let steps: [&[f64]; 3] =
+        [&[1.0], &[1.0, 2.0, 5.0], &[1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0]];
+    let ticks = steps.into_iter().map(of).find(|ticks| ticks.len() > 2);
+    let ticks = ticks.unwrap_or_else(|| of(steps[2]));
     html! {
         @for ratio in ticks {
             @let at = r(x.place(texts_ns / ratio));

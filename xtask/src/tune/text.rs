@@ -43,22 +43,23 @@ pub(super) fn text(records: &[Tune], all: bool) -> String {
 
 /// What came nearest where nothing is within the budget, and what would help.
 pub(super) fn help(records: &[Tune]) -> String {
-    let error = |r: &&Tune| r.worst_p95().unwrap_or(f64::INFINITY);
-    let over = records.iter().filter(|r| r.verdict == Verdict::Over);
     let budget = records.first().map_or(0.0, |r| r.budget_de);
-    let nearest = over.min_by(|a, b| error(a).total_cmp(&error(b)));
+    let of = |verdict| {
+        let error = |r: &&Tune| r.worst_p95().or(r.far_p95).unwrap_or(f64::INFINITY);
+        let all = records.iter().filter(move |r| r.verdict == verdict);
+        all.min_by(|a, b| error(a).total_cmp(&error(b)))
+    };
     let mut text = format!("nothing is within a p95 of {budget}");
-    match nearest {
+    match of(Verdict::Over).or_else(|| of(Verdict::Far)) {
         Some(nearest) => {
-            let p95 = nearest.worst_p95().unwrap_or(0.0);
-            text += &format!(
-                "; nearest is {} with {p95:.3}{}: a budget above that would take it",
-                nearest.variant,
-                worst(nearest)
-                    .map_or(String::new(), |l| format!(" at light {},{}", l.light[0], l.light[1]))
-            );
+            let p95 = nearest.worst_p95().or(nearest.far_p95).unwrap_or(0.0);
+            let light = worst(nearest).map(|l| format!(" at light {},{}", l.light[0], l.light[1]));
+            let light = light.unwrap_or_else(|| " at least".to_owned());
+            let name = &nearest.variant;
+            text +=
+                &format!("; nearest is {name} with {p95:.3}{light}: a larger budget would take it");
         }
-        None => text += ", nor near it: no candidate passed a first look; try a larger budget",
+        None => text += "; no candidate was worth measuring, see why they lost",
     }
     let count = |verdict| records.iter().filter(|r| r.verdict == verdict).count();
     for (verdict, flag) in [(Verdict::Unfit, "--fits"), (Verdict::Large, "--max-table-mib")] {
