@@ -130,7 +130,7 @@ impl Bounds {
 pub enum Verdict {
     /// Within the budget, and the fastest, or not told from the fastest and the best of those.
     Winner,
-    /// Within the budget, but slower.
+    /// Within the budget, but slower, or not timed.
     Within,
     /// Over the budget.
     Over,
@@ -167,7 +167,7 @@ impl Verdict {
     pub fn words(self) -> &'static str {
         match self {
             Verdict::Winner => "winner",
-            Verdict::Within => "within the budget, slower",
+            Verdict::Within => "within the budget",
             Verdict::Over => "over the budget",
             Verdict::Far => "far over the budget",
             Verdict::Baseline => "baseline",
