@@ -65,6 +65,7 @@ pub mod process;
 pub mod runner;
 pub mod testbench;
 pub mod bench;
+pub mod tune;
 pub mod validate;
 #[cfg(all(feature = "gpu", feature = "routes"))]
 pub mod compare;

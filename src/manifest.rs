@@ -341,7 +341,8 @@ fn core(variant: &Variant, resolved: &Resolved) -> Core {
     }
 }
 
-fn extent(table: &Table) -> Extent {
+/// The texture that holds a table.
+pub fn extent(table: &Table) -> Extent {
     let (width, height) = (table.width as u32, table.height as u32);
     match table.layers as u32 {
         0 => Extent::Plane { width, height },

@@ -103,6 +103,31 @@ pub fn compare(
     })
 }
 
+/// Least share of lit pixels that says something about a map: on a grating of one period it is a line's, or that of a line's
+/// skirts, and the drawn directions say more.
+const LEAST_LIT: f64 = 0.05;
+/// Share of the brightest direction's luminance below which a map's pixel does not count: a map of a grating may meet none
+/// of its orders, and then shows their last skirts alone.
+const DIM: f64 = 1e-6;
+
+/// Compares the pixels of a map at its own exposure; `brightest` is the greatest luminance of all directions that are
+/// compared, of which dim pixels fall short. `lit` is the share of all pixels. `None` where less than a twentieth of the map
+/// is lit.
+pub fn compare_map(
+    subject: &str,
+    reference: &[[f64; 3]],
+    other: &[[f64; 3]],
+    brightest: f64,
+    exposure: f64,
+) -> Option<Comparison> {
+    let seen = |(a, b): &(&[f64; 3], &[f64; 3])| a[1].max(b[1]) > DIM * brightest;
+    let (expected, colours): (Vec<_>, Vec<_>) = reference.iter().zip(other).filter(seen).unzip();
+    let share = expected.len() as f64 / reference.len() as f64;
+    let compared = compare(subject, &expected, &colours, Some(exposure)).ok()?;
+    let lit = compared.lit * share;
+    (lit >= LEAST_LIT).then_some(Comparison { lit, ..compared })
+}
+
 fn expose(xyz: [f64; 3], exposure: f64) -> [f64; 3] {
     std::array::from_fn(|c| (exposure * xyz[c]).min(D65_WHITE[c]))
 }

@@ -3,6 +3,8 @@
 //! A file of them is never rewritten: what a run that was cut short had measured stays, and a last line without its end is
 //! ignored when it is read.
 
+mod tune;
+
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::Path;
@@ -12,6 +14,8 @@ use serde_json::Value;
 
 use crate::error::{Error, Result, Stage};
 use crate::measure::Percentiles;
+
+pub use tune::{Bounds, LightError, Time, Tune, Verdict};
 
 /// Name of the file under an output folder.
 pub const FILE: &str = "records.jsonl";
@@ -35,6 +39,8 @@ pub enum Record {
     Scaling(Scaling),
     /// Period of a surface as a variant sees it.
     Testbench(Testbench),
+    /// A candidate of a search for the cheapest variant.
+    Tune(Tune),
 }
 
 /// Colours of a variant by a route against a reference.

@@ -15,12 +15,14 @@ mod source;
 mod summary;
 mod sweeps;
 mod table;
+mod tuned;
 
 use maud::html;
 
 use merge::Results;
 
 pub use source::{Folder, read};
+pub use tuned::front_picture;
 
 /// A report.
 #[derive(Clone, Debug)]
@@ -38,6 +40,7 @@ pub fn page(folders: &[Folder]) -> Page {
         ("summary", "Summary", summary::section(&results)),
         ("maps", "Maps", compared::section(&results)),
         ("pareto", "Error and time", pareto::section(&results)),
+        ("tuned", "Tuned", tuned::section(&results)),
         ("routes", "Routes", routes::section(&results)),
         ("periods", "Periods", periods::section(&results)),
         ("sweeps", "Sweeps", sweeps::section(&results)),

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use diffraction_shaders::report::{Page, page, read};
 use report_support::{
-    bench, compare, control, draw, gap, scaling, settings, testbench, with, write,
+    bench, compare, control, draw, gap, scaling, settings, testbench, tune, with, write,
 };
 use serde_json::{Value, json};
 
@@ -46,6 +46,9 @@ fn everything() -> Vec<Value> {
     }
     records.extend([scaling(5.0, 10.0), scaling(10.0, 20.0), scaling(20.0, 40.0)]);
     records.extend([testbench("exact", 2500.161), testbench("full", 2500.173)]);
+    records.push(tune("best", "winner", Some(0.33), ""));
+    records.push(tune("near", "over", Some(0.99), ""));
+    records.push(tune("wide", "unfit", None, "its table is larger than webgl2 guarantees"));
     records.push(gap("not applicable: the mode gems has no wavelength axis"));
     records
 }
@@ -97,6 +100,21 @@ fn every_section_shows_its_numbers() {
     );
     has(section(&html, "sweeps"), &["wavelength step, nm", "6.78", "<svg"]);
     has(section(&html, "scaling"), &["terms of the series", "Exponents: full: 1.00"]);
+    has(
+        section(&html, "tuned"),
+        &[
+            "<svg",
+            "at most 0.75",
+            "Winner: best",
+            "417×",
+            "401–433",
+            "name = &quot;best&quot;",
+            "✗ ",
+            "larger than webgl2 guarantees",
+            "1.50 MiB",
+            "★",
+        ],
+    );
     has(section(&html, "data"), &["\"kind\":\"scaling\"", "Save records.jsonl"]);
     assert!(!html.contains("Nothing recorded"), "something is said to be missing");
 }
@@ -104,7 +122,7 @@ fn every_section_shows_its_numbers() {
 #[test]
 fn a_section_without_records_says_so() {
     let html = report(&[]).html;
-    for id in ["summary", "maps", "pareto", "routes", "periods", "sweeps", "scaling"] {
+    for id in ["summary", "maps", "pareto", "tuned", "routes", "periods", "sweeps", "scaling"] {
         has(section(&html, id), &["Nothing recorded"]);
     }
 }

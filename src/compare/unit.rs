@@ -4,7 +4,7 @@ use glam::DVec3;
 use serde_json::Value;
 
 use crate::error::Result;
-use crate::measure::{Comparison, auto_exposure, compare, standard};
+use crate::measure::{Comparison, auto_exposure, compare, compare_map, standard};
 use crate::optics::direction;
 use crate::picture;
 use crate::plan::Colour;
@@ -18,12 +18,6 @@ use super::{Request, Sink, Truth, Unit, difference, failed, mean_flip};
 /// Routes of the two twins in records.
 const TWIN: &str = "twin";
 const UNPACKED: &str = "twin:unpacked";
-/// Least share of lit pixels that says something about a map: on a grating of one period it is a line's, or that of a line's
-/// skirts, and the drawn directions say more.
-const LEAST_LIT: f64 = 0.05;
-/// Share of the brightest direction's luminance below which a map's pixel does not count: a map of a grating may meet none
-/// of its orders, and then shows their last skirts alone.
-const DIM: f64 = 1e-6;
 
 /// Computes the exact colours and draws their map.
 pub(super) fn truth(
@@ -162,8 +156,7 @@ impl Judged<'_, '_> {
         }))
     }
 
-    /// The map's pixels alone, without those that are dimmer than [`DIM`]; `None` where less than
-    /// [`LEAST_LIT`] are left that are lit.
+    /// The map's pixels alone.
     fn map_colours(
         &self,
         subject: &str,
@@ -172,14 +165,10 @@ impl Judged<'_, '_> {
     ) -> Option<MapColours> {
         let exposure = self.truth.map_exposure?;
         let brightest = self.truth.colours.iter().map(|c| c[1]).fold(0.0, f64::max);
-        let seen = |(a, b): &(&[f64; 3], &[f64; 3])| a[1].max(b[1]) > DIM * brightest;
-        let map = expected.iter().zip(colours).take(self.truth.map);
-        let (expected, colours): (Vec<_>, Vec<_>) = map.filter(seen).unzip();
-        let share = expected.len() as f64 / self.truth.map as f64;
+        let map = self.truth.map;
         let Comparison { lit, de2000, .. } =
-            compare(subject, &expected, &colours, Some(exposure)).ok()?;
-        let lit = lit * share;
-        (lit >= LEAST_LIT).then_some(MapColours { exposure, lit, de2000 })
+            compare_map(subject, &expected[..map], &colours[..map], brightest, exposure)?;
+        Some(MapColours { exposure, lit, de2000 })
     }
 
     /// Draws the reference (unless it has a place already), the other side and their difference; their places.

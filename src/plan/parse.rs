@@ -61,6 +61,29 @@ impl Plan {
             (_, errors) => Err(errors),
         }
     }
+
+    /// Reads the text of one `[[preset]]` as if it stood in this plan: its `[optics]` hold.
+    pub fn preset(&self, text: &str) -> Result<Variant, Vec<Error>> {
+        let source = Source::new(text, "preset");
+        let (document, faults) = DeTable::parse_recoverable(text);
+        for fault in &faults {
+            source.fail(fault.span().map_or(0, |span| span.start), fault.message(), None);
+        }
+        let read = |root: Table| {
+            let mut variants = Vec::new();
+            root.only(&["preset"]);
+            presets(&root, &self.optics, &mut variants, &mut Vec::new());
+            variants
+        };
+        let variants = read(Table::root(&source, document.get_ref()));
+        match (<[Variant; 1]>::try_from(variants), source.into_errors()) {
+            (Ok([variant]), errors) if errors.is_empty() => Ok(variant),
+            (_, errors) if errors.is_empty() => {
+                Err(vec![Error::new(Stage::Plan, "preset", "is not one [[preset]]")])
+            }
+            (_, errors) => Err(errors),
+        }
+    }
 }
 
 fn first(errors: Vec<Error>) -> Error {

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::album::{Album, Picture};
 use super::source::Folder;
-use crate::record::{Bench, Compare, Control, Gap, Part, Record, Scaling, Testbench};
+use crate::record::{Bench, Compare, Control, Gap, Part, Record, Scaling, Testbench, Tune};
 
 /// What a page is made of.
 #[derive(Debug, Default)]
@@ -25,6 +25,8 @@ pub(super) struct Results<'a> {
     pub(super) scalings: Vec<&'a Scaling>,
     /// Periods, with the picture of the response.
     pub(super) periods: Vec<(&'a Testbench, Option<Picture>)>,
+    /// Candidates of searches, with the name of the folder.
+    pub(super) tunes: Vec<(&'a str, &'a Tune)>,
     /// The pictures.
     pub(super) album: Album,
     /// Pictures that cannot be shown, and why.
@@ -95,13 +97,14 @@ impl<'a> Results<'a> {
         let mut places: BTreeMap<String, usize> = BTreeMap::new();
         let mut last: Vec<(&Folder, &Record)> = Vec::new();
         for (folder, record) in folders.iter().flat_map(|f| f.records.iter().map(move |r| (f, r))) {
-            match places.get(&key(record)) {
+            let key = key(&folder.name, record);
+            match places.get(&key) {
                 Some(at) => {
                     last[*at] = (folder, record);
                     results.replaced += 1;
                 }
                 None => {
-                    places.insert(key(record), last.len());
+                    places.insert(key, last.len());
                     last.push((folder, record));
                 }
             }
@@ -125,6 +128,7 @@ impl<'a> Results<'a> {
             Record::Gap(gap) => self.gaps.push(gap),
             Record::Bench(bench) => self.benches.push(bench),
             Record::Scaling(scaling) => self.scalings.push(scaling),
+            Record::Tune(tune) => self.tunes.push((&folder.name, tune)),
             Record::Testbench(bench) => {
                 let picture = bench.svg.as_ref().map(|place| self.picture(folder, place));
                 self.periods.push((bench, picture));
@@ -185,7 +189,7 @@ pub(super) fn unique<T: PartialEq>(values: impl IntoIterator<Item = T>) -> Vec<T
 }
 
 /// What a record is about: everything that was chosen, nothing that was measured.
-fn key(record: &Record) -> String {
+fn key(folder: &str, record: &Record) -> String {
     match record {
         Record::Compare(c) => {
             // the worst partner of a route may change from run to run
@@ -202,6 +206,12 @@ fn key(record: &Record) -> String {
         Record::Scaling(s) => {
             let place = (&s.surface, &s.variant, &s.backend, &s.adapter);
             format!("{:?}", ("scaling", place, &s.axis, s.value))
+        }
+        // a search is a whole: candidates of one must not stand among those of another
+        Record::Tune(t) => {
+            let asked = (t.budget_de, &t.fits, t.max_table_mib);
+            let place = (&t.surface, &t.variant, &t.backend, &t.adapter);
+            format!("{:?}", ("tune", folder, place, asked))
         }
         Record::Testbench(t) => {
             let light = (t.theta_i, t.phi_i);

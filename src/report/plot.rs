@@ -4,11 +4,11 @@
 //! marks and by a letter in the legend.
 
 mod axis;
-mod labels;
+pub(super) mod labels;
 
 use maud::{Markup, html};
 
-pub(super) use axis::{Axis, Scale};
+pub(super) use axis::{Axis, Fitted, Scale, fit};
 
 /// Width and height of the drawing, in its own units.
 const SIZE: [f64; 2] = [440.0, 320.0];
@@ -57,12 +57,12 @@ pub(super) struct Point {
 /// Draws a plot, its legend below.
 pub(super) fn draw(plot: &Plot) -> Markup {
     let all = || plot.series.iter().flat_map(|s| &s.points);
-    let x = axis::fit(
+    let x = fit(
         &plot.x,
         all().flat_map(|p| p.spread.unwrap_or([p.at[0]; 2]).into_iter().chain([p.at[0]])),
         [MARGIN[0], SIZE[0] - MARGIN[2]],
     );
-    let y = axis::fit(&plot.y, all().map(|p| p.at[1]), [SIZE[1] - MARGIN[3], MARGIN[1]]);
+    let y = fit(&plot.y, all().map(|p| p.at[1]), [SIZE[1] - MARGIN[3], MARGIN[1]]);
     let place = |at: [f64; 2]| [x.place(at[0]), y.place(at[1])];
     let marks: Vec<([f64; 2], &str)> = all().map(|p| (place(p.at), p.label.as_str())).collect();
     let mut beside =
@@ -142,7 +142,7 @@ pub(super) fn letter(number: usize) -> String {
 }
 
 /// A mark; its form belongs to the series.
-fn mark(series: usize, [x, y]: [f64; 2]) -> Markup {
+pub(super) fn mark(series: usize, [x, y]: [f64; 2]) -> Markup {
     let path = match series % MARKS {
         0 => return html! { circle.mark cx=(r(x)) cy=(r(y)) r="4.2" {} },
         1 => "M-4,-4H4V4H-4Z",
@@ -161,7 +161,7 @@ fn points(places: impl Iterator<Item = [f64; 2]>) -> String {
 }
 
 /// A tenth of a unit is finer than any screen.
-fn r(value: f64) -> f64 {
+pub(super) fn r(value: f64) -> f64 {
     (value * 10.0).round() / 10.0
 }
 

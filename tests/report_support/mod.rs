@@ -71,6 +71,25 @@ pub fn testbench(variant: &str, period_nm: f64) -> Value {
     })
 }
 
+/// A candidate of a search; without an error it was not measured.
+pub fn tune(variant: &str, verdict: &str, p95: Option<f64>, why: &str) -> Value {
+    let errors =
+        p95.map(|p95| json!({"light": [60.0, 0.0], "p95": p95, "max": 3.21, "map_p95": null}));
+    let time = p95.map(|p95| {
+        json!({
+            "median_ms": 2.5, "mad_ms": 0.1, "ns_per_pixel": 49.5 / p95, "ratio": 417.0, "ratio_interval": [401.0, 433.0],
+            "pace": [0.9, 1.1], "runs": 12,
+        })
+    });
+    json!({
+        "kind": "tune", "surface": "blazed", "variant": variant, "verdict": verdict, "why": why, "front": verdict == "winner",
+        "budget_de": 0.75, "backend": "vulkan", "adapter": "raster", "lights": [[20.0, 0.0], [60.0, 0.0]], "size": 256,
+        "fits": "webgl2", "max_table_mib": 4.0, "errors": errors.into_iter().collect::<Vec<_>>(), "far_p95": null, "time": time,
+        "fetches": 24.5, "table_bytes": 1572864, "bounds": {"phase": 0.01, "tail": 0.0, "step": 0.0},
+        "preset": format!("[[preset]]\nname = \"{variant}\"\n"), "settings": {"mode": "adaptive"},
+    })
+}
+
 /// A variant that was not taken.
 pub fn gap(reason: &str) -> Value {
     json!({"kind": "gap", "route": "webgpu", "surface": null, "variant": null, "reason": reason, "failed": false})

@@ -88,7 +88,7 @@ pub(crate) struct Args {
 
 /// A graphics interface of the operating system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Interface {
+pub(crate) enum Interface {
     Vulkan,
     Gl,
     Metal,
@@ -111,7 +111,7 @@ fn measure(args: &Args, _: &Console) -> Result<Outcome> {
     anyhow::bail!("this xtask was built without its drivers and cannot measure {args:?}")
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     let value = text.parse::<f64>().ok().filter(|value| (0.0..=86_400.0).contains(value));
     value.ok_or_else(|| "expected a number of seconds from 0 to 86400".to_owned())
 }

@@ -22,6 +22,7 @@ mod runners;
 mod serve;
 mod test;
 mod testbench;
+mod tune;
 mod unchanged;
 mod validate;
 
@@ -64,6 +65,8 @@ enum Command {
     Testbench(testbench::Args),
     /// Measure the time of every variant on every adapter.
     Bench(bench::Args),
+    /// Find the cheapest variant of a surface within an error budget.
+    Tune(tune::Args),
     /// Show results of compare, bench and testbench on one HTML page.
     Report(report::Args),
     /// Serve the gallery to a browser on this machine.
@@ -103,6 +106,7 @@ fn main() -> ExitCode {
         Command::Compare(args) => compare::run(&args, &console).map(ExitCode::from),
         Command::Testbench(args) => testbench::run(&args, &console).map(ExitCode::from),
         Command::Bench(args) => bench::run(&args, &console).map(ExitCode::from),
+        Command::Tune(args) => tune::run(&args, &console).map(ExitCode::from),
         Command::Report(args) => report::run(&args, &console).map(ExitCode::from),
         Command::Serve(args) => serve::run(&args, &console).map(ExitCode::from),
         Command::Test(args) => test::run(&args),

@@ -21,7 +21,7 @@ pub(in crate::report) enum Scale {
 }
 
 /// An axis fitted to its data.
-pub(super) struct Fitted {
+pub(in crate::report) struct Fitted {
     log: bool,
     range: [f64; 2],
     span: [f64; 2],
@@ -30,7 +30,7 @@ pub(super) struct Fitted {
 
 impl Fitted {
     /// Where a value lies in the drawing.
-    pub(super) fn place(&self, value: f64) -> f64 {
+    pub(in crate::report) fn place(&self, value: f64) -> f64 {
         let value = match self.log {
             true if value > 0.0 => value.log10(),
             true => f64::NEG_INFINITY,
@@ -41,13 +41,17 @@ impl Fitted {
     }
 
     /// Places of the ticks and what stands at them.
-    pub(super) fn ticks(&self) -> &[(f64, String)] {
+    pub(in crate::report) fn ticks(&self) -> &[(f64, String)] {
         &self.ticks
     }
 }
 
 /// Fits an axis to values; `span` is where the drawing begins and ends.
-pub(super) fn fit(axis: &Axis, values: impl Iterator<Item = f64>, span: [f64; 2]) -> Fitted {
+pub(in crate::report) fn fit(
+    axis: &Axis,
+    values: impl Iterator<Item = f64>,
+    span: [f64; 2],
+) -> Fitted {
     let log = matches!(axis.scale, Scale::Log);
     let values: Vec<f64> = values
         .filter(|v| v.is_finite() && (!log || *v > 0.0))

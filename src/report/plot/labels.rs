@@ -10,7 +10,7 @@ const MARK: f64 = 5.0;
 type Box = [f64; 4];
 
 /// Middle of the base line of each label. The first label of a crowd wins, so that a repeated drawing is the same.
-pub(super) fn arrange(marks: &[([f64; 2], &str)], inside: Box) -> Vec<Option<[f64; 2]>> {
+pub(in crate::report) fn arrange(marks: &[([f64; 2], &str)], inside: Box) -> Vec<Option<[f64; 2]>> {
     let mut taken: Vec<Box> =
         marks.iter().map(|([x, y], _)| [x - MARK, y - MARK, x + MARK, y + MARK]).collect();
     let place = |([x, y], text): &([f64; 2], &str)| {

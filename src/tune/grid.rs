@@ -1,0 +1,101 @@
+//! What is tried: keys of a preset with their values, as TOML.
+
+/// Keys of a preset and the values that each may have; the candidates are their product, the first key varies slowest.
+pub(super) type Grid = &'static [Axis];
+
+/// A key and its values, as TOML.
+pub(super) type Axis = (&'static str, &'static [&'static str]);
+
+/// All grids. Words that this version does not know are tried all the same: its parser refuses them, and says so.
+pub(super) const GRIDS: [Grid; 5] = [
+    // one lookup, or a few
+    &[
+        ("mode", &["\"baked\""]),
+        ("sampling", &["\"filter\"", "\"load\""]),
+        ("table", &["\"f16\"", "\"f32\"", "\"rgb9e5\""]),
+    ],
+    // the bins that a direction's wavelengths meet
+    &[("mode", &["\"adaptive\""]), BASIS, TERMS, TABLE],
+    // the window applied in space
+    &[
+        FULL,
+        ("reconstruction", &["\"prefiltered\""]),
+        ("sampling", &["\"filter\"", "\"load\""]),
+        BASIS,
+        TERMS,
+        STEPS,
+        TABLE,
+    ],
+    // the window as a sum over bins
+    &[FULL, BASIS, TERMS, ("window_radius", &["0", "1", "2", "\"auto\""]), STEPS, TABLE],
+    // replicas of the patch; their lines have another shape than the window's, so few are worth a look
+    &[
+        ("mode", &["\"pq\""]),
+        ("basis", &["\"optimal\""]),
+        TERMS,
+        ("window_radius", &["1", "\"auto\""]),
+        ("wavelengths", &["5", "2.5"]),
+        ("table", &["\"f16\""]),
+    ],
+];
+
+const FULL: Axis = ("mode", &["\"full\""]);
+const BASIS: Axis = ("basis", &["\"optimal\"", "\"chebyshev\"", "\"taylor\""]);
+const TABLE: Axis = ("table", &["\"f16\"", "\"f32\""]);
+
+/// Steps of the wavelength, nm; a preset has them inside a table.
+const STEPS: Axis = ("wavelengths", &["10", "5", "2.5", "1.25"]);
+
+/// Numbers of terms that leave these errors of the phase function on the surface, and what `"auto"` chooses.
+const TERMS: Axis = ("terms", &["0.3", "0.1", "0.03", "0.01", "\"auto\""]);
+
+/// The whole range of visible light, by a step, as TOML.
+pub(super) fn wavelengths(step_nm: &str) -> String {
+    format!("{{ min_nm = 380, max_nm = 780, step_nm = {step_nm} }}")
+}
+
+/// The product of a grid: keys with values, each value as the grid has it.
+pub(super) fn product(grid: Grid) -> Vec<Vec<(&'static str, &'static str)>> {
+    grid.iter().fold(vec![Vec::new()], |rows, (key, values)| {
+        let with = |row: &Vec<_>| {
+            let row = row.clone();
+            values.iter().map(move |value| [row.clone(), vec![(*key, *value)]].concat())
+        };
+        rows.iter().flat_map(with).collect()
+    })
+}
+
+/// A name for a candidate: its words and numbers, defaults left out.
+pub(super) fn name(keys: &[(&str, String)]) -> String {
+    let part = |(key, value): &(&str, String)| {
+        let word = value.trim_matches('"').replace('.', "p");
+        match *key {
+            "terms" => Some(format!("t{word}")),
+            "window_radius" => Some(format!("r{word}")),
+            "wavelengths" => Some(format!("by{word}")),
+            "table" if word == "f32" => None,
+            _ => Some(word),
+        }
+    };
+    keys.iter().filter_map(part).collect::<Vec<_>>().join("-")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_products_whole() {
+        let rows: Vec<_> = GRIDS.into_iter().flat_map(product).collect();
+        assert_eq!(rows.len(), 6 + 30 + 240 + 480 + 20);
+        let mut names: Vec<String> = rows
+            .iter()
+            .map(|row| name(&row.iter().map(|(k, v)| (*k, (*v).to_owned())).collect::<Vec<_>>()))
+            .collect();
+        assert_eq!(names[0], "baked-filter-f16");
+        assert_eq!(names[rows.len() - 1], "pq-optimal-tauto-rauto-by2p5-f16");
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), rows.len());
+    }
+}
