@@ -117,8 +117,7 @@ pub fn resolve(variant: &Variant, height: &HeightField) -> Result<Resolved> {
     };
     let size_um = grid.map_or(patch_um, |grid| grid.size_um);
     // |u| and |v| reach 2
-    let [x, y] =
-        margin.map(|m| Bins::reachable(size_um[0], size_um[1], 2.0 / (min_nm * 1e-3), m));
+    let [x, y] = margin.map(|m| Bins::reachable(size_um[0], size_um[1], 2.0 / (min_nm * 1e-3), m));
     let bins = Bins { r_max: x.r_max, s_max: y.s_max };
     let layers = expansion.terms.div_ceil(match variant.packing {
         Packing::Paired => 2,
@@ -180,8 +179,9 @@ fn check_isolated(variant: &Variant, lobes: &Lobes) -> Result<()> {
     }
     let cause =
         format!("neighbouring lobes overlap and interfere: σf·L = {widest:.2}, above {ISOLATED}");
-    Err(Error::new(Stage::Compute, &variant.name, cause)
-        .remedy("use reconstruction = \"prefiltered\", coherence = \"ensemble\", or mode = \"full\""))
+    Err(Error::new(Stage::Compute, &variant.name, cause).remedy(
+        "use reconstruction = \"prefiltered\", coherence = \"ensemble\", or mode = \"full\"",
+    ))
 }
 
 fn taps(radius: u32, pixels: [u32; 2]) -> [u32; 2] {

@@ -139,11 +139,13 @@ fn line(patch: Axis, samples: usize, sigma_um: f64) -> (Axis, Vec<(usize, f64)>)
     let pitch_um = patch.period_um / patch.count as f64;
     let size_um = samples as f64 * pitch_um;
     let first = ((-0.5 * size_um - patch.start_um) / pitch_um).round();
-    let axis = Axis { count: samples, start_um: patch.start_um + first * pitch_um, period_um: size_um };
+    let axis =
+        Axis { count: samples, start_um: patch.start_um + first * pitch_um, period_um: size_um };
     let sample = |index: usize| {
         let place_um = axis.position_um(index);
         let source = (first as i64 + index as i64).rem_euclid(patch.count as i64) as usize;
-        let window = (-0.5 * (place_um / sigma_um).powi(2)).exp() * size_um / (TAU.sqrt() * sigma_um);
+        let window =
+            (-0.5 * (place_um / sigma_um).powi(2)).exp() * size_um / (TAU.sqrt() * sigma_um);
         let turn = PI * place_um / size_um;
         let filter = if turn == 0.0 { 1.0 } else { turn.sin() / turn };
         (source, window / (filter * filter))

@@ -70,9 +70,7 @@ impl<'a> Twin<'a> {
     /// `|P|²` of this variant at one wavelength, µm, along `path = (u, v, w)`; `None` where it has no wavelengths.
     pub fn response(&self, path: DVec3, lambda_um: f64) -> Option<f64> {
         match self.variant.mode {
-            _ if self.resolved.grid.is_some() => {
-                Some(prefiltered::response(self, path, lambda_um))
-            }
+            _ if self.resolved.grid.is_some() => Some(prefiltered::response(self, path, lambda_um)),
             Mode::Full => Some(full::response(self, path, lambda_um)),
             Mode::Pq => Some(pq::response(self, path, lambda_um)),
             // the segment shrinks to a point

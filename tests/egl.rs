@@ -8,7 +8,9 @@ use diffraction_shaders::emit::{EmittedFile, emit};
 use diffraction_shaders::frame::view_direction;
 use diffraction_shaders::height::{HeightField, synthetic::synthesise};
 use diffraction_shaders::optics::direction;
-use diffraction_shaders::plan::{Auto, Basis, Grating, Optics, Packing, Reconstruction, Sampling, Rough, Variant};
+use diffraction_shaders::plan::{
+    Auto, Basis, Grating, Optics, Packing, Reconstruction, Rough, Sampling, Variant,
+};
 use diffraction_shaders::reference::Directions;
 use diffraction_shaders::runner::egl::{Dialect, Egl};
 use diffraction_shaders::runner::{

@@ -9,7 +9,8 @@ use diffraction_shaders::height::{HeightField, synthetic::synthesise};
 use diffraction_shaders::measure::compare;
 use diffraction_shaders::optics::{direction, gain};
 use diffraction_shaders::plan::{
-    Auto, Basis, CoherenceScaling, Grating, Optics, Packing, Reconstruction, Sampling, Variant, Wavelengths,
+    Auto, Basis, CoherenceScaling, Grating, Optics, Packing, Reconstruction, Sampling, Variant,
+    Wavelengths,
 };
 use diffraction_shaders::reference::{Directions, Reference};
 use diffraction_shaders::runner::{Exact, Runner, Subject, TwinRunner};

@@ -61,10 +61,12 @@ pub fn with_header(text: &str) -> String {
 
 /// The text of functions without registers.
 pub fn write_unbound(ir: &naga::Module, info: &naga::valid::ModuleInfo) -> Result<String, String> {
-    let samplers = ir.global_variables.iter().filter(|(_, global)| {
-        matches!(ir.types[global.ty].inner, TypeInner::Sampler { .. })
-    });
-    let places = samplers.filter_map(|(_, global)| Some((global.binding?, hlsl::BindTarget::default())));
+    let samplers = ir
+        .global_variables
+        .iter()
+        .filter(|(_, global)| matches!(ir.types[global.ty].inner, TypeInner::Sampler { .. }));
+    let places =
+        samplers.filter_map(|(_, global)| Some((global.binding?, hlsl::BindTarget::default())));
     let (text, _) = write(ir, info, places.collect())?;
     sampler::plain(&text, ir, false)
 }

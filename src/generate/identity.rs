@@ -5,7 +5,8 @@ use serde_json::{Value, json};
 use crate::error::{Error, Stage};
 use crate::package::sha256;
 use crate::plan::{
-    Auto, Mode, Optics, Reconstruction, SurfaceSource, SurfaceSpec, TableFormat, Variant, Wavelengths,
+    Auto, Mode, Optics, Reconstruction, SurfaceSource, SurfaceSpec, TableFormat, Variant,
+    Wavelengths,
 };
 use crate::tables::{COEFFICIENTS, TERMS, Table};
 

@@ -23,10 +23,8 @@ pub(super) const BASES: Words<Basis> = &[
     ("optimal", Some(Basis::Optimal)),
 ];
 
-pub(super) const RECONSTRUCTIONS: Words<Reconstruction> = &[
-    ("window", Some(Reconstruction::Window)),
-    ("prefiltered", Some(Reconstruction::Prefiltered)),
-];
+pub(super) const RECONSTRUCTIONS: Words<Reconstruction> =
+    &[("window", Some(Reconstruction::Window)), ("prefiltered", Some(Reconstruction::Prefiltered))];
 
 pub(super) const TABLE_FORMATS: Words<TableFormat> =
     &[("f32", Some(TableFormat::F32)), ("f16", Some(TableFormat::F16))];

@@ -92,7 +92,11 @@ pub(super) fn cost(variant: &Variant, resolved: &Resolved, lobes: &Lobes) -> Cos
         Mode::Adaptive => {
             let panels = resolved.corridor.panels;
             let (mean, worst) = mean_and_worst(|uv| {
-                lobes.bins(uv).into_iter().map(|(_, span)| u64::from(lobes.panels(span, panels))).sum()
+                lobes
+                    .bins(uv)
+                    .into_iter()
+                    .map(|(_, span)| u64::from(lobes.panels(span, panels)))
+                    .sum()
             });
             // two neighbouring texels of the spectrum at each node
             let fetches = layers + coefficients + 2 * u64::from(LOBE_NODES);

@@ -12,7 +12,11 @@ const LEAST: f64 = 0.05;
 const CELLS: usize = 4096;
 
 /// See [`Spectrum::warped_samples`].
-pub(super) fn samples(spectrum: &Spectrum, range: &Wavelengths, counts: &[u32]) -> Vec<Vec<Sample>> {
+pub(super) fn samples(
+    spectrum: &Spectrum,
+    range: &Wavelengths,
+    counts: &[u32],
+) -> Vec<Vec<Sample>> {
     if range.max_nm <= range.min_nm {
         return counts.iter().map(|_| spectrum.samples(range)).collect();
     }
@@ -59,10 +63,7 @@ impl Warp {
         let [first, middle, last] = [0.0, 0.5, 1.0].map(|half| part(f64::from(i) + half));
         let (before, after) = (self.weight(first), self.weight(last));
         let wavenumber = self.low + middle * self.pace;
-        Sample {
-            lambda_nm: 1e3 / wavenumber,
-            xyz: std::array::from_fn(|c| after[c] - before[c]),
-        }
+        Sample { lambda_nm: 1e3 / wavenumber, xyz: std::array::from_fn(|c| after[c] - before[c]) }
     }
 
     /// Where the density has added up to a share, in cells.

@@ -3,7 +3,8 @@
 use diffraction_shaders::height::{HeightField, synthetic::synthesise};
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{
-    Auto, Basis, Coherence, Grating, Mode, Optics, Packing, Reconstruction, Sampling, Rough, TableFormat, Variant,
+    Auto, Basis, Coherence, Grating, Mode, Optics, Packing, Reconstruction, Rough, Sampling,
+    TableFormat, Variant,
 };
 use diffraction_shaders::reference::Directions;
 use diffraction_shaders::runner::{Runner, rounded};

@@ -42,7 +42,9 @@ pub fn plain(text: &str, ir: &naga::Module, registers: bool) -> Result<String, S
         lines.push(format!("SamplerState {name}{register};"));
         declared += 1;
     }
-    let rest = lines.iter().find(|line| line.contains("nagaSamplerHeap") || line.contains("SamplerIndexArray"));
+    let rest = lines
+        .iter()
+        .find(|line| line.contains("nagaSamplerHeap") || line.contains("SamplerIndexArray"));
     if let Some(line) = rest {
         return Err(format!("naga reads a sampler otherwise than by its name: `{line}`"));
     }

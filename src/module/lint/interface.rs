@@ -1,7 +1,8 @@
 //! Rules about entry points and resources.
 
 use naga::{
-    AddressSpace, Handle, ImageClass, ResourceBinding, ScalarKind, Span, Type, TypeInner, VectorSize,
+    AddressSpace, Handle, ImageClass, ResourceBinding, ScalarKind, Span, Type, TypeInner,
+    VectorSize,
 };
 
 use crate::{diagnostic::Diagnostic, profile::Limits, tables::SAMPLER};
