@@ -19,7 +19,7 @@ use crate::transform::Bins;
 
 pub use corridor::{Corridor, LEAST_SQUARED, Lobes, REACH_SIGMAS, WHOLE_PANELS};
 pub use cost::{Cost, LOBE_NODES};
-pub use prefilter::{GRID_ERROR, NODE_LEVELS, grid_error, node_level};
+pub use prefilter::{GRID_ERROR, NODE_ERROR, NODE_LEVELS, grid_error, node_level};
 
 /// A variant with every number known. What a mode does not read has a neutral value.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,6 +54,20 @@ pub struct Resolved {
     pub scale: Scale,
     /// Static cost.
     pub cost: Cost,
+}
+
+impl Resolved {
+    /// Bound of the phase function's error, that of coefficients between their nodes included.
+    pub fn phase_bound(&self) -> f64 {
+        let nearest = match (self.grid, self.coefficient_count) {
+            // half a step at the greatest height
+            (Some(_), count) if count > 0 => {
+                0.5 * self.expansion.z_max * self.expansion.reach_um / (count - 1) as f64
+            }
+            _ => 0.0,
+        };
+        self.expansion.bound() + nearest
+    }
 }
 
 /// Share of the window's energy that `window_radius = "auto"` may leave out.

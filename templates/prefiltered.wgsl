@@ -18,14 +18,14 @@ fn response(path: vec3f, lambda_um: f32) -> f32 {
 #endif
 // |P|² at one wavelength, in µm; of scaled tables, over the squared scale of the first term.
 fn intensity(path: vec3f, lambda_um: f32) -> f32 {
-    let turns = path.xy / lambda_um * vec2f(GRID_WIDTH_UM, GRID_HEIGHT_UM);
-    let place = turns + vec2f(f32(CENTRE_COLUMN), f32(CENTRE_ROW));
+    let place = path.xy / lambda_um * vec2f(GRID_WIDTH_UM, GRID_HEIGHT_UM);
     let sum = amplitude(place, series_argument(path.z, lambda_um));
     return dot(sum, sum);
 }
 
 #ifdef TABULATED
-// The sum over terms of coefficient times table at a place in texels, coefficients those of the nearest node.
+// The sum over terms of coefficient times table at a place in texels from the middle one, coefficients those of the nearest
+// node.
 fn amplitude(place: vec2f, argument: f32) -> vec2f {
     let index = i32(argument + 0.5);
     var sum = vec2f(0.0);
@@ -54,7 +54,7 @@ fn amplitude(place: vec2f, argument: f32) -> vec2f {
     return sum;
 }
 #else
-// The sum over terms of τ^n times the table at a place in texels, by Horner's rule.
+// The sum over terms of τ^n times the table at a place in texels from the middle one, by Horner's rule.
 fn amplitude(place: vec2f, argument: f32) -> vec2f {
 #ifdef PAIRED
     // even and odd powers side by side
@@ -74,13 +74,13 @@ fn amplitude(place: vec2f, argument: f32) -> vec2f {
 }
 #endif
 
-// The terms of a layer between texels; whole places are their middles.
+// The terms of a layer between texels; whole places are their middles, counted from the middle texel.
 fn texel_between(place: vec2f, layer: i32) -> vec4f {
 #ifdef FILTERED
     let size = vec2f(f32(2 * CENTRE_COLUMN + 1), f32(2 * CENTRE_ROW + 1));
-    return textureSampleLevel(terms, linear_clamp, (place + 0.5) / size, layer, 0.0);
+    return textureSampleLevel(terms, linear_clamp, place / size + 0.5, layer, 0.0);
 #else
-    let first = vec2i(floor(place));
+    let first = vec2i(floor(place)) + vec2i(CENTRE_COLUMN, CENTRE_ROW);
     let part = place - floor(place);
     let lower_left = textureLoad(terms, first, layer, 0);
     let lower_right = textureLoad(terms, first + vec2i(1, 0), layer, 0);

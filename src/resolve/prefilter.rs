@@ -9,16 +9,19 @@ use crate::plan::{Mode, Reconstruction, Variant};
 use crate::terms::Grid;
 
 /// Error of linear interpolation in the grid, the root of its mean square over that of the amplitude.
-pub const GRID_ERROR: f64 = 0.013;
+pub const GRID_ERROR: f64 = 0.008;
 /// Most samples of the transform along an axis: two of them make a gigabyte.
 const MOST_SAMPLES: usize = 8192;
 
 /// Levels of `|(u, v)|`, from 0 to 2, each with wavelength nodes of its own.
 pub const NODE_LEVELS: u32 = 64;
-/// Nodes over the range of wavenumbers for every µm of path that the window's standard deviation and the heights make:
-/// what oscillates faster is taken for something slower, `exp(-(NODE_PACE/2)²)` of it.
-const NODE_PACE: f64 = 3.2;
-/// The same that the colour weights themselves need, µm.
+/// Share of what oscillates fastest along 1/λ that the nodes may take for something slower.
+///
+/// Along `f = (u, v)/λ` the amplitude is a sum of waves in 1/λ whose rate is a path difference: `(u, v)·x` under the window
+/// and `w h`. Between two of them lie rates with the Gaussian distribution `exp(-τ²/4σ²)`, `σ = |(u, v)| σs` and the
+/// heights' range on top. `n` nodes over a range `T` take a rate `n/T` for none: this much of it is left at `n/T = pace σ`.
+pub const NODE_ERROR: f64 = 0.07;
+/// Rate that the colour weights themselves add, µm: their narrowest lobe, in the blue, is 0.12/µm wide.
 const COLOUR_PATH_UM: f64 = 4.5;
 
 /// The grid of a variant on a surface; `None` where its reconstruction is another.
@@ -57,10 +60,11 @@ pub(super) fn node_counts(variant: &Variant, height: &HeightField) -> Vec<u32> {
     }
     let range = 1e3 / waves.min_nm - 1e3 / waves.max_nm;
     let sigma_um = optics::window_sigma_um(&variant.optics, optics::REFERENCE_NM);
+    let pace = 2.0 * (-NODE_ERROR.ln()).sqrt();
     let (low_um, high_um) = height.range_um();
     let count = |level: u32| {
         let uv = 2.0 * f64::from(level + 1) / f64::from(NODE_LEVELS);
-        let path_um = NODE_PACE * (uv * sigma_um + high_um - low_um) + COLOUR_PATH_UM;
+        let path_um = pace * (uv * sigma_um + high_um - low_um) + COLOUR_PATH_UM;
         (range * path_um).ceil().max(1.0) as u32
     };
     (0..NODE_LEVELS).map(count).collect()

@@ -17,13 +17,11 @@ pub fn response(twin: &Twin<'_>, path: DVec3, lambda_um: f64) -> f64 {
 /// The same over the squared scale of the first term.
 pub fn intensity(twin: &Twin<'_>, path: DVec3, lambda_um: f64) -> f64 {
     let size_um = twin.resolved.grid.map_or([0.0; 2], |grid| grid.size_um);
-    let bins = twin.resolved.bins;
-    let turns = path.truncate() / lambda_um * DVec2::from(size_um);
-    let place = turns + DVec2::new(bins.r_max as f64, bins.s_max as f64);
+    let place = path.truncate() / lambda_um * DVec2::from(size_um);
     amplitude(twin, place, series_argument(twin, path.z, lambda_um)).norm_sqr()
 }
 
-/// The sum over terms of coefficient times table at a place in texels.
+/// The sum over terms of coefficient times table at a place in texels from the middle one.
 fn amplitude(twin: &Twin<'_>, place: DVec2, argument: f64) -> Complex64 {
     let paired = twin.variant.packing == Packing::Paired;
     let layers = twin.resolved.layers as usize;
@@ -55,7 +53,9 @@ fn amplitude(twin: &Twin<'_>, place: DVec2, argument: f64) -> Complex64 {
     sum
 }
 
-/// The terms of a layer between texels; whole places are their middles.
+/// The terms of a layer between texels; whole places are their middles, counted from the middle texel.
 fn texel_between(twin: &Twin<'_>, place: DVec2, layer: usize) -> [f64; 4] {
-    bilinear(twin.terms, place.to_array(), layer)
+    let bins = twin.resolved.bins;
+    let middle = DVec2::new(bins.r_max as f64, bins.s_max as f64);
+    bilinear(twin.terms, (place + middle).to_array(), layer)
 }
