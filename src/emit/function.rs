@@ -20,6 +20,7 @@ use self::core::Core;
 pub fn emit(module: &Module, target: Target) -> Result<Option<EmittedFile>> {
     let fail = |cause: String| failure(module, target, format!("function form: {cause}"));
     let core = || core::extract(module, &FUNCTIONS).map_err(fail);
+    let mut sampler_names = glsl::SamplerTextures::new();
     let (language, core, text) = match target {
         Target::Wgsl => {
             let core = core()?;
@@ -28,8 +29,9 @@ pub fn emit(module: &Module, target: Target) -> Result<Option<EmittedFile>> {
         }
         Target::Glsl450 | Target::GlslEs300 => {
             let core = core()?;
-            let text = glsl_text(&core);
-            ("glsl", core, text)
+            let (text, names) = glsl_text(&core).map_err(fail)?;
+            sampler_names = names;
+            ("glsl", core, Ok(text))
         }
         Target::Hlsl => {
             let core = core()?;
@@ -44,8 +46,11 @@ pub fn emit(module: &Module, target: Target) -> Result<Option<EmittedFile>> {
         Ok(Function { name: name.clone(), signature })
     });
     let functions: Result<_, String> = functions.collect();
-    let read = bindings(&core.bound).into_iter().map(|(_, mut binding)| {
+    let read = bindings(&core.bound).into_iter().map(|(handle, mut binding)| {
         binding.emitted_binding = None;
+        if let Some(texture) = sampler_names.get(&handle) {
+            binding.emitted_name.clone_from(texture);
+        }
         binding
     });
     Ok(Some(EmittedFile {
@@ -59,8 +64,8 @@ pub fn emit(module: &Module, target: Target) -> Result<Option<EmittedFile>> {
 }
 
 /// What naga writes for GLSL ES 3.00, whose precision qualifiers desktop GLSL reads and ignores, less its frame.
-fn glsl_text(core: &Core) -> Result<String, String> {
-    let whole = glsl::write_unbound(&core.unbound, &core.info, core::SHELL)?;
+fn glsl_text(core: &Core) -> Result<(String, glsl::SamplerTextures), String> {
+    let (whole, names) = glsl::write_unbound(&core.unbound, &core.info, core::SHELL)?;
     let mut kept = vec![format!("// {GENERATED}")];
     let mut in_main = false;
     for line in whole.lines() {
@@ -72,7 +77,7 @@ fn glsl_text(core: &Core) -> Result<String, String> {
         }
         in_main &= line != "}";
     }
-    Ok(kept.join("\n").trim_end().to_owned() + "\n")
+    Ok((kept.join("\n").trim_end().to_owned() + "\n", names))
 }
 
 fn hlsl_text(core: &Core) -> Result<String, String> {
