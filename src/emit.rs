@@ -110,8 +110,8 @@ pub struct BindingName {
     pub group: u32,
     /// Binding in the templates.
     pub binding: u32,
-    /// Binding written in the emitted text: in HLSL the number of register `b` or `t`, in Metal that of the `buffer` or
-    /// `texture` slot; `None` where the language has no place for it and the engine sets it.
+    /// Binding written in the emitted text: in HLSL the number of register `b`, `t` or `s`, in Metal that of the `buffer`,
+    /// `texture` or `sampler` slot; `None` where the language has no place for it and the engine sets it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub emitted_binding: Option<u32>,
     /// What is bound.

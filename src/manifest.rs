@@ -3,6 +3,7 @@
 mod describe;
 
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 
 use naga::{AddressSpace, ImageClass, ImageDimension, TypeInner};
 use serde::Serialize;
@@ -13,10 +14,13 @@ use crate::module::Module;
 use crate::optics;
 use crate::plan::{Colour, Container, Mode, TableFormat, Target, Variant};
 use crate::profile::{Extent, Limits, Profile, fits};
-use crate::resolve::{Cost, REACH_SIGMAS, Resolved, replica_tail, window_tail};
+use crate::resolve::{
+    Cost, NODE_ERROR, REACH_SIGMAS, Resolved, grid_error, replica_tail, window_tail,
+};
 use crate::tables::Table;
 use crate::tables::container::ContainerEntry;
 use crate::template::GENERATED;
+use crate::terms::Grid;
 
 pub use describe::describe;
 
@@ -103,14 +107,20 @@ pub struct Binding {
     pub group: u32,
     /// Binding.
     pub binding: u32,
-    /// `uniform` or `texture`.
+    /// `uniform`, `texture` or `sampler`.
     pub kind: &'static str,
     /// `2d` or `2d-array`, of textures.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dimension: Option<&'static str>,
-    /// `unfilterable-float`: read with `textureLoad`, no sampler.
+    /// `unfilterable-float`: read with `textureLoad` alone; `float`: through the sampler.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sample_type: Option<&'static str>,
+    /// `linear`, of samplers: between texels, at level 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub filter: Option<&'static str>,
+    /// `clamp-to-edge`, of samplers, on both axes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub address: Option<&'static str>,
     /// Texel format, WebGPU's name, of textures that a table fills.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub format: Option<&'static str>,
@@ -226,6 +236,16 @@ pub struct ErrorBound {
     pub window_radius: Option<u32>,
     /// Share of the coherence window's energy, or of the light that the replicas send between their bins, beyond them.
     pub window_tail: f64,
+    /// What linear interpolation leaves of the amplitude between texels that have the window in them, root of the mean square.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interpolation: Option<f64>,
+    /// Share of what oscillates fastest along the wavelengths that their nodes take for something slower.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub node_alias: Option<f64>,
+    /// Width of a lobe in bins of the patch, `σf·L`, of forms for which it makes a difference: above 0.2 lobes overlap and
+    /// interfere.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lobe_bins: Option<f64>,
 }
 
 /// Parts of a manifest that are known before its files.
@@ -278,6 +298,7 @@ pub fn manifest(subject: Subject<'_>, module: &Module, files: &[EmittedFile]) ->
 
 fn error_bound(variant: &Variant, resolved: &Resolved) -> Option<ErrorBound> {
     let (window_radius, window_tail) = match variant.mode {
+        _ if resolved.grid.is_some() => (None, resolved.grid.map_or(0.0, beyond)),
         Mode::Full => (
             Some(resolved.window_radius),
             window_tail(variant, resolved.patch_um, resolved.window_radius),
@@ -292,11 +313,22 @@ fn error_bound(variant: &Variant, resolved: &Resolved) -> Option<ErrorBound> {
     };
     Some(ErrorBound {
         terms: resolved.expansion.terms,
-        phase_function: resolved.expansion.bound(),
+        phase_function: resolved.phase_bound(),
         packing: packing_bound(variant, resolved),
         window_radius,
         window_tail,
+        interpolation: resolved.grid.as_ref().map(grid_error),
+        node_alias: (!resolved.node_counts.is_empty()).then_some(NODE_ERROR),
+        lobe_bins: resolved.grid.map(|grid| {
+            let sizes = resolved.patch_um.map(|size_um| size_um / (TAU * grid.sigma_um));
+            sizes[0].max(sizes[1])
+        }),
     })
+}
+
+/// The window ends with its grid, half the size from the middle.
+fn beyond(grid: Grid) -> f64 {
+    grid.size_um.map(|size_um| libm::erfc(0.5 * size_um / grid.sigma_um)).iter().sum()
 }
 
 /// Half a unit in the last place of every term at its largest.
@@ -378,17 +410,25 @@ fn bindings(module: &Module, tables: &[(&Table, TableEntry)]) -> Vec<Binding> {
             let (kind, dimension, sample_type) = match ir.types[variable.ty].inner {
                 TypeInner::Image { dim, arrayed, class: ImageClass::Sampled { .. } } => {
                     let dimension = if arrayed { "2d-array" } else if dim == ImageDimension::D3 { "3d" } else { "2d" };
-                    ("texture", Some(dimension), Some("unfilterable-float"))
+                    let filtered = table.is_some_and(|(table, _)| table.filtered);
+                    let sample_type = if filtered { "float" } else { "unfilterable-float" };
+                    ("texture", Some(dimension), Some(sample_type))
                 }
+                TypeInner::Sampler { .. } => ("sampler", None, None),
                 _ => ("uniform", None, None),
             };
             let source = match (table, kind) {
                 (Some((_, entry)), _) => format!("table {}", entry.id),
                 (None, "texture") => "rgba32float, two rows per row of the picture: directions to the light and to the viewer, of `probe` only".to_owned(),
+                (None, "sampler") => {
+                    "reads the textures of sample type `float`; where samplers are part of textures, their parameters".to_owned()
+                }
                 _ => "see `uniforms`; of `map` and `probe` only".to_owned(),
             };
             let format = table.map(|(table, _)| table.format.name());
-            Some(Binding { name, group: resource.group, binding: resource.binding, kind, dimension, sample_type, format, source })
+            let sampler = kind == "sampler";
+            let (filter, address) = (sampler.then_some("linear"), sampler.then_some("clamp-to-edge"));
+            Some(Binding { name, group: resource.group, binding: resource.binding, kind, dimension, sample_type, filter, address, format, source })
         })
         .collect();
     all.sort_by_key(|b| (b.group, b.binding));

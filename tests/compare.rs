@@ -285,6 +285,14 @@ terms = 23
 name = "printed"
 basis = "taylor-zero"
 terms = 31
+[[preset]]
+name = "prefiltered"
+mode = "adaptive"
+basis = "optimal"
+terms = 6
+reconstruction = "prefiltered"
+table = "f16"
+coherence_um = 16
 "#;
     let plan = Plan::parse(WORST, Path::new("plan.toml")).unwrap();
     let find = |name: &str| plan.variants.iter().find(|v| v.name == name).unwrap().clone();
@@ -294,6 +302,8 @@ terms = 31
         ("full by 5 nm", Part::Total, "rows", "half", [20.0, 0.0], 256),
         ("adaptive", Part::Total, "blazed", "adaptive", [0.0, 0.0], 32),
         ("adaptive, map", Part::Total, "bumps", "adaptive", [0.0, 0.0], 64),
+        ("prefiltered", Part::Total, "bumps", "prefiltered", [60.0, 0.0], 48),
+        ("prefiltered, map", Part::Total, "bumps", "prefiltered", [60.0, 0.0], 48),
         ("packing f16", Part::Packing, "bumps", "half", [0.0, 0.0], 48),
         ("packing from zero", Part::Packing, "blazed", "printed", [20.0, 0.0], 48),
         ("packing f32", Part::Packing, "rows", "fine", [20.0, 0.0], 256),

@@ -1,6 +1,7 @@
 //! Plans: what is refused and how it is told, the order of the product, names that stay.
 #![allow(clippy::unwrap_used, reason = "a test that unwraps fails with the error")]
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use diffraction_shaders::plan::{Auto, Basis, Mode, Packing, Plan, SurfaceSource, Target, Variant};
@@ -197,8 +198,28 @@ fn faults_of_optics_variants_presets_and_targets_are_told() {
             "plan.toml:7: preset.p.mode = \"baked\": mode \"baked\" is not available in this version",
         ),
         (
-            "[[preset]]\nname = \"p\"\nreconstruction = \"prefiltered\"",
-            "reconstruction \"prefiltered\" is not available in this version",
+            "[[preset]]\nname = \"p\"\nreconstruction = \"prefiltered\"\ncoherence = \"ensemble\"",
+            "coherence = \"ensemble\": a prefiltered table holds amplitudes",
+        ),
+        (
+            "[[preset]]\nname = \"p\"\nreconstruction = \"prefiltered\"\ncoherence_scaling = \"wavelength\"",
+            "a prefiltered table has one window in it",
+        ),
+        (
+            "[[preset]]\nname = \"p\"\nreconstruction = \"prefiltered\"\nmode = \"pq\"",
+            "pq has no coherence window",
+        ),
+        (
+            "[[preset]]\nname = \"p\"\nreconstruction = \"prefiltered\"\nhoist = false",
+            "a prefiltered table needs no such loop",
+        ),
+        (
+            "[[preset]]\nname = \"p\"\nreconstruction = \"prefiltered\"\nsampling = \"filter\"",
+            "filter no tables of 32-bit floats; use table = \"f16\"",
+        ),
+        (
+            "[[preset]]\nname = \"p\"\nsampling = \"nearest\"",
+            "sampling = \"nearest\": unknown value",
         ),
         ("[[preset]]\nname = \"p\"\nterms = [31]", "preset.p.terms = [31]: is an array"),
         ("[[preset]]\nname = \"texts\"", "is the name of a built-in preset"),
@@ -373,31 +394,53 @@ fn what_is_not_available_is_rejected_with_its_reason() {
     ));
     assert_eq!(
         names(&plan),
-        ["full-taylor-t31", "full-taylor-t31-380to780by2p5", "adaptive-taylor-t31"]
+        [
+            "full-taylor-t31",
+            "full-taylor-t31-380to780by2p5",
+            "full-taylor-t31-prefiltered",
+            "full-taylor-t31-prefiltered-380to780by2p5",
+            "adaptive-taylor-t31",
+            "adaptive-taylor-t31-prefiltered",
+        ]
     );
     let rejected: Vec<_> =
         plan.rejected.iter().map(|r| (r.name.as_str(), r.reason.as_str())).collect();
     assert_eq!(
         rejected[0],
-        (
-            "full-taylor-t31-prefiltered",
-            "reconstruction \"prefiltered\" is not available in this version"
-        )
+        ("baked-taylor-t31", "mode \"baked\" is not available in this version")
     );
-    // The adaptive mode does not read the step.
-    assert_eq!(rejected.iter().filter(|(name, _)| name.starts_with("adaptive-taylor")).count(), 1);
-    let (_, both) =
-        rejected.iter().find(|(name, _)| *name == "baked-taylor-t31-prefiltered").unwrap();
     assert!(
-        both.contains("mode \"baked\"") && both.contains("reconstruction \"prefiltered\""),
-        "{both}"
+        errors(&format!("{SURFACE}[variants]\nmode = \"baked\"\n"))
+            .contains("is not available in this version")
     );
-    for key in ["reconstruction = \"prefiltered\"", "mode = \"baked\""] {
-        assert!(
-            errors(&format!("{SURFACE}[variants]\n{key}\n"))
-                .contains("is not available in this version"),
-            "{key}"
-        );
+}
+
+#[test]
+fn sampling_counts_where_something_is_read_between_texels() {
+    let plan = with(concat!(
+        "[variants]\nmode = [\"full\", \"adaptive\", \"pq\"]\ntable = [\"f16\"]\n",
+        "reconstruction = [\"window\", \"prefiltered\"]\nsampling = [\"load\", \"filter\"]\n",
+        "window_radius = [1, 2]\n",
+    ));
+    let prefiltered: Vec<&Variant> = plan.variants.iter().filter(|v| v.reads_between()).collect();
+    let names: Vec<&str> = prefiltered.iter().map(|v| v.name.as_str()).collect();
+    assert_eq!(
+        names,
+        [
+            "full-taylor-t31-prefiltered-f16",
+            "full-taylor-t31-prefiltered-f16-filter",
+            "adaptive-taylor-t31-prefiltered-f16",
+            "adaptive-taylor-t31-prefiltered-f16-filter",
+        ],
+        "neither a radius nor, without anything between texels, the sampling is read"
+    );
+    let hashes: BTreeSet<String> = plan.variants.iter().map(Variant::hash).collect();
+    assert_eq!(hashes.len(), plan.variants.len());
+    for variant in &plan.variants {
+        let canonical = variant.canonical();
+        assert_eq!(canonical.contains("sampling"), variant.reads_between(), "{canonical}");
+        assert_eq!(canonical.contains("reconstruction"), variant.reads_between(), "{canonical}");
+        assert_eq!(variant.filters(), variant.name.ends_with("filter"));
     }
 }
 

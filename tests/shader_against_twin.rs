@@ -9,14 +9,19 @@ use diffraction_shaders::measure::{Comparison, compare};
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{
     Auto, Basis, Coherence, CoherenceScaling, FileSource, Grating, Level, Mode, Optics, Packing,
-    SurfaceSource, SurfaceSpec, TableFormat, Variant,
+    Reconstruction, Sampling, SurfaceSource, SurfaceSpec, TableFormat, Variant,
 };
 use diffraction_shaders::reference::Directions;
 use diffraction_shaders::runner::gpu::{Backend, Gpu};
-use diffraction_shaders::runner::{Runner, ShaderRunner, Subject, TwinRunner, rounded};
+use diffraction_shaders::runner::{
+    DriverRunner, Prepared, Runner, ShaderRunner, Subject, TwinRunner, rounded,
+};
 
 /// Greatest arithmetic error of a centred basis, over the map's greatest value.
 const CENTRED: f64 = 2e-5;
+
+/// The same through the linear filter of a driver that rounds its weights to 8 bits, see the table of tolerances.
+const FILTERED: f64 = 3e-3;
 
 /// Greatest arithmetic error of `texts`: 31 terms of a series about the lowest height cancel from `exp(z H)` down to 1, and
 /// each is rounded to 24 bits: `exp(z H)·2⁻²⁴` is 2.3e-4 for H = 0.25 µm at z = 33.
@@ -133,6 +138,53 @@ fn the_other_modes_and_formats_agree_with_their_twins() {
                 assert!(c.max_abs <= CENTRED && c.de2000.p99 <= 0.01, "{what}: {c:?}");
             }
         }
+    }
+}
+
+/// What is read between texels, by four loads and through the filter: both are what the twin reads, and so each other. A
+/// filter that takes the nearest texel is not.
+#[test]
+fn tables_read_between_their_texels_agree_with_their_twins() {
+    let (blazed, fingers) = (blazed(), fingers());
+    let optics = Optics { coherence_um: 12.0, ..Optics::standard() };
+    let prefiltered = |mode, basis, terms, packing, sampling| Variant {
+        mode,
+        basis,
+        packing,
+        sampling,
+        reconstruction: Reconstruction::Prefiltered,
+        table: TableFormat::F16,
+        optics: optics.clone(),
+        ..standard(terms)
+    };
+    let forms = [
+        (Mode::Adaptive, Basis::Optimal, 5, Packing::Paired),
+        (Mode::Adaptive, Basis::Chebyshev, 9, Packing::Single),
+        (Mode::Full, Basis::Taylor, 12, Packing::Paired),
+    ];
+    for gpu in adapters() {
+        for (mode, basis, terms, packing) in forms {
+            for (height, rotate_deg) in [(&blazed, 0.0), (&fingers, 25.0)] {
+                for (sampling, allowed) in [(Sampling::Load, CENTRED), (Sampling::Filter, FILTERED)]
+                {
+                    let variant = prefiltered(mode, basis, terms, packing, sampling);
+                    let c = difference(&gpu, height, &variant, rotate_deg, 20.0, 48);
+                    println!("{mode:?} {basis:?} {sampling:?}: {:.1e}", c.max_abs);
+                    assert!(c.max_abs <= allowed && c.de2000.p99 <= 0.05, "{variant:?}: {c:?}");
+                }
+            }
+        }
+        let variant =
+            prefiltered(Mode::Adaptive, Basis::Optimal, 5, Packing::Paired, Sampling::Filter);
+        let subject = Subject { height: &fingers, rotate_deg: 0.0, variant: &variant };
+        let mut nearest = Prepared::new(subject).unwrap();
+        let template = nearest.sources.0.get_mut("prefiltered").unwrap();
+        assert!(template.contains("place / size"));
+        *template = template.replace("place / size", "floor(place + 0.5) / size");
+        let light = rounded(direction(20.0, 10.0));
+        let twin = TwinRunner::new(subject, true).unwrap().map(light, 48, &|_| ()).unwrap().disc();
+        let wrong = DriverRunner::with(nearest, gpu).map(light, 48, &|_| ()).unwrap().disc();
+        assert!(compare("nearest", &twin, &wrong, None).unwrap().max_abs > 10.0 * FILTERED);
     }
 }
 

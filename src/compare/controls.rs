@@ -12,7 +12,9 @@ use crate::height::HeightField;
 use crate::height::synthetic::synthesise;
 use crate::measure::{auto_exposure, compare, on_orders};
 use crate::optics::direction;
-use crate::plan::{Auto, Basis, Grating, Mode, Optics, Packing, TableFormat, Variant};
+use crate::plan::{
+    Auto, Basis, Grating, Mode, Optics, Packing, Reconstruction, Sampling, TableFormat, Variant,
+};
 use crate::record::{self, Part, Record, Tolerance};
 use crate::reference::Directions;
 use crate::resolve::Resolved;
@@ -38,6 +40,8 @@ pub struct Control {
     pub name: &'static str,
     /// The mode of the variant that is spoilt.
     pub mode: Mode,
+    /// Whether it reads a prefiltered table through the linear filter.
+    pub filtered: bool,
     spoil: fn(&mut Prepared<'_>, [f64; 3]),
 }
 
@@ -47,10 +51,10 @@ impl Control {
         &self,
         subject: Subject<'_>,
         route: &dyn Route,
-        rights: &mut BTreeMap<Mode, Right>,
+        rights: &mut BTreeMap<(Mode, bool), Right>,
     ) -> Result<record::Control> {
         let mut prepared = Prepared::new(subject)?;
-        let right = match rights.entry(self.mode) {
+        let right = match rights.entry((self.mode, self.filtered)) {
             Entry::Occupied(known) => known.into_mut(),
             Entry::Vacant(place) => place.insert(Right::new(&prepared, route)?),
         };
@@ -75,15 +79,17 @@ impl Control {
 }
 
 /// All of them.
-pub const CONTROLS: [Control; 7] = [
+pub const CONTROLS: [Control; 8] = [
     Control {
         name: "black",
         mode: Mode::Full,
+        filtered: false,
         spoil: |p, _| p.spectrum.texels.chunks_mut(4).for_each(|texel| texel[..3].fill(0.0)),
     },
     Control {
         name: "constant",
         mode: Mode::Full,
+        filtered: false,
         // the mean colour is the constant that is hardest to find
         spoil: |p, [x, y, z]| {
             // tables that no driver reads would be missing at their names
@@ -95,6 +101,7 @@ pub const CONTROLS: [Control; 7] = [
     Control {
         name: "mirrored u",
         mode: Mode::Full,
+        filtered: false,
         spoil: |p, _| {
             let mirrored = "return path * vec3f(-1.0, 1.0, 1.0);";
             replace(p, "gain", "return path;", mirrored);
@@ -103,12 +110,19 @@ pub const CONTROLS: [Control; 7] = [
     Control {
         name: "largest term dropped",
         mode: Mode::Full,
+        filtered: false,
         spoil: |p, _| drop_largest(&mut p.terms),
     },
-    Control { name: "f16 unscaled", mode: Mode::Full, spoil: |p, _| forget_scale(p) },
+    Control {
+        name: "f16 unscaled",
+        mode: Mode::Full,
+        filtered: false,
+        spoil: |p, _| forget_scale(p),
+    },
     Control {
         name: "misprinted pq product",
         mode: Mode::Pq,
+        filtered: false,
         spoil: |p, _| {
             replace(p, "pq", "a.x * b.y + a.y * b.x", "a.x * b.x + a.y * b.y");
         },
@@ -116,6 +130,7 @@ pub const CONTROLS: [Control; 7] = [
     Control {
         name: "weights without jacobian",
         mode: Mode::Adaptive,
+        filtered: false,
         // weights per wavenumber, λ² times too small; 0.55 µm keeps its own
         spoil: |p, _| {
             let width = p.spectrum.width;
@@ -125,18 +140,24 @@ pub const CONTROLS: [Control; 7] = [
             }
         },
     },
+    Control {
+        name: "nearest filter",
+        mode: Mode::Adaptive,
+        filtered: true,
+        spoil: |p, _| replace(p, "prefiltered", "place / size", "floor(place + 0.5) / size"),
+    },
 ];
 
 /// Runs all controls by a route; how many of them failed to run. A driver that fails [`PATIENCE`] times is not asked again.
 pub(super) fn run(route: &dyn Route, sink: &mut dyn Sink) -> Result<u32> {
     let height = surface()?;
-    let mut rights: BTreeMap<Mode, Right> = BTreeMap::new();
+    let mut rights: BTreeMap<(Mode, bool), Right> = BTreeMap::new();
     let mut failures = 0;
     for control in &CONTROLS {
         if failures == PATIENCE || sink.has_control(&route.name(), control.name) {
             continue;
         }
-        let variant = variant(control.mode);
+        let variant = variant(control.mode, control.filtered);
         let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
         match control.record(subject, route, &mut rights) {
             Ok(record) => sink.record(Record::Control(record))?,
@@ -195,9 +216,10 @@ fn surface() -> Result<HeightField> {
     synthesise(&grating, SURFACE).map(|surface| surface.field)
 }
 
-/// The right variant of a mode.
-fn variant(mode: Mode) -> Variant {
-    let texts = Variant::texts(&Optics::standard());
+/// The right variant of a mode; under a narrow window where it is filtered, which keeps its table small.
+fn variant(mode: Mode, filtered: bool) -> Variant {
+    let coherence_um = if filtered { 10.0 } else { Optics::standard().coherence_um };
+    let texts = Variant::texts(&Optics { coherence_um, ..Optics::standard() });
     let name = match mode {
         Mode::Full => "full",
         Mode::Pq => "pq",
@@ -207,12 +229,14 @@ fn variant(mode: Mode) -> Variant {
     Variant {
         name: name.to_owned(),
         mode,
-        basis: Basis::Taylor,
-        terms: Auto::Value(19),
+        basis: if filtered { Basis::Optimal } else { Basis::Taylor },
+        terms: Auto::Value(if filtered { 6 } else { 19 }),
+        reconstruction: if filtered { Reconstruction::Prefiltered } else { Reconstruction::Window },
+        sampling: if filtered { Sampling::Filter } else { Sampling::Load },
         // `pq` needs neighbours
         window_radius: Auto::Value(if mode == Mode::Pq { 3 } else { 1 }),
         packing: Packing::Paired,
-        table: TableFormat::F32,
+        table: if filtered { TableFormat::F16 } else { TableFormat::F32 },
         hoist: true,
         ..texts
     }
@@ -266,7 +290,7 @@ mod tests {
     fn every_control_changes_what_is_prepared() {
         let height = surface().expect("valid");
         for control in &CONTROLS {
-            let variant = variant(control.mode);
+            let variant = variant(control.mode, control.filtered);
             let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
             let right = Prepared::new(subject).expect("resolves");
             let mut wrong = right.clone();

@@ -1,11 +1,11 @@
 //! Function forms: [`FUNCTIONS`](super::FUNCTIONS) and what they need, without entry points and bindings.
 //!
-//! - `.fn.wgsl` is the specialised text with its comments. Textures are parameters behind the directions, threaded
+//! - `.fn.wgsl` is the specialised text with its comments. Textures and the sampler are parameters behind the directions, threaded
 //!   through every function that reads them, since node systems such as that of three.js know no free names. The text
 //!   begins with `fn diffraction(`, which such systems want; the generated-by line is the first of its body.
-//! - `.fn.glsl` declares its textures as uniforms of their names in the templates. It has no `#version`, no precision
+//! - `.fn.glsl` declares its textures as uniforms of their names in the templates, samplers being part of them. It has no `#version`, no precision
 //!   statement and no `main`, and is valid behind those of GLSL ES 3.00 and of GLSL 4.50.
-//! - `.fn.hlsl` declares its textures as globals of their names in the templates, without registers.
+//! - `.fn.hlsl` declares its textures and the sampler as globals of their names in the templates, without registers.
 
 mod core;
 mod wgsl;
@@ -20,6 +20,7 @@ use self::core::Core;
 pub fn emit(module: &Module, target: Target) -> Result<Option<EmittedFile>> {
     let fail = |cause: String| failure(module, target, format!("function form: {cause}"));
     let core = || core::extract(module, &FUNCTIONS).map_err(fail);
+    let mut sampler_names = glsl::SamplerTextures::new();
     let (language, core, text) = match target {
         Target::Wgsl => {
             let core = core()?;
@@ -28,8 +29,9 @@ pub fn emit(module: &Module, target: Target) -> Result<Option<EmittedFile>> {
         }
         Target::Glsl450 | Target::GlslEs300 => {
             let core = core()?;
-            let text = glsl_text(&core);
-            ("glsl", core, text)
+            let (text, names) = glsl_text(&core).map_err(fail)?;
+            sampler_names = names;
+            ("glsl", core, Ok(text))
         }
         Target::Hlsl => {
             let core = core()?;
@@ -44,8 +46,11 @@ pub fn emit(module: &Module, target: Target) -> Result<Option<EmittedFile>> {
         Ok(Function { name: name.clone(), signature })
     });
     let functions: Result<_, String> = functions.collect();
-    let read = bindings(&core.bound).into_iter().map(|(_, mut binding)| {
+    let read = bindings(&core.bound).into_iter().map(|(handle, mut binding)| {
         binding.emitted_binding = None;
+        if let Some(texture) = sampler_names.get(&handle) {
+            binding.emitted_name.clone_from(texture);
+        }
         binding
     });
     Ok(Some(EmittedFile {
@@ -59,8 +64,8 @@ pub fn emit(module: &Module, target: Target) -> Result<Option<EmittedFile>> {
 }
 
 /// What naga writes for GLSL ES 3.00, whose precision qualifiers desktop GLSL reads and ignores, less its frame.
-fn glsl_text(core: &Core) -> Result<String, String> {
-    let whole = glsl::write_unbound(&core.unbound, &core.info, core::SHELL)?;
+fn glsl_text(core: &Core) -> Result<(String, glsl::SamplerTextures), String> {
+    let (whole, names) = glsl::write_unbound(&core.unbound, &core.info, core::SHELL)?;
     let mut kept = vec![format!("// {GENERATED}")];
     let mut in_main = false;
     for line in whole.lines() {
@@ -72,13 +77,12 @@ fn glsl_text(core: &Core) -> Result<String, String> {
         }
         in_main &= line != "}";
     }
-    Ok(kept.join("\n").trim_end().to_owned() + "\n")
+    Ok((kept.join("\n").trim_end().to_owned() + "\n", names))
 }
 
 fn hlsl_text(core: &Core) -> Result<String, String> {
     let (ir, info) = core.without_shell()?;
-    let (text, _) = hlsl::write(&ir, &info, naga::back::hlsl::BindingMap::new())?;
-    Ok(hlsl::with_header(&text))
+    Ok(hlsl::with_header(&hlsl::write_unbound(&ir, &info)?))
 }
 
 /// The declaration of a function: its line in the text, or what is left of it before the body.

@@ -2,6 +2,8 @@
 //!
 //! Precision in ES is `highp` throughout: naga states it for float, int and every sampler.
 
+use std::collections::BTreeMap;
+
 use naga::back::glsl::{self, ReflectionInfo, Version};
 
 use crate::{
@@ -85,19 +87,25 @@ fn write(single: &Single, version: Version) -> Result<(String, Vec<BindingName>)
     let named = bindings(&single.ir).into_iter().map(|(handle, mut binding)| {
         rename(&mut binding, handle, single.stage, &reflection);
         let place = naga::ResourceBinding { group: binding.group, binding: binding.binding };
-        binding.emitted_binding = options.binding_map.get(&place).map(|unit| u32::from(*unit));
+        let unit = options.binding_map.get(&place).map(|unit| u32::from(*unit));
+        // a sampler has no unit of its own
+        binding.emitted_binding = unit.filter(|_| binding.kind != BindingKind::Sampler);
         binding
     });
     let named = named.collect();
     Ok((with_header(&text), named))
 }
 
-/// Text of a module without bindings in GLSL ES 3.00, whose entry point is a fragment shader.
+/// The name of a texture for every sampler.
+pub type SamplerTextures = BTreeMap<naga::Handle<naga::GlobalVariable>, String>;
+
+/// Text of a module without bindings in GLSL ES 3.00, whose entry point is a fragment shader; and of every sampler the texture
+/// that it is a part of.
 pub fn write_unbound(
     ir: &naga::Module,
     info: &naga::valid::ModuleInfo,
     entry: &str,
-) -> Result<String, String> {
+) -> Result<(String, SamplerTextures), String> {
     let options = glsl::Options {
         version: Version::Embedded { version: 300, is_webgl: true },
         writer_flags: glsl::WriterFlags::empty(),
@@ -110,10 +118,13 @@ pub fn write_unbound(
         multiview: None,
     };
     let mut text = String::new();
-    glsl::Writer::new(&mut text, ir, info, &options, &pipeline, UNCHECKED)
+    let reflection = glsl::Writer::new(&mut text, ir, info, &options, &pipeline, UNCHECKED)
         .and_then(|mut writer| writer.write())
         .map_err(|error| error.to_string())?;
-    Ok(text)
+    // a sampler may serve several textures: the first name, in the order of names
+    let names: BTreeMap<&String, _> = reflection.texture_mapping.iter().collect();
+    let pairs = names.iter().rev().filter_map(|(name, m)| Some((m.sampler?, (*name).clone())));
+    Ok((text, pairs.collect()))
 }
 
 /// Unit of a binding: groups do not exist in GLSL, so that only the first has one.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::plan::{Container, Mode, Variant};
-use crate::resolve::Resolved;
+use crate::resolve::{NODE_LEVELS, Resolved};
 use crate::tables::container::entry;
 use crate::tables::{Scale, TERMS, Table};
 use crate::template::GENERATED;
@@ -24,6 +24,7 @@ pub fn describe(
         "terms" => terms_meaning(table, resolved),
         "coefficients" => coefficients_meaning(table, resolved),
         _ if variant.mode == Mode::Gems => grating_meaning(),
+        _ if !resolved.node_counts.is_empty() => levels_meaning(variant),
         _ => spectrum_meaning(variant),
     };
     let has_scales = table.binding == TERMS && resolved.scale != Scale::NONE;
@@ -66,12 +67,16 @@ fn terms_meaning(
     };
     let layer = if paired { "layer p holds terms 2p and 2p+1" } else { "layer n holds term n" };
     let (x, y) = (resolved.bins.r_max, resolved.bins.s_max);
-    let bin = |axis: &str, centre: usize, l: f64| {
-        format!("bin {axis} = index - {centre}, frequency bin/{l} cycles per µm")
+    let size_um = resolved.grid.map_or(resolved.patch_um, |grid| grid.size_um);
+    let bin = |axis: &str, centre: usize, l: f64| match resolved.grid {
+        None => format!("bin {axis} = index - {centre}, frequency bin/{l} cycles per µm"),
+        Some(_) => format!(
+            "frequency (index - {centre})/{l} cycles per µm, linear between; the coherence window is in it"
+        ),
     };
     let axes = BTreeMap::from([
-        ("column", bin("r", x, resolved.patch_um[0])),
-        ("row", bin("s", y, resolved.patch_um[1])),
+        ("column", bin("r", x, size_um[0])),
+        ("row", bin("s", y, size_um[1])),
         (
             "layer",
             if resolved.expansion.is_tabulated() {
@@ -92,8 +97,8 @@ fn coefficients_meaning(
 ) -> (Vec<String>, BTreeMap<&'static str, String>) {
     let channels = [0, 1, 2, 3].map(|c| format!("coefficient of term 4 row + {c}"));
     let (last, z_max) = (table.width - 1, resolved.expansion.z_max);
-    let column =
-        format!("z = (index/{last} - 1)·{z_max} per µm, z = 2π w/wavelength; linear between");
+    let between = if resolved.grid.is_some() { "the nearest counts" } else { "linear between" };
+    let column = format!("z = (index/{last} - 1)·{z_max} per µm, z = 2π w/wavelength; {between}");
     let axes = BTreeMap::from([("column", column), ("row", "four terms each".to_owned())]);
     (channels.to_vec(), axes)
 }
@@ -115,6 +120,17 @@ fn spectrum_meaning(variant: &Variant) -> (Vec<String>, BTreeMap<&'static str, S
     let mut channels = weights.map(str::to_owned).to_vec();
     channels.push("wavelength in µm".to_owned());
     (channels, BTreeMap::from([("column", column), ("row", row_meaning("nodes"))]))
+}
+
+fn levels_meaning(variant: &Variant) -> (Vec<String>, BTreeMap<&'static str, String>) {
+    let w = &variant.wavelengths;
+    let channels = ["X weight", "Y weight", "Z weight", "wavelength in µm, 0 after the last node"];
+    let column = format!("wavelength node, {} to {} nm", w.max_nm, w.min_nm);
+    let level = format!(
+        "the nodes of |(u, v)| below 2/{NODE_LEVELS}; row 2 on: those of the next levels, each as wide"
+    );
+    let axes = BTreeMap::from([("column", column), ("row", row_meaning(&level))]);
+    (channels.map(str::to_owned).into(), axes)
 }
 
 fn grating_meaning() -> (Vec<String>, BTreeMap<&'static str, String>) {
