@@ -1,5 +1,6 @@
 //! What a variant becomes on a surface: counts that were left to the tool, sizes, static cost.
 
+mod bake;
 mod corridor;
 mod cost;
 mod period;
@@ -15,6 +16,7 @@ use crate::plan::{Auto, Coherence, Mode, Packing, TableFormat, Variant};
 use crate::tables::Scale;
 use crate::transform::Bins;
 
+pub use bake::{Axes, octant};
 pub use corridor::{Corridor, LEAST_SQUARED, Lobes, REACH_SIGMAS, WHOLE_PANELS};
 pub use cost::{Cost, LOBE_NODES};
 
