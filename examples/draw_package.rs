@@ -34,8 +34,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             if table.dimension == "2d-array" { TextureLayout::D2Array } else { TextureLayout::D2 };
         assert_eq!(table.format, "rgba32float", "this variant's tables are");
         let (format, bytes) = (TextureFormat::Rgba32Float, Cow::Owned(read(table.data)?));
-        let Table { binding, width, height, layers, .. } = table;
-        Ok(Texture { binding, layout, format, width, height, layers, bytes })
+        let Table { binding, width, height, layers, sampler, .. } = table;
+        Ok(Texture { binding, layout, format, width, height, layers, sampler, bytes })
     };
     let textures = TABLES.into_iter().map(texture).collect::<Result<_, _>>()?;
     let uniform = Some(Uniform { binding: PARAMS_BINDING, size: PARAMS_BYTES as u32 });

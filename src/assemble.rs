@@ -5,11 +5,15 @@ use std::collections::BTreeMap;
 use crate::diagnostic::Diagnostic;
 use crate::error::Result;
 use crate::height::HeightField;
-use crate::module::{Module, compile};
-use crate::plan::{Coherence, CoherenceScaling, Colour, Mode, Packing, TableFormat, Variant};
-use crate::resolve::Resolved;
+use crate::module::{Contract, Module, compile_with};
+use crate::plan::{
+    Coherence, CoherenceScaling, Colour, Mode, Packing, Reconstruction, TableFormat, Variant,
+};
+use crate::resolve::{NODE_LEVELS, Resolved};
 use crate::spectrum::{Sample, Spectrum};
-use crate::tables::{self, SPECTRUM, Table, grating_table, spectrum_table, terms_table};
+use crate::tables::{
+    self, SPECTRUM, Table, grating_table, levels_table, spectrum_table, terms_table,
+};
 use crate::template::{Constant, Defines, Sources, specialise};
 use crate::terms::Terms;
 
@@ -28,6 +32,7 @@ pub fn defines(
     let flags = [
         ("COHERENCE_SCALES", optics.coherence_scaling == CoherenceScaling::Wavelength),
         ("COLOUR_THESIS", optics.colour == Colour::Thesis),
+        ("FILTERED", variant.filters()),
         ("ENSEMBLE", optics.coherence == Coherence::Ensemble),
         ("HALF", variant.table == TableFormat::F16),
         ("HOIST", variant.hoist),
@@ -36,21 +41,26 @@ pub fn defines(
         ("MODE_GEMS", variant.mode == Mode::Gems),
         ("MODE_PQ", variant.mode == Mode::Pq),
         ("MONOCHROMATIC", wavelengths == 1),
+        ("PREFILTERED", variant.reconstruction == Reconstruction::Prefiltered),
         ("PAIRED", variant.packing == Packing::Paired),
         ("ROTATED", rotate_deg != 0.0),
         ("SHADOWING", optics.shadowing),
         ("TABULATED", resolved.expansion.is_tabulated()),
     ];
     let count = |n: usize| Constant::I32(i32::try_from(n).unwrap_or(i32::MAX));
+    let grid_um = resolved.grid.map_or(resolved.patch_um, |grid| grid.size_um);
     let constants = [
         ("CENTRE_COLUMN", count(resolved.bins.r_max)),
         ("CENTRE_ROW", count(resolved.bins.s_max)),
-        ("COEFFICIENT_COUNT", count(resolved.expansion.nodes())),
+        ("COEFFICIENT_COUNT", count(resolved.coefficient_count)),
         ("COEFFICIENT_ROWS", count(tables::coefficient_rows(&resolved.expansion))),
         ("COHERENCE_UM", Constant::F32(optics.coherence_um)),
+        ("GRID_HEIGHT_UM", Constant::F32(grid_um[1])),
+        ("GRID_WIDTH_UM", Constant::F32(grid_um[0])),
         ("LAYER_COUNT", count(resolved.layers as usize)),
         ("MAJOR_COUNT", count(resolved.corridor.majors as usize)),
         ("MINOR_COUNT", count(resolved.corridor.minors as usize)),
+        ("NODE_LEVELS", count(NODE_LEVELS as usize)),
         ("PANEL_COUNT", count(resolved.corridor.panels as usize)),
         ("PATCH_HEIGHT_UM", Constant::F32(resolved.patch_um[1])),
         ("PATCH_WIDTH_UM", Constant::F32(resolved.patch_um[0])),
@@ -83,7 +93,8 @@ pub fn shader(
 ) -> std::result::Result<Module, Vec<Diagnostic>> {
     let named = |all: Vec<Diagnostic>| all.into_iter().map(|d| d.variant(name)).collect::<Vec<_>>();
     let specialised = specialise(sources, ROOT, defines).map_err(named)?;
-    compile(&specialised, sources, name)
+    let filters = defines.flags.get("FILTERED").is_some_and(|on| *on);
+    compile_with(&specialised, sources, name, &Contract::standard(filters))
 }
 
 /// The tables of a variant in the order of their bindings, unrounded. Time: one two-dimensional transform per two terms.
@@ -104,24 +115,26 @@ pub fn tables(
 pub fn shapes(variant: &Variant, resolved: &Resolved, rotate_deg: f64) -> Result<Vec<Table>> {
     let mut all = Vec::new();
     if variant.mode != Mode::Gems {
-        all.push(tables::terms_shape(
+        let shape = tables::terms_shape(
             resolved.bins,
             resolved.expansion.terms as usize,
             variant.packing,
             variant.table,
-        ));
+        );
+        all.push(Table { filtered: variant.filters(), ..shape });
     }
     all.push(spectrum(variant, resolved, rotate_deg)?);
     if variant.mode != Mode::Gems && resolved.expansion.is_tabulated() {
-        all.push(tables::coefficients_table(&resolved.expansion));
+        all.push(tables::coefficients_table(&resolved.expansion, resolved.coefficient_count));
     }
     Ok(all)
 }
 
 /// The term table, unrounded.
 pub fn terms(variant: &Variant, resolved: &Resolved, height: &HeightField) -> Table {
-    let terms = Terms::new(height, &resolved.expansion, resolved.bins);
-    terms_table(&terms, variant.packing, variant.table, resolved.scale)
+    let terms = Terms::new(height, &resolved.expansion, resolved.bins, resolved.grid);
+    let table = terms_table(&terms, variant.packing, variant.table, resolved.scale);
+    Table { filtered: variant.filters(), ..table }
 }
 
 /// The spectrum table, unrounded.
@@ -130,6 +143,11 @@ fn spectrum(variant: &Variant, resolved: &Resolved, rotate_deg: f64) -> Result<T
         Mode::Gems => return Ok(grating_table(resolved.grating_um, rotate_deg)),
         Mode::Full | Mode::Pq => {
             Spectrum::new(&variant.optics.illuminant)?.samples(&variant.wavelengths)
+        }
+        Mode::Adaptive if !resolved.node_counts.is_empty() => {
+            let levels = Spectrum::new(&variant.optics.illuminant)?
+                .warped_samples(&variant.wavelengths, &resolved.node_counts);
+            return Ok(levels_table(&levels, rotate_deg, resolved.scale));
         }
         Mode::Adaptive => {
             Spectrum::new(&variant.optics.illuminant)?.wavenumber_samples(&variant.wavelengths)

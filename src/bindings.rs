@@ -7,7 +7,7 @@ use quote::quote;
 use crate::{
     error::{Error, Result, Stage},
     manifest::{Binding, TableEntry, UniformBlock, VariantManifest},
-    tables::Table,
+    tables::{SAMPLER_NAME, Table},
     template::GENERATED,
 };
 
@@ -44,7 +44,7 @@ pub fn rust(manifest: &VariantManifest, tables: &[&Table]) -> Result<String> {
 
         #(#places)*
 
-        /// A table that the shader reads as a texture, texel by texel, without a sampler.
+        /// A table that the shader reads as a texture, at level 0.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub struct Table {
             /// Bind group.
@@ -67,6 +67,8 @@ pub fn rust(manifest: &VariantManifest, tables: &[&Table]) -> Result<String> {
             pub height: u32,
             /// Array layers; 1 for a plain texture.
             pub layers: u32,
+            /// Binding of the sampler that it is read through, linear and clamping to the edge; none: texel by texel.
+            pub sampler: Option<u32>,
         }
 
         #(#constants)*
@@ -160,6 +162,13 @@ fn table(entry: &TableEntry, shape: &Table, binding: &Binding) -> TokenStream {
     let format = shape.format.name();
     let dimension = binding.dimension.unwrap_or_default();
     let bytes = Literal::usize_unsuffixed(shape.byte_count());
+    let sampler = match shape.filtered {
+        true => {
+            let place = ident(&format!("{}_BINDING", constant_name(SAMPLER_NAME)));
+            quote! { Some(#place) }
+        }
+        false => quote! { None },
+    };
     let [width, height, layers] =
         [shape.width, shape.height, shape.layers.max(1)].map(Literal::usize_unsuffixed);
     quote! {
@@ -175,6 +184,7 @@ fn table(entry: &TableEntry, shape: &Table, binding: &Binding) -> TokenStream {
             width: #width,
             height: #height,
             layers: #layers,
+            sampler: #sampler,
         };
     }
 }

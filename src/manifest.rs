@@ -103,14 +103,20 @@ pub struct Binding {
     pub group: u32,
     /// Binding.
     pub binding: u32,
-    /// `uniform` or `texture`.
+    /// `uniform`, `texture` or `sampler`.
     pub kind: &'static str,
     /// `2d` or `2d-array`, of textures.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dimension: Option<&'static str>,
-    /// `unfilterable-float`: read with `textureLoad`, no sampler.
+    /// `unfilterable-float`: read with `textureLoad` alone; `float`: through the sampler.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sample_type: Option<&'static str>,
+    /// `linear`, of samplers: between texels, at level 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub filter: Option<&'static str>,
+    /// `clamp-to-edge`, of samplers, on both axes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub address: Option<&'static str>,
     /// Texel format, WebGPU's name, of textures that a table fills.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub format: Option<&'static str>,
@@ -377,17 +383,25 @@ fn bindings(module: &Module, tables: &[(&Table, TableEntry)]) -> Vec<Binding> {
             let (kind, dimension, sample_type) = match ir.types[variable.ty].inner {
                 TypeInner::Image { dim, arrayed, class: ImageClass::Sampled { .. } } => {
                     let dimension = if arrayed { "2d-array" } else if dim == ImageDimension::D3 { "3d" } else { "2d" };
-                    ("texture", Some(dimension), Some("unfilterable-float"))
+                    let filtered = table.is_some_and(|(table, _)| table.filtered);
+                    let sample_type = if filtered { "float" } else { "unfilterable-float" };
+                    ("texture", Some(dimension), Some(sample_type))
                 }
+                TypeInner::Sampler { .. } => ("sampler", None, None),
                 _ => ("uniform", None, None),
             };
             let source = match (table, kind) {
                 (Some((_, entry)), _) => format!("table {}", entry.id),
                 (None, "texture") => "rgba32float, two rows per row of the picture: directions to the light and to the viewer, of `probe` only".to_owned(),
+                (None, "sampler") => {
+                    "reads the textures of sample type `float`; where samplers are part of textures, their parameters".to_owned()
+                }
                 _ => "see `uniforms`; of `map` and `probe` only".to_owned(),
             };
             let format = table.map(|(table, _)| table.format.name());
-            Some(Binding { name, group: resource.group, binding: resource.binding, kind, dimension, sample_type, format, source })
+            let sampler = kind == "sampler";
+            let (filter, address) = (sampler.then_some("linear"), sampler.then_some("clamp-to-edge"));
+            Some(Binding { name, group: resource.group, binding: resource.binding, kind, dimension, sample_type, filter, address, format, source })
         })
         .collect();
     all.sort_by_key(|b| (b.group, b.binding));

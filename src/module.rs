@@ -18,6 +18,7 @@ use serde::Serialize;
 
 use crate::{
     diagnostic::Diagnostic,
+    tables::SAMPLER_NAME,
     template::{Origin, Sources, Specialised},
 };
 
@@ -62,13 +63,13 @@ pub struct Contract {
 }
 
 impl Contract {
-    /// The contract of a shipped shader: `vert`, `map` and `probe`, and no sampler.
-    pub fn standard() -> Contract {
+    /// The contract of a shipped shader: `vert`, `map` and `probe`, and no sampler but, where it `filters`, the one.
+    pub fn standard(filters: bool) -> Contract {
         let entry_points =
             [("vert", Stage::Vertex), ("map", Stage::Fragment), ("probe", Stage::Fragment)];
         Contract {
             entry_points: entry_points.map(|(name, stage)| (name.to_owned(), stage)).into(),
-            samplers: BTreeSet::new(),
+            samplers: filters.then(|| SAMPLER_NAME.to_owned()).into_iter().collect(),
         }
     }
 }
@@ -115,13 +116,13 @@ impl Module {
     }
 }
 
-/// Compiles a shader that keeps the [`Contract::standard`].
+/// Compiles a shader that keeps the [`Contract::standard`] without a sampler.
 pub fn compile(
     specialised: &Specialised,
     sources: &Sources,
     variant: &str,
 ) -> Result<Module, Vec<Diagnostic>> {
-    compile_with(specialised, sources, variant, &Contract::standard())
+    compile_with(specialised, sources, variant, &Contract::standard(false))
 }
 
 /// Compiles a shader that keeps `contract`.

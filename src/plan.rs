@@ -254,6 +254,26 @@ pub enum Basis {
     Optimal,
 }
 
+/// How the amplitude at any frequency comes from a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Reconstruction {
+    /// A sum over the bins of the patch under the window's spectrum.
+    Window,
+    /// One value between the texels of a table that has the window in it already.
+    Prefiltered,
+}
+
+/// How a shader reads what lies between the texels of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Sampling {
+    /// Four loads, mixed by the shader.
+    Load,
+    /// One sample through a linear filter.
+    Filter,
+}
+
 /// A number that may be left to the tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Auto<T> {
@@ -341,6 +361,8 @@ pub struct Variant {
     pub terms: Auto<u32>,
     /// Error that `terms = "auto"` must keep.
     pub term_error: f64,
+    /// How the amplitude comes from the table. Read by `full` and `adaptive`.
+    pub reconstruction: Reconstruction,
     /// Bins to each side of the nearest one.
     pub window_radius: Auto<u32>,
     /// Replicas of the patch along x and y; `None`: from the coherence length. Read by `pq` only.
@@ -351,6 +373,8 @@ pub struct Variant {
     pub table: TableFormat,
     /// How complex terms lie in texels.
     pub packing: Packing,
+    /// How what lies between texels is read. Read where something lies there, see [`Variant::reads_between`].
+    pub sampling: Sampling,
     /// Loop-invariant work outside the loops.
     pub hoist: bool,
     /// Light and material.

@@ -4,6 +4,7 @@ mod bake;
 mod corridor;
 mod cost;
 mod period;
+mod prefilter;
 mod scale;
 
 use std::f64::consts::{PI, TAU};
@@ -12,13 +13,15 @@ use crate::basis::Expansion;
 use crate::error::{Error, Result, Stage};
 use crate::height::HeightField;
 use crate::optics;
-use crate::plan::{Auto, Coherence, Mode, Packing, TableFormat, Variant};
+use crate::plan::{Auto, Coherence, Mode, Packing, Reconstruction, TableFormat, Variant};
 use crate::tables::Scale;
+use crate::terms::Grid;
 use crate::transform::Bins;
 
 pub use bake::{Axes, octant};
 pub use corridor::{Corridor, LEAST_SQUARED, Lobes, REACH_SIGMAS, WHOLE_PANELS};
 pub use cost::{Cost, LOBE_NODES};
+pub use prefilter::{GRID_ERROR, NODE_LEVELS, grid_error, node_level};
 
 /// A variant with every number known. What a mode does not read has a neutral value.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +46,12 @@ pub struct Resolved {
     pub corridor: Corridor,
     /// Period as a vector, µm, of `gems`.
     pub grating_um: [f64; 2],
+    /// Grid of a prefiltered table, whose bins are its own.
+    pub grid: Option<Grid>,
+    /// Wavelength nodes at every level of `|(u, v)|`, of `adaptive` on a prefiltered table.
+    pub node_counts: Vec<u32>,
+    /// Columns of the table of coefficients; 0 without one.
+    pub coefficient_count: usize,
     /// Scales of the terms.
     pub scale: Scale,
     /// Static cost.
@@ -64,12 +73,14 @@ pub fn resolve(variant: &Variant, height: &HeightField) -> Result<Resolved> {
     let min_nm = variant.wavelengths.min_nm;
     let lobes = Lobes::new(variant, patch_um);
     let grating_um = match variant.mode {
-        Mode::Adaptive => check_isolated(variant, &lobes).map(|()| [0.0; 2])?,
+        Mode::Adaptive if variant.reconstruction == Reconstruction::Window => {
+            check_isolated(variant, &lobes).map(|()| [0.0; 2])?
+        }
         Mode::Gems => period::strongest_um(height).ok_or_else(|| {
             Error::new(Stage::Compute, &variant.name, "a flat surface has no period")
                 .remedy("gems is for gratings")
         })?,
-        Mode::Full | Mode::Pq => [0.0; 2],
+        Mode::Full | Mode::Pq | Mode::Adaptive => [0.0; 2],
     };
     let expansion = match variant.terms {
         Auto::Value(terms) => Expansion::new(variant.basis, terms, height, min_nm),
@@ -98,14 +109,17 @@ pub fn resolve(variant: &Variant, height: &HeightField) -> Result<Resolved> {
     };
     let (low_um, high_um) = height.range_um();
     let corridor = lobes.corridor(high_um - low_um);
+    let grid = prefilter::grid(variant, height)?;
     let margin = match variant.mode {
+        // the texel on the other side
+        _ if grid.is_some() => [1; 2],
         Mode::Adaptive => corridor.margin.map(|m| m as usize),
         // one bin more, because a 32-bit place may round the other way
         _ => [window_radius as usize + 1; 2],
     };
+    let size_um = grid.map_or(patch_um, |grid| grid.size_um);
     // |u| and |v| reach 2
-    let [x, y] =
-        margin.map(|m| Bins::reachable(patch_um[0], patch_um[1], 2.0 / (min_nm * 1e-3), m));
+    let [x, y] = margin.map(|m| Bins::reachable(size_um[0], size_um[1], 2.0 / (min_nm * 1e-3), m));
     let bins = Bins { r_max: x.r_max, s_max: y.s_max };
     let layers = expansion.terms.div_ceil(match variant.packing {
         Packing::Paired => 2,
@@ -114,6 +128,10 @@ pub fn resolve(variant: &Variant, height: &HeightField) -> Result<Resolved> {
     let scale = match variant.table {
         TableFormat::F32 => Scale::NONE,
         TableFormat::F16 => scale::scale(&expansion),
+    };
+    let coefficient_count = match grid {
+        Some(_) if expansion.is_tabulated() => NEAREST_COEFFICIENTS,
+        _ => expansion.nodes(),
     };
     let mut resolved = Resolved {
         expansion,
@@ -126,12 +144,19 @@ pub fn resolve(variant: &Variant, height: &HeightField) -> Result<Resolved> {
         taps: taps(window_radius, pixels),
         corridor,
         grating_um,
+        grid,
+        node_counts: prefilter::node_counts(variant, height),
+        coefficient_count,
         scale,
         cost: Cost::default(),
     };
     resolved.cost = cost::cost(variant, &resolved, &lobes);
     Ok(resolved)
 }
+
+/// Columns of coefficients that are taken from the nearest one: half a step of `z` turns the phase of a height of 0.2 µm by
+/// 1.6e-3. It is the width of a texture that every profile allows.
+const NEAREST_COEFFICIENTS: usize = 2048;
 
 /// Most replicas along an axis.
 const MOST_PERIODS: f64 = 10000.0;
@@ -156,8 +181,9 @@ fn check_isolated(variant: &Variant, lobes: &Lobes) -> Result<()> {
     }
     let cause =
         format!("neighbouring lobes overlap and interfere: σf·L = {widest:.2}, above {ISOLATED}");
-    Err(Error::new(Stage::Compute, &variant.name, cause)
-        .remedy("use coherence = \"ensemble\", or mode = \"full\""))
+    Err(Error::new(Stage::Compute, &variant.name, cause).remedy(
+        "use reconstruction = \"prefiltered\", coherence = \"ensemble\", or mode = \"full\"",
+    ))
 }
 
 fn taps(radius: u32, pixels: [u32; 2]) -> [u32; 2] {

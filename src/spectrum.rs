@@ -3,6 +3,8 @@
 //! Tables are those of the crate `colorimetry`: CIE 1931 2° observer and the CIE illuminants at 1 nm, 380–780 nm.
 //! Wavelengths outside that range are accepted and weigh nothing (they would add less than 1e-4 of Y).
 
+mod warp;
+
 use std::path::Path;
 
 use colorimetry::illuminant::CieIlluminant;
@@ -133,6 +135,13 @@ impl Spectrum {
             Sample { lambda_nm, xyz }
         };
         (0..WAVENUMBER_NODES).map(node).collect()
+    }
+
+    /// Nodes that lie the closer, the more light there is: for each count the midpoints of so many parts of a variable whose
+    /// density over 1/λ is a power of the weights, from the longest wavelength to the shortest. A node's weights are
+    /// those of its whole part, so that a constant response has the right colour for every count.
+    pub fn warped_samples(&self, range: &Wavelengths, counts: &[u32]) -> Vec<Vec<Sample>> {
+        warp::samples(self, range, counts)
     }
 
     /// Tristimulus values of a response of 1 at every wavelength: the illuminant's white, `Y = 1`.

@@ -68,6 +68,8 @@ pub struct Table {
     pub height: usize,
     /// Array layers; 0 for a plain two-dimensional texture.
     pub layers: usize,
+    /// Whether shaders read it through the linear filter of binding [`SAMPLER`], between texels; else texel by texel.
+    pub filtered: bool,
     /// Numbers, row-major; empty where only the shape is known.
     pub texels: Vec<f64>,
 }
@@ -81,6 +83,7 @@ impl Table {
         width: 0,
         height: 0,
         layers: 0,
+        filtered: false,
         texels: Vec::new(),
     };
 
@@ -142,6 +145,22 @@ impl Table {
     }
 }
 
+/// What a linear filter that clamps to the edge makes of the texels of one layer at `place`, in texels: whole numbers are
+/// their middles. Exact; drivers round the weights, some to 8 bits.
+pub fn bilinear(table: &Table, place: [f64; 2], layer: usize) -> [f64; 4] {
+    let last = [table.width, table.height].map(|count| count as f64 - 1.0);
+    let inside = [0, 1].map(|axis| place[axis].clamp(0.0, last[axis]));
+    let first = inside.map(f64::floor);
+    let part = [inside[0] - first[0], inside[1] - first[1]];
+    let texel = |right: i64, up: i64| {
+        let at = [first[0] as i64 + right, first[1] as i64 + up];
+        table.load(at[0].min(last[0] as i64), at[1].min(last[1] as i64), layer)
+    };
+    let mix = |a: [f64; 4], b: [f64; 4], t: f64| std::array::from_fn(|c| a[c] + t * (b[c] - a[c]));
+    let rows = [0, 1].map(|row| mix(texel(0, row), texel(1, row), part[0]));
+    mix(rows[0], rows[1], part[1])
+}
+
 /// Binding of the term table.
 pub const TERMS: u32 = 1;
 /// Binding of the spectrum table.
@@ -151,6 +170,10 @@ pub const DIRECTIONS: u32 = 3;
 
 /// Binding of the table of coefficients.
 pub const COEFFICIENTS: u32 = 4;
+/// Binding of the sampler.
+pub const SAMPLER: u32 = 5;
+/// Name of the sampler in the templates. `linear` alone is a word of HLSL; by this one Unity knows what it has to do.
+pub const SAMPLER_NAME: &str = "linear_clamp";
 
 /// Scales of the terms in a table of 16-bit floats: term `n` is stored divided by `first · ratio^n`.
 ///
@@ -210,14 +233,15 @@ pub fn terms_shape(bins: Bins, terms: usize, packing: Packing, format: TableForm
         width: bins.width(),
         height: bins.height(),
         layers,
+        filtered: false,
         texels: Vec::new(),
     }
 }
 
-/// The table of coefficients, 2-D: column `i` of `count` is `z = (i/(count - 1) - 1)·z_max`; row `q` holds terms `4q` to
+/// The table of coefficients, 2-D, of `width` columns: column `i` of `count` is `z = (i/(count - 1) - 1)·z_max`; row `q` holds terms `4q` to
 /// `4q + 3`, zero if there is none.
-pub fn coefficients_table(expansion: &Expansion) -> Table {
-    let (width, terms) = (expansion.nodes(), expansion.terms as usize);
+pub fn coefficients_table(expansion: &Expansion, width: usize) -> Table {
+    let terms = expansion.terms as usize;
     let height = coefficient_rows(expansion);
     let mut texels = Vec::with_capacity(4 * width * height);
     for row in 0..height {
@@ -236,6 +260,7 @@ pub fn coefficients_table(expansion: &Expansion) -> Table {
         width,
         height,
         layers: 0,
+        filtered: false,
         texels,
     }
 }
@@ -252,6 +277,22 @@ pub fn spectrum_table(samples: &[Sample], rotate_deg: f64, scale: Scale) -> Tabl
     let texels =
         samples.iter().map(|s| [s.xyz[0], s.xyz[1], s.xyz[2], s.lambda_nm * 1e-3]).collect();
     two_rows(texels, rotate_deg, scale)
+}
+
+/// The spectrum table of nodes that depend on `|(u, v)|`: a row for every level, the first of them in row 0, the others from
+/// row 2 on; row 1 as in [`spectrum_table`]. Texels after the last node of a row are 0.
+pub fn levels_table(levels: &[Vec<Sample>], rotate_deg: f64, scale: Scale) -> Table {
+    let width = levels.iter().map(Vec::len).max().unwrap_or(1);
+    let mut rows = levels.iter().map(|samples| {
+        let texel = |s: &Sample| [s.xyz[0], s.xyz[1], s.xyz[2], s.lambda_nm * 1e-3];
+        let mut row: Vec<[f64; 4]> = samples.iter().map(texel).collect();
+        row.resize(width, [0.0; 4]);
+        row
+    });
+    let mut table = two_rows(rows.next().unwrap_or_default(), rotate_deg, scale);
+    table.texels.extend(rows.flatten().flatten());
+    table.height = levels.len() + 1;
+    table
 }
 
 /// The table of the order sum in place of a spectrum. Row 0, first texel: the grating's period as a vector, µm, from one
@@ -273,6 +314,7 @@ fn two_rows(first: Vec<[f64; 4]>, rotate_deg: f64, scale: Scale) -> Table {
         width,
         height: 2,
         layers: 0,
+        filtered: false,
         texels,
     }
 }

@@ -32,6 +32,8 @@ const BUILTIN: &[(&str, &str)] = &[
     ("full", include_str!("../templates/full.wgsl")),
     ("pq", include_str!("../templates/pq.wgsl")),
     ("adaptive", include_str!("../templates/adaptive.wgsl")),
+    ("prefiltered", include_str!("../templates/prefiltered.wgsl")),
+    ("warped", include_str!("../templates/warped.wgsl")),
     ("gems", include_str!("../templates/gems.wgsl")),
     ("colour", include_str!("../templates/colour.wgsl")),
     ("map", include_str!("../templates/map.wgsl")),

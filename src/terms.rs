@@ -1,11 +1,28 @@
 //! The transforms of the basis functions of a surface.
 
+use std::f64::consts::{PI, TAU};
+
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 
 use crate::basis::Expansion;
 use crate::height::HeightField;
-use crate::transform::{Bins, axes, heights_upwards_um, ifft2};
+use crate::transform::{Axis, Bins, axes, heights_upwards_um, ifft2};
+
+/// A grid of frequencies that does not depend on the patch: the coherence window is applied in space to the plane that the
+/// patch tiles, and what it leaves is transformed at a spacing that linear interpolation bears.
+///
+/// The window is also divided by `sinc²(x/size)`, the transform of the linear interpolation, so that what is read between
+/// texels has no roll-off and errs by the images of the window alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    /// Samples along x and y, at the pitch of the patch.
+    pub samples: [usize; 2],
+    /// Their extent, µm; texels are `1/size` cycles per µm apart.
+    pub size_um: [f64; 2],
+    /// Standard deviation of the coherence window, µm.
+    pub sigma_um: f64,
+}
 
 /// `ifft2(b_n(h))` of every term at the wanted bins, `[term][s][r]`, row-major, origin at the patch centre.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,27 +36,33 @@ pub struct Terms {
 impl Terms {
     /// Transforms all terms. Two real functions share one complex transform, `f + i g`, and are told apart by the
     /// symmetry `F(-r, -s) = F*(r, s)`; the powers of `i` are put on afterwards.
-    pub fn new(height: &HeightField, expansion: &Expansion, bins: Bins) -> Terms {
+    ///
+    /// With a grid they are the terms of `P(f; z)` at its frequencies, instead of those of `c_rs(z)` at the patch's bins.
+    pub fn new(
+        height: &HeightField,
+        expansion: &Expansion,
+        bins: Bins,
+        grid: Option<Grid>,
+    ) -> Terms {
         if expansion.is_tabulated() {
-            return Terms { bins, tables: curves(height, expansion, bins) };
+            return Terms { bins, tables: curves(height, expansion, bins, grid) };
         }
         let x: Vec<f64> = heights_upwards_um(height)
             .iter()
             .map(|h| expansion.z_max * (h - expansion.origin_um))
             .collect();
-        let axes = axes(height);
         let mut power = vec![1.0; x.len()];
         let mut tables = Vec::with_capacity(expansion.terms as usize);
         for n in (0..expansion.terms).step_by(2) {
             let next = |p: f64, x: f64, n: u32| p * x / f64::from(n + 1);
-            let mut data: Vec<Complex64> =
+            let data: Vec<Complex64> =
                 power.par_iter().zip(&x).map(|(&p, &x)| Complex64::new(p, next(p, x, n))).collect();
             power
                 .par_iter_mut()
                 .zip(&data)
                 .zip(&x)
                 .for_each(|((p, pair), &x)| *p = next(pair.im, x, n + 1));
-            let both = ifft2(&mut data, axes, bins);
+            let both = transform(data, axes(height), bins, grid);
             let last = both.len() - 1;
             // bins run from -max to max on both axes, so the mirrored bin lies at the mirrored index
             let mirrored = |i: usize| both[last - i].conj();
@@ -66,7 +89,12 @@ impl Terms {
 }
 
 /// The terms of a basis with functions of its own, one transform each: they are complex.
-fn curves(height: &HeightField, expansion: &Expansion, bins: Bins) -> Vec<Vec<Complex64>> {
+fn curves(
+    height: &HeightField,
+    expansion: &Expansion,
+    bins: Bins,
+    grid: Option<Grid>,
+) -> Vec<Vec<Complex64>> {
     let heights_um: Vec<f64> =
         heights_upwards_um(height).iter().map(|h| h - expansion.origin_um).collect();
     let shift: Vec<Complex64> =
@@ -79,10 +107,50 @@ fn curves(height: &HeightField, expansion: &Expansion, bins: Bins) -> Vec<Vec<Co
         let value = |(h, shift): (&f64, &Complex64)| {
             times_i(curve.height((h / reach_um).clamp(-1.0, 1.0)) * shift, curve.turns)
         };
-        let mut data: Vec<Complex64> = heights_um.par_iter().zip(&shift).map(value).collect();
-        ifft2(&mut data, axes(height), bins)
+        let data: Vec<Complex64> = heights_um.par_iter().zip(&shift).map(value).collect();
+        transform(data, axes(height), bins, grid)
     };
     (0..expansion.terms as usize).map(table).collect()
+}
+
+/// The transform at the bins of the patch, or of the grid.
+fn transform(
+    mut data: Vec<Complex64>,
+    patch: [Axis; 2],
+    bins: Bins,
+    grid: Option<Grid>,
+) -> Vec<Complex64> {
+    let Some(grid) = grid else { return ifft2(&mut data, patch, bins) };
+    let lines = [0, 1].map(|axis| line(patch[axis], grid.samples[axis], grid.sigma_um));
+    let [columns, rows] = &lines;
+    let mut windowed = vec![Complex64::default(); columns.1.len() * rows.1.len()];
+    windowed.par_chunks_mut(columns.1.len()).zip(&rows.1).for_each(|(out, (row, weight))| {
+        let source = &data[row * patch[0].count..];
+        for (value, (column, part)) in out.iter_mut().zip(&columns.1) {
+            *value = source[*column] * (weight * part);
+        }
+    });
+    drop(data);
+    ifft2(&mut windowed, [columns.0, rows.0], bins)
+}
+
+/// One axis of a grid about the patch's centre; of every sample the patch's sample that lies there, and the window.
+fn line(patch: Axis, samples: usize, sigma_um: f64) -> (Axis, Vec<(usize, f64)>) {
+    let pitch_um = patch.period_um / patch.count as f64;
+    let size_um = samples as f64 * pitch_um;
+    let first = ((-0.5 * size_um - patch.start_um) / pitch_um).round();
+    let axis =
+        Axis { count: samples, start_um: patch.start_um + first * pitch_um, period_um: size_um };
+    let sample = |index: usize| {
+        let place_um = axis.position_um(index);
+        let source = (first as i64 + index as i64).rem_euclid(patch.count as i64) as usize;
+        let window =
+            (-0.5 * (place_um / sigma_um).powi(2)).exp() * size_um / (TAU.sqrt() * sigma_um);
+        let turn = PI * place_um / size_um;
+        let filter = if turn == 0.0 { 1.0 } else { turn.sin() / turn };
+        (source, window / (filter * filter))
+    };
+    (axis, (0..samples).map(sample).collect())
 }
 
 /// `i^n · c`, exactly.
@@ -108,7 +176,7 @@ mod tests {
         let height = HeightField::new(7, 5, 0.06, 0.05, heights_um).expect("valid");
         for basis in [Basis::Taylor, Basis::TaylorZero] {
             let expansion = Expansion::new(basis, 1, &height, 400.0).with_error(1e-12);
-            let terms = Terms::new(&height, &expansion, Bins { r_max: 5, s_max: 3 });
+            let terms = Terms::new(&height, &expansion, Bins { r_max: 5, s_max: 3 }, None);
             assert_eq!(terms.tables.len(), expansion.terms as usize);
             for z in [-29.0_f64, -8.0, 3.0] {
                 let tau = z / expansion.z_max;
@@ -132,7 +200,7 @@ mod tests {
     fn a_missing_term_shows() {
         let height = HeightField::new(2, 1, 0.05, 0.05, vec![0.0, 0.4]).expect("valid");
         let expansion = Expansion::new(Basis::Taylor, 3, &height, 400.0);
-        let terms = Terms::new(&height, &expansion, Bins { r_max: 0, s_max: 0 });
+        let terms = Terms::new(&height, &expansion, Bins { r_max: 0, s_max: 0 }, None);
         let tau = 20.0 / expansion.z_max;
         let sum: Complex64 = (0..3).map(|n| terms.at(n, 0, 0) * tau.powi(n as i32)).sum();
         let want =

@@ -8,7 +8,9 @@ pub mod full;
 mod gems;
 mod nodes;
 mod pq;
+mod prefiltered;
 mod series;
+mod warped;
 mod window;
 
 use glam::{DVec2, DVec3};
@@ -56,7 +58,9 @@ impl<'a> Twin<'a> {
 
     /// Relative tristimulus values of `ρ`.
     pub fn tristimulus(&self, directions: Directions) -> [f64; 3] {
+        let prefiltered = self.resolved.grid.is_some();
         match self.variant.mode {
+            Mode::Adaptive if prefiltered => warped::tristimulus(self, directions),
             Mode::Full | Mode::Pq => nodes::tristimulus(self, directions),
             Mode::Adaptive => adaptive::tristimulus(self, directions),
             Mode::Gems => gems::tristimulus(self, directions),
@@ -66,6 +70,7 @@ impl<'a> Twin<'a> {
     /// `|P|²` of this variant at one wavelength, µm, along `path = (u, v, w)`; `None` where it has no wavelengths.
     pub fn response(&self, path: DVec3, lambda_um: f64) -> Option<f64> {
         match self.variant.mode {
+            _ if self.resolved.grid.is_some() => Some(prefiltered::response(self, path, lambda_um)),
             Mode::Full => Some(full::response(self, path, lambda_um)),
             Mode::Pq => Some(pq::response(self, path, lambda_um)),
             // the segment shrinks to a point

@@ -1,10 +1,18 @@
+#ifdef PREFILTERED
+// The terms of the amplitude, and what their series is in.
+#else
 #ifdef TABULATED
 // The transform of the phase function at one bin, as a series whose coefficients are a table.
 #else
 // The transform of the phase function at one bin, as a power series.
 #endif
+#endif
 
+#ifdef PREFILTERED
+// Transforms of the terms under the coherence window at the frequencies that can be reached; the middle texel is 0.
+#else
 // Transforms of the terms at the bins that can be reached; the middle texel is bin (0, 0).
+#endif
 @group(0) @binding(1) var terms: texture_2d_array<f32>;
 
 #ifdef TABULATED
@@ -36,6 +44,7 @@ fn series_scale() -> f32 {
 }
 #endif
 
+#ifndef PREFILTERED
 #ifdef TABULATED
 // The sum over terms of coefficient times table, coefficients linear between their nodes; of scaled tables, over their
 // scale.
@@ -90,5 +99,6 @@ fn bin_amplitude(bin: vec2i, tau: f32) -> vec2f {
     return sum;
 #endif
 }
+#endif
 #endif
 #endif

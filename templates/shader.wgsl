@@ -8,8 +8,12 @@
 #ifdef MODE_FULL
 #import nodes
 #import series
+#ifdef PREFILTERED
+#import prefiltered
+#else
 #import window
 #import full
+#endif
 #endif
 #ifdef MODE_PQ
 #import nodes
@@ -18,8 +22,13 @@
 #endif
 #ifdef MODE_ADAPTIVE
 #import series
+#ifdef PREFILTERED
+#import prefiltered
+#import warped
+#else
 #import window
 #import adaptive
+#endif
 #endif
 #ifdef MODE_GEMS
 #import gems

@@ -13,7 +13,7 @@ use diffraction_shaders::frame::view_directions;
 use diffraction_shaders::height::{HeightField, load};
 use diffraction_shaders::measure::{Comparison, compare, on_orders};
 use diffraction_shaders::optics::direction;
-use diffraction_shaders::plan::{Basis, Mode, Plan, Variant};
+use diffraction_shaders::plan::{Basis, Mode, Plan, Reconstruction, Sampling, Variant};
 use diffraction_shaders::reference::Directions;
 use diffraction_shaders::resolve::resolve;
 use diffraction_shaders::runner::{Runner, Subject, TwinRunner};
@@ -86,7 +86,7 @@ fn the_stated_bound_holds_and_is_not_loose() {
         for basis in BASES {
             for error in [1e-1, 1e-2, 1e-3, 1e-4] {
                 let expansion = Expansion::new(basis, 1, &height, 380.0).with_error(error);
-                let table = coefficients_table(&expansion);
+                let table = coefficients_table(&expansion, expansion.nodes());
                 let (bound, found) = (expansion.bound(), true_error(&expansion, &table, &height));
                 println!(
                     "{name} {} {error:e}: {} terms, {} nodes, bound {bound:.2e}, true {found:.2e}",
@@ -116,7 +116,7 @@ fn a_swapped_row_of_coefficients_shows() {
     let height = height(FINGERS);
     for basis in BASES {
         let expansion = Expansion::new(basis, 1, &height, 380.0).with_error(1e-3);
-        let mut table = coefficients_table(&expansion);
+        let mut table = coefficients_table(&expansion, expansion.nodes());
         assert!(true_error(&expansion, &table, &height) < 1e-3);
         table.texels.chunks_mut(4).for_each(|texel| texel.swap(0, 1));
         assert!(true_error(&expansion, &table, &height) > 0.1);
@@ -237,6 +237,8 @@ fn what_has_no_meaning_is_told() {
     assert!(plan.rejected[0].reason.contains("no powers"), "{:?}", plan.rejected);
     let fine = Variant {
         basis: Basis::Optimal,
+        reconstruction: Reconstruction::Window,
+        sampling: Sampling::Load,
         hoist: true,
         term_error: 1e-9,
         ..plan.variants[0].clone()

@@ -8,7 +8,9 @@ use diffraction_shaders::emit::{EmittedFile, emit};
 use diffraction_shaders::frame::view_direction;
 use diffraction_shaders::height::{HeightField, synthetic::synthesise};
 use diffraction_shaders::optics::direction;
-use diffraction_shaders::plan::{Auto, Basis, Grating, Optics, Packing, Rough, Variant};
+use diffraction_shaders::plan::{
+    Auto, Basis, Grating, Optics, Packing, Reconstruction, Rough, Sampling, Variant,
+};
 use diffraction_shaders::reference::Directions;
 use diffraction_shaders::runner::egl::{Dialect, Egl};
 use diffraction_shaders::runner::{
@@ -333,6 +335,8 @@ fn variant() -> Variant {
         basis: Basis::Taylor,
         terms: Auto::Value(19),
         packing: Packing::Paired,
+        reconstruction: Reconstruction::Window,
+        sampling: Sampling::Load,
         hoist: true,
         ..Variant::texts(&Optics::standard())
     }

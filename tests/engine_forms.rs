@@ -250,6 +250,7 @@ impl Variant<'_> {
                 width: number("width"),
                 height: number("height"),
                 layers: if shape["dimension"] == "2d-array" { number("layers") } else { 0 },
+                filtered: false,
                 texels: Vec::new(),
             };
             let bytes = self.package.files()[&path("data")].content.read().unwrap();
@@ -447,6 +448,7 @@ fn listed(directions: &[Pair]) -> Table {
         width: directions.len(),
         height: 2,
         layers: 0,
+        filtered: false,
         texels: row(0).chain(row(1)).flatten().collect(),
     }
 }
@@ -464,6 +466,7 @@ fn texture(table: &Table) -> Texture<'static> {
         width: table.width as u32,
         height: table.height as u32,
         layers: table.layers.max(1) as u32,
+        sampler: None,
         bytes: Cow::Owned(table.bytes()),
     }
 }

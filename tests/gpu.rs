@@ -62,6 +62,7 @@ fn array(
         width,
         height,
         layers,
+        sampler: None,
         bytes: Cow::Owned(bytes),
     }
 }

@@ -224,10 +224,15 @@ fn entry_points_of_the_contract() {
 #[test]
 fn resources_that_every_target_has() {
     let rule = "resources";
-    let declared = ("@vertex", "@group(0) @binding(2) var linear: sampler;\n@vertex");
+    let declared = ("@vertex", "@group(0) @binding(5) var linear: sampler;\n@vertex");
     assert_eq!(findings(&with(&[declared])), []);
     let other = ("@vertex", "@group(0) @binding(2) var other: sampler;\n@vertex");
     assert_finding(&[other], rule, "17:23: `other` is a sampler that is not declared");
+    let elsewhere = ("@vertex", "@group(0) @binding(2) var linear: sampler;\n@vertex");
+    let message = "17:23: `linear` is a sampler at another place than binding 5 of group 0";
+    assert_finding(&[elsewhere], rule, message);
+    let compares = ("@vertex", "@group(0) @binding(5) var linear: sampler_comparison;\n@vertex");
+    assert_finding(&[compares], rule, "17:23: `linear` is a sampler that compares");
     let buffer = ("@vertex", "@group(0) @binding(2) var<storage> data: array<vec4f>;\n@vertex");
     assert_finding(&[buffer], rule, "17:23: `data` is a storage buffer");
     let image = (
@@ -292,7 +297,7 @@ fn no_gather() {
     let sampled = |call: &str| {
         let line = format!("return row.xyz * {call}.xyz * ");
         with(&[
-            ("@vertex", "@group(0) @binding(2) var linear: sampler;\n@vertex"),
+            ("@vertex", "@group(0) @binding(5) var linear: sampler;\n@vertex"),
             ("return row.xyz * ", &line),
         ])
     };

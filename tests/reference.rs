@@ -9,7 +9,8 @@ use diffraction_shaders::height::{HeightField, synthetic::synthesise};
 use diffraction_shaders::measure::compare;
 use diffraction_shaders::optics::{direction, gain};
 use diffraction_shaders::plan::{
-    Auto, Basis, CoherenceScaling, Grating, Optics, Packing, Variant, Wavelengths,
+    Auto, Basis, CoherenceScaling, Grating, Optics, Packing, Reconstruction, Sampling, Variant,
+    Wavelengths,
 };
 use diffraction_shaders::reference::{Directions, Reference};
 use diffraction_shaders::runner::{Exact, Runner, Subject, TwinRunner};
@@ -68,6 +69,8 @@ fn full(terms: u32, radius: u32, step_nm: f64) -> Variant {
         window_radius: Auto::Value(radius),
         wavelengths: Wavelengths { min_nm: 380.0, max_nm: 780.0, step_nm },
         packing: Packing::Paired,
+        reconstruction: Reconstruction::Window,
+        sampling: Sampling::Load,
         hoist: true,
         ..Variant::texts(&Optics::standard())
     }

@@ -1,11 +1,11 @@
 //! Function forms: [`FUNCTIONS`](super::FUNCTIONS) and what they need, without entry points and bindings.
 //!
-//! - `.fn.wgsl` is the specialised text with its comments. Textures are parameters behind the directions, threaded
+//! - `.fn.wgsl` is the specialised text with its comments. Textures and the sampler are parameters behind the directions, threaded
 //!   through every function that reads them, since node systems such as that of three.js know no free names. The text
 //!   begins with `fn diffraction(`, which such systems want; the generated-by line is the first of its body.
-//! - `.fn.glsl` declares its textures as uniforms of their names in the templates. It has no `#version`, no precision
+//! - `.fn.glsl` declares its textures as uniforms of their names in the templates, samplers being part of them. It has no `#version`, no precision
 //!   statement and no `main`, and is valid behind those of GLSL ES 3.00 and of GLSL 4.50.
-//! - `.fn.hlsl` declares its textures as globals of their names in the templates, without registers.
+//! - `.fn.hlsl` declares its textures and the sampler as globals of their names in the templates, without registers.
 
 mod core;
 mod wgsl;
@@ -77,8 +77,7 @@ fn glsl_text(core: &Core) -> Result<String, String> {
 
 fn hlsl_text(core: &Core) -> Result<String, String> {
     let (ir, info) = core.without_shell()?;
-    let (text, _) = hlsl::write(&ir, &info, naga::back::hlsl::BindingMap::new())?;
-    Ok(hlsl::with_header(&text))
+    Ok(hlsl::with_header(&hlsl::write_unbound(&ir, &info)?))
 }
 
 /// The declaration of a function: its line in the text, or what is left of it before the body.

@@ -85,7 +85,9 @@ fn write(single: &Single, version: Version) -> Result<(String, Vec<BindingName>)
     let named = bindings(&single.ir).into_iter().map(|(handle, mut binding)| {
         rename(&mut binding, handle, single.stage, &reflection);
         let place = naga::ResourceBinding { group: binding.group, binding: binding.binding };
-        binding.emitted_binding = options.binding_map.get(&place).map(|unit| u32::from(*unit));
+        let unit = options.binding_map.get(&place).map(|unit| u32::from(*unit));
+        // a sampler has no unit of its own
+        binding.emitted_binding = unit.filter(|_| binding.kind != BindingKind::Sampler);
         binding
     });
     let named = named.collect();

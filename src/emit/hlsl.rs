@@ -1,17 +1,20 @@
 //! HLSL of shader model 5.1, all entry points in one file.
 
-use naga::back::hlsl;
+use naga::{TypeInner, back::hlsl};
 
 use crate::{error::Result, module::Module, plan::Target, template::GENERATED};
 
 use super::{EmittedFile, bindings, entry_points, failure, resolved};
 
-/// Binding `b` is register `bB` or `tB`: one number for both kinds, so that Vulkan's compilers of HLSL, which know no
+mod sampler;
+
+/// Binding `b` is register `bB`, `tB` or `sB`: one number for all kinds, so that Vulkan's compilers of HLSL, which know no
 /// kinds of registers, need no shifts. A group other than 0 is a register space.
 pub fn emit(module: &Module) -> Result<Vec<EmittedFile>> {
     let (ir, info) = resolved(module, Target::Hlsl)?;
     let fail = |cause: String| failure(module, Target::Hlsl, cause);
     let (text, entries) = write(&ir, &info, places(&ir)).map_err(fail)?;
+    let text = sampler::plain(&text, &ir, true).map_err(fail)?;
     Ok(vec![EmittedFile {
         name: "diffraction.hlsl".to_owned(),
         target: Target::Hlsl,
@@ -33,6 +36,7 @@ pub fn write(
         binding_map,
         // a binding without a register is an error, not a guess
         fake_missing_bindings: false,
+        sampler_buffer_binding_map: sampler::index_buffers(ir),
         special_constants_binding: None,
         zero_initialize_workgroup_memory: false,
         restrict_indexing: false,
@@ -53,6 +57,18 @@ pub fn write(
 /// The generated-by line above a text.
 pub fn with_header(text: &str) -> String {
     format!("// {GENERATED}\n{}\n", text.trim())
+}
+
+/// The text of functions without registers.
+pub fn write_unbound(ir: &naga::Module, info: &naga::valid::ModuleInfo) -> Result<String, String> {
+    let samplers = ir
+        .global_variables
+        .iter()
+        .filter(|(_, global)| matches!(ir.types[global.ty].inner, TypeInner::Sampler { .. }));
+    let places =
+        samplers.filter_map(|(_, global)| Some((global.binding?, hlsl::BindTarget::default())));
+    let (text, _) = write(ir, info, places.collect())?;
+    sampler::plain(&text, ir, false)
 }
 
 fn places(ir: &naga::Module) -> hlsl::BindingMap {

@@ -5,7 +5,8 @@ use serde_json::{Value, json};
 use crate::error::{Error, Stage};
 use crate::package::sha256;
 use crate::plan::{
-    Auto, Mode, Optics, SurfaceSource, SurfaceSpec, TableFormat, Variant, Wavelengths,
+    Auto, Mode, Optics, Reconstruction, SurfaceSource, SurfaceSpec, TableFormat, Variant,
+    Wavelengths,
 };
 use crate::tables::{COEFFICIENTS, TERMS, Table};
 
@@ -52,6 +53,7 @@ pub(super) fn expected_id(surface_hash: &str, variant: &Variant) -> String {
 /// Identity of a term table: everything that its numbers and its size come from.
 fn terms_id(surface_hash: &str, variant: &Variant) -> String {
     let radius = match (variant.mode, variant.window_radius) {
+        _ if is_prefiltered(variant) => json!(["prefiltered", variant.optics.coherence_um]),
         (Mode::Adaptive, _) => {
             let optics = &variant.optics;
             json!(["adaptive", optics.coherence_um, optics.coherence_scaling])
@@ -79,8 +81,16 @@ fn terms_id(surface_hash: &str, variant: &Variant) -> String {
 /// Identity of a table of coefficients.
 fn coefficients_id(surface_hash: &str, variant: &Variant) -> String {
     let min_nm = variant.wavelengths.min_nm;
-    let inputs = json!([TOOL_VERSION, surface_hash, variant.basis, term_count(variant), min_nm]);
+    let mut inputs =
+        json!([TOOL_VERSION, surface_hash, variant.basis, term_count(variant), min_nm]);
+    if is_prefiltered(variant) {
+        inputs = json!([inputs, "nearest"]);
+    }
     format!("coefficients-{}", &hash(&inputs)[..12])
+}
+
+fn is_prefiltered(variant: &Variant) -> bool {
+    variant.reconstruction == Reconstruction::Prefiltered
 }
 
 fn term_count(variant: &Variant) -> Value {
@@ -96,6 +106,16 @@ fn spectrum_id(spec: &SurfaceSpec, surface_hash: &str, variant: &Variant) -> Str
     let Wavelengths { min_nm, max_nm, .. } = variant.wavelengths;
     let mut inputs = match variant.mode {
         Mode::Full | Mode::Pq => json!([TOOL_VERSION, illuminant, variant.wavelengths, rotate_deg]),
+        Mode::Adaptive if is_prefiltered(variant) => json!([
+            TOOL_VERSION,
+            "warped",
+            surface_hash,
+            variant.optics.coherence_um,
+            illuminant,
+            min_nm,
+            max_nm,
+            rotate_deg
+        ]),
         Mode::Adaptive => {
             json!([TOOL_VERSION, "adaptive", illuminant, min_nm, max_nm, rotate_deg])
         }

@@ -36,7 +36,7 @@ pub const LINTS: &[Lint] = &[
     Lint {
         name: "resources",
         why: "WebGL2 has no storage buffers and no storage textures; separate samplers differ between the targets, \
-              so they have to be declared",
+              so there is none but the linear one at its place, and that only where it has been declared",
         find: interface::resources,
     },
     Lint {

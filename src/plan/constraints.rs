@@ -1,7 +1,9 @@
 //! What each mode reads, and the combinations that mean nothing.
 
 use super::variants::Draft;
-use super::{Basis, Coherence, CoherenceScaling, Colour, Mode, Optics};
+use super::{
+    Basis, Coherence, CoherenceScaling, Colour, Mode, Optics, Reconstruction, Sampling, TableFormat,
+};
 
 /// Whether a mode reads a key of the canonical configuration; `pq` with given periods has no use for a coherence length.
 pub(super) fn reads(mode: Mode, periods_given: bool, key: &str) -> bool {
@@ -15,10 +17,26 @@ pub(super) fn reads(mode: Mode, periods_given: bool, key: &str) -> bool {
     }
 }
 
+/// Whether a form reads what lies between the texels of a table.
+pub(super) fn reads_between(mode: Mode, reconstruction: Option<Reconstruction>) -> bool {
+    let prefiltered = reconstruction == Some(Reconstruction::Prefiltered);
+    match mode {
+        Mode::Full | Mode::Adaptive => prefiltered,
+        Mode::Pq | Mode::Gems => false,
+    }
+}
+
 /// The same configuration with every key that its mode does not read at its documented default, except where
 /// [`broken`] has to see it.
 pub(super) fn normalised(draft: Draft) -> Draft {
     let standard = Draft::standard(Optics::standard());
+    let mut draft = draft;
+    if draft.mode.1.is_some_and(|mode| !reads_between(mode, draft.reconstruction.1)) {
+        draft.sampling = standard.sampling;
+    }
+    if draft.reconstruction.1 == Some(Reconstruction::Prefiltered) {
+        draft.window_radius = standard.window_radius;
+    }
     match draft.mode.1 {
         Some(Mode::Full) => Draft { periods: None, ..draft },
         Some(Mode::Pq) if draft.periods.is_some() => {
@@ -48,9 +66,38 @@ pub(super) fn broken(mode: Mode, draft: &Draft) -> Vec<(&'static str, String)> {
             found.push((key, reason.to_owned()));
         }
     };
+    let prefiltered = draft.reconstruction.1 == Some(Reconstruction::Prefiltered);
+    let reads_between = reads_between(mode, draft.reconstruction.1);
+    refuse(
+        reads_between
+            && draft.sampling == Sampling::Filter
+            && draft.table.1 == Some(TableFormat::F32),
+        "sampling",
+        "WebGPU and WebGL2 filter no tables of 32-bit floats; use table = \"f16\"",
+    );
+    refuse(
+        prefiltered && mode == Mode::Pq,
+        "reconstruction",
+        "pq has no coherence window that a table could have in it",
+    );
+    refuse(
+        prefiltered && ensemble,
+        "coherence",
+        "a prefiltered table holds amplitudes under one window, and coherence = \"ensemble\" adds intensities of orders before the window",
+    );
+    refuse(
+        prefiltered && optics.coherence_scaling == CoherenceScaling::Wavelength,
+        "coherence_scaling",
+        "a prefiltered table has one window in it, the same for all wavelengths",
+    );
+    refuse(
+        prefiltered && !draft.hoist,
+        "hoist",
+        "hoist = false is the loop of the texts over bins, and a prefiltered table needs no such loop",
+    );
     let tabulated = matches!(draft.basis.1, Some(Basis::Chebyshev | Basis::Optimal));
     refuse(
-        tabulated && !draft.hoist && mode == Mode::Full,
+        tabulated && !draft.hoist && mode == Mode::Full && !prefiltered,
         "basis",
         "hoist = false is the loop of the texts over powers, and the coefficients of this basis are no powers",
     );

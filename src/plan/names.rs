@@ -7,8 +7,8 @@ use sha2::{Digest, Sha256};
 
 use super::constraints;
 use super::variants::Draft;
-use super::{Auto, Basis, Coherence, CoherenceScaling, Colour, Mode, Optics, Packing, TableFormat};
-use super::{Variant, Wavelengths};
+use super::{Auto, Basis, Coherence, CoherenceScaling, Colour, Mode, Optics, Packing};
+use super::{Reconstruction, Sampling, TableFormat, Variant, Wavelengths};
 
 impl Variant {
     /// Name of the built-in preset.
@@ -23,11 +23,13 @@ impl Variant {
             basis: Basis::TaylorZero,
             terms: Auto::Value(31),
             term_error: 1e-3,
+            reconstruction: Reconstruction::Window,
             window_radius: Auto::Value(1),
             periods: None,
             wavelengths: Wavelengths { min_nm: 380.0, max_nm: 780.0, step_nm: 5.0 },
             table: TableFormat::F32,
             packing: Packing::Single,
+            sampling: Sampling::Load,
             hoist: false,
             optics: optics.clone(),
         }
@@ -68,9 +70,26 @@ impl Variant {
             _ => None,
         };
         map.retain(|key, _| constraints::reads(self.mode, self.periods.is_some(), key));
+        if self.reconstruction == Reconstruction::Prefiltered {
+            map.insert("reconstruction", json!(self.reconstruction));
+            map.retain(|key, _| !["window_radius", "hoist"].contains(key));
+        }
+        if self.reads_between() {
+            map.insert("sampling", json!(self.sampling));
+        }
         let pairs: Vec<String> =
             map.iter().map(|(key, value)| format!("\"{key}\":{value}")).collect();
         format!("{{{}}}", pairs.join(","))
+    }
+
+    /// Whether its shader reads what lies between the texels of a table, so that `sampling` means something.
+    pub fn reads_between(&self) -> bool {
+        constraints::reads_between(self.mode, Some(self.reconstruction))
+    }
+
+    /// Whether its shader reads a table through a linear filter.
+    pub fn filters(&self) -> bool {
+        self.reads_between() && self.sampling == Sampling::Filter
     }
 
     /// SHA-256 of [`Variant::canonical`], hexadecimal: the identity of the configuration.
@@ -131,6 +150,7 @@ pub(super) fn name_of(draft: &Draft) -> String {
     add(waves != wavelengths(&Draft { mode: draft.mode, ..standard.clone() }), waves);
     add(draft.table != standard.table, draft.table.0.to_owned());
     add(draft.packing != standard.packing, draft.packing.as_str().to_owned());
+    add(draft.sampling != standard.sampling, draft.sampling.as_str().to_owned());
     add(!draft.hoist, "nohoist".to_owned());
     let (optics, plain) = (&draft.optics, &standard.optics);
     add(optics.coherence_um != plain.coherence_um, format!("lc{}", number(optics.coherence_um)));

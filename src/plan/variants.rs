@@ -4,8 +4,8 @@ use super::constraints;
 use super::item::{Item, Table};
 use super::words::{self, unavailable};
 use super::{
-    Auto, Basis, Coherence, CoherenceScaling, Colour, Mode, Optics, Packing, TableFormat, Variant,
-    Wavelengths,
+    Auto, Basis, Coherence, CoherenceScaling, Colour, Mode, Optics, Packing, Reconstruction,
+    Sampling, TableFormat, Variant, Wavelengths,
 };
 
 /// Most combinations that the axes of a plan may span.
@@ -21,12 +21,13 @@ pub(super) struct Draft {
     pub(super) basis: Word<Basis>,
     pub(super) terms: Auto<u32>,
     pub(super) term_error: f64,
-    pub(super) reconstruction: Word<()>,
+    pub(super) reconstruction: Word<Reconstruction>,
     pub(super) window_radius: Auto<u32>,
     pub(super) periods: Option<[u32; 2]>,
     pub(super) wavelengths: Wavelengths,
     pub(super) table: Word<TableFormat>,
     pub(super) packing: Packing,
+    pub(super) sampling: Sampling,
     pub(super) hoist: bool,
     pub(super) optics: Optics,
 }
@@ -41,12 +42,13 @@ pub(super) enum Setting {
     Basis(Word<Basis>),
     Terms(Auto<u32>),
     TermError(f64),
-    Reconstruction(Word<()>),
+    Reconstruction(Word<Reconstruction>),
     WindowRadius(Auto<u32>),
     Periods(Option<[u32; 2]>),
     Wavelengths(Wavelengths),
     Table(Word<TableFormat>),
     Packing(Packing),
+    Sampling(Sampling),
     Hoist(bool),
     CoherenceUm(f64),
     Coherence(Coherence),
@@ -60,7 +62,7 @@ pub(super) enum Setting {
 type Axis = (&'static str, fn(&Item) -> Option<Setting>);
 
 /// Keys of `[variants]` and of a preset in the order of the product: the first varies slowest.
-const AXES: [Axis; 11] = [
+const AXES: [Axis; 12] = [
     ("mode", |item| item.word(words::MODES).map(Setting::Mode)),
     ("basis", |item| item.word(words::BASES).map(Setting::Basis)),
     ("terms", |item| auto(item, 1..201, "the number of terms, or \"auto\"").map(Setting::Terms)),
@@ -74,6 +76,7 @@ const AXES: [Axis; 11] = [
     ("wavelengths", |item| wavelengths(item).map(Setting::Wavelengths)),
     ("table", |item| item.word(words::TABLE_FORMATS).map(Setting::Table)),
     ("packing", |item| item.word(words::PACKINGS).map(|(_, packing)| Setting::Packing(packing))),
+    ("sampling", |item| item.word(words::SAMPLINGS).map(|(_, word)| Setting::Sampling(word))),
     ("hoist", |item| item.boolean().map(Setting::Hoist)),
 ];
 
@@ -157,12 +160,13 @@ impl Draft {
             basis: ("taylor", Some(Basis::Taylor)),
             terms: Auto::Value(31),
             term_error: 1e-3,
-            reconstruction: ("window", Some(())),
+            reconstruction: ("window", Some(Reconstruction::Window)),
             window_radius: Auto::Value(1),
             periods: None,
             wavelengths: Wavelengths { min_nm: 380.0, max_nm: 780.0, step_nm: 5.0 },
             table: ("f32", Some(TableFormat::F32)),
             packing: Packing::Paired,
+            sampling: Sampling::Load,
             hoist: true,
             optics,
         }
@@ -173,10 +177,10 @@ impl Draft {
         let mut refusals = Vec::new();
         let mode = available(&mut refusals, "mode", self.mode);
         let basis = available(&mut refusals, "basis", self.basis);
-        available(&mut refusals, "reconstruction", self.reconstruction);
+        let reconstruction = available(&mut refusals, "reconstruction", self.reconstruction);
         let table = available(&mut refusals, "table", self.table);
-        let (Some(mode), Some(basis), Some(table), true) =
-            (mode, basis, table, refusals.is_empty())
+        let (Some(mode), Some(basis), Some(reconstruction), Some(table), true) =
+            (mode, basis, reconstruction, table, refusals.is_empty())
         else {
             return Err(refusals);
         };
@@ -190,11 +194,13 @@ impl Draft {
             basis,
             terms: self.terms,
             term_error: self.term_error,
+            reconstruction,
             window_radius: self.window_radius,
             periods: self.periods,
             wavelengths: self.wavelengths,
             table,
             packing: self.packing,
+            sampling: self.sampling,
             hoist: self.hoist,
             optics: self.optics.clone(),
         })
@@ -217,6 +223,7 @@ impl Draft {
             Setting::Wavelengths(x) => self.wavelengths = x,
             Setting::Table(x) => self.table = x,
             Setting::Packing(x) => self.packing = x,
+            Setting::Sampling(x) => self.sampling = x,
             Setting::Hoist(x) => self.hoist = x,
             Setting::CoherenceUm(x) => self.optics.coherence_um = x,
             Setting::Coherence(x) => self.optics.coherence = x,

@@ -1,8 +1,8 @@
 //! The words of a plan: which exist, and which of them this version builds.
 
 use super::{
-    Basis, Coherence, CoherenceScaling, Colour, Container, Level, Mode, Packing, TableFormat,
-    Target,
+    Basis, Coherence, CoherenceScaling, Colour, Container, Level, Mode, Packing, Reconstruction,
+    Sampling, TableFormat, Target,
 };
 
 /// Words with what they mean; `None`: planned, not available in this version.
@@ -23,7 +23,8 @@ pub(super) const BASES: Words<Basis> = &[
     ("optimal", Some(Basis::Optimal)),
 ];
 
-pub(super) const RECONSTRUCTIONS: Words<()> = &[("window", Some(())), ("prefiltered", None)];
+pub(super) const RECONSTRUCTIONS: Words<Reconstruction> =
+    &[("window", Some(Reconstruction::Window)), ("prefiltered", Some(Reconstruction::Prefiltered))];
 
 pub(super) const TABLE_FORMATS: Words<TableFormat> =
     &[("f32", Some(TableFormat::F32)), ("f16", Some(TableFormat::F16))];
@@ -46,6 +47,9 @@ pub(super) const TARGETS: Words<Target> = &[
 
 pub(super) const PACKINGS: &[(&str, Packing)] =
     &[("paired", Packing::Paired), ("single", Packing::Single)];
+
+pub(super) const SAMPLINGS: &[(&str, Sampling)] =
+    &[("load", Sampling::Load), ("filter", Sampling::Filter)];
 
 pub(super) const COHERENCES: &[(&str, Coherence)] =
     &[("single", Coherence::Single), ("ensemble", Coherence::Ensemble)];
@@ -90,6 +94,16 @@ impl Packing {
         match self {
             Packing::Paired => "paired",
             Packing::Single => "single",
+        }
+    }
+}
+
+impl Sampling {
+    /// The word of the plan.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Sampling::Load => "load",
+            Sampling::Filter => "filter",
         }
     }
 }

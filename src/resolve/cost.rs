@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::plan::{Mode, Variant};
 
-use super::{Lobes, Resolved};
+use super::{Lobes, Resolved, node_level};
 
 /// What one lit pixel costs, whatever the driver. The modes with uniform wavelengths cost the same everywhere;
 /// `adaptive` costs what its direction meets, counted over `mean_and_worst`'s directions.
@@ -30,8 +30,10 @@ pub const LOBE_NODES: u32 = 8;
 /// Counts a variant's work.
 pub(super) fn cost(variant: &Variant, resolved: &Resolved, lobes: &Lobes) -> Cost {
     let layers = u64::from(resolved.layers);
+    let most_nodes = resolved.node_counts.iter().copied().max().map(u64::from);
     let nodes = match variant.mode {
         Mode::Gems => 1,
+        Mode::Adaptive if most_nodes.is_some() => most_nodes.unwrap_or(1),
         Mode::Adaptive if variant.wavelengths.max_nm > variant.wavelengths.min_nm => {
             crate::spectrum::WAVENUMBER_NODES as u64
         }
@@ -43,9 +45,11 @@ pub(super) fn cost(variant: &Variant, resolved: &Resolved, lobes: &Lobes) -> Cos
         variant.packing,
         variant.table,
     );
-    let spectrum_bytes = 2 * 4 * 4 * nodes;
+    // the settings are a row of their own
+    let rows_of_nodes = resolved.node_counts.len().max(1) as u64 + 1;
+    let spectrum_bytes = rows_of_nodes * 4 * 4 * nodes;
     let rows = crate::tables::coefficient_rows(&resolved.expansion) as u64;
-    let coefficient_bytes = rows * resolved.expansion.nodes() as u64 * 4 * 4;
+    let coefficient_bytes = rows * resolved.coefficient_count as u64 * 4 * 4;
     let table_bytes = shape.byte_count() as u64 + spectrum_bytes + coefficient_bytes;
     // neighbouring texels of every row of coefficients
     let coefficients = 2 * rows;
@@ -57,6 +61,28 @@ pub(super) fn cost(variant: &Variant, resolved: &Resolved, lobes: &Lobes) -> Cos
         fetches_mean: (nodes * (taps * (layers + coefficients) + 1)) as f64,
         table_bytes,
     };
+    if resolved.grid.is_some() {
+        let texels = if variant.filters() { 1 } else { 4 };
+        let (mean, worst) = match most_nodes {
+            None => (nodes as f64, nodes),
+            Some(worst) => {
+                let count = |uv: [f64; 2]| {
+                    u64::from(resolved.node_counts[node_level(uv[0].hypot(uv[1])) as usize])
+                };
+                (mean_and_worst(count).0, worst)
+            }
+        };
+        // neighbouring texels of every layer, the nearest coefficients, the node
+        let fetches = texels * layers + rows + 1;
+        return Cost {
+            evaluations: worst,
+            evaluations_mean: mean,
+            term_fetches: worst * texels * layers,
+            fetches: worst * fetches,
+            fetches_mean: mean * fetches as f64,
+            table_bytes,
+        };
+    }
     match variant.mode {
         Mode::Full => uniform(u64::from(2 * resolved.window_radius + 1).pow(2)),
         Mode::Pq => uniform(u64::from(resolved.taps[0]) * u64::from(resolved.taps[1])),
@@ -64,7 +90,14 @@ pub(super) fn cost(variant: &Variant, resolved: &Resolved, lobes: &Lobes) -> Cos
             Cost { fetches: 1, fetches_mean: 1.0, table_bytes: spectrum_bytes, ..Cost::default() }
         }
         Mode::Adaptive => {
-            let (mean, worst) = mean_and_worst(lobes, resolved.corridor.panels);
+            let panels = resolved.corridor.panels;
+            let (mean, worst) = mean_and_worst(|uv| {
+                lobes
+                    .bins(uv)
+                    .into_iter()
+                    .map(|(_, span)| u64::from(lobes.panels(span, panels)))
+                    .sum()
+            });
             // two neighbouring texels of the spectrum at each node
             let fetches = layers + coefficients + 2 * u64::from(LOBE_NODES);
             Cost {
@@ -81,14 +114,10 @@ pub(super) fn cost(variant: &Variant, resolved: &Resolved, lobes: &Lobes) -> Cos
 
 /// Evaluations of the bins, mean over the disc of viewing directions under a light 20° from the normal in the plane of x,
 /// and the most over that disc and its mirror direction.
-fn mean_and_worst(lobes: &Lobes, panels: u32) -> (f64, u64) {
+fn mean_and_worst(count: impl Fn([f64; 2]) -> u64) -> (f64, u64) {
     const SIDE: i32 = 48;
     /// sin 20°, rounded: configured, so that the counts are the same on every processor.
     const SIN_LIGHT: f64 = 0.342;
-    let count = |uv: [f64; 2]| {
-        let panels = lobes.bins(uv).into_iter().map(|(_, span)| lobes.panels(span, panels));
-        panels.map(u64::from).sum::<u64>()
-    };
     let (mut sum, mut directions) = (0, 0);
     let mut worst = count([0.0, 0.0]);
     for row in 0..SIDE {

@@ -6,7 +6,7 @@
 //! Conventions, the same on every backend:
 //!
 //! * Pixels come row by row from the top: row 0 is next to y = +1 of normalised device coordinates, column 0 next to x = -1.
-//! * All bindings are in group 0. Textures are read by `textureLoad`: they are bound as not filterable, and there are no samplers.
+//! * All bindings are in group 0. Textures are read by `textureLoad` and bound as not filterable, but for those that name a sampler.
 //! * Every failure is an [`Error`](crate::error::Error) of stage `Run`: what wgpu reports, a lost device, and a panic inside wgpu,
 //!   which it raises where it has no other way to report (the panic's own message also goes to stderr, as Rust's hook prints it).
 //! * Shaders run with wgpu's own run-time checks (bounds of loads, bounded loops). Switching them off is 1.0 to 1.5 times faster

@@ -110,6 +110,7 @@ impl Passthrough {
                 {
                     textures.push(shader::texture(table, place));
                 }
+                // comes with the textures that it reads
                 _ => {}
             }
         }

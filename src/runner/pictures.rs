@@ -223,6 +223,7 @@ fn directions_table(directions: &[Directions]) -> Table {
         width: PROBE_WIDTH,
         height: 2 * rows,
         layers: 0,
+        filtered: false,
         texels,
     }
 }

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use crate::error::Result;
 use crate::module::Module;
-use crate::tables::{Table, TexelFormat};
+use crate::tables::{SAMPLER, Table, TexelFormat};
 
 use super::gpu::{Gpu, Pipeline, Program, Shader, Texture, TextureFormat, TextureLayout, Uniform};
 use super::pictures::{BAND_ROWS, BoundTable, Driver, DriverRunner, Prepared};
@@ -75,6 +75,7 @@ pub(super) fn texture(table: &Table, binding: u32) -> Texture<'static> {
         width: table.width as u32,
         height: table.height as u32,
         layers: table.layers.max(1) as u32,
+        sampler: table.filtered.then_some(SAMPLER),
         bytes: Cow::Owned(table.bytes()),
     }
 }

@@ -155,6 +155,7 @@ fn read_resources(reflected: &Value) -> BTreeSet<String> {
                     "texture2D" => "texture 2d",
                     "texture2DArray" => "texture 2d-array",
                     "texture3D" => "texture 3d",
+                    "sampler" => "sampler",
                     other => other,
                 };
                 read.insert(format!("{name} {numbers} {dimension}"));

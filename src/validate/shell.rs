@@ -98,7 +98,7 @@ fn calls(text: &str, begin: &str, direction: &str) -> Result<String, String> {
     Ok(calls.join(" + "))
 }
 
-/// Textures are parameters in WGSL: the shell binds one for each.
+/// Textures and the sampler are parameters in WGSL: the shell binds one for each.
 fn wgsl(text: &str) -> Result<String, String> {
     let [first, ..] = FUNCTIONS;
     if !text.starts_with(&format!("fn {first}(")) {
@@ -116,7 +116,7 @@ fn wgsl(text: &str) -> Result<String, String> {
         let mut arguments = Vec::new();
         for parameter in parameters.split(", ") {
             let (name, ty) = parameter.split_once(": ").ok_or("a parameter without a type")?;
-            if !ty.starts_with("texture") {
+            if !(ty.starts_with("texture") || ty == "sampler") {
                 arguments.push(format!("{ty}(0.0, 0.6, 0.8)"));
                 continue;
             }

@@ -1,7 +1,9 @@
 //! What the tests of browsers share.
 
 use diffraction_shaders::height::{HeightField, synthetic::synthesise};
-use diffraction_shaders::plan::{Auto, Basis, Grating, Optics, Packing, Variant};
+use diffraction_shaders::plan::{
+    Auto, Basis, Grating, Optics, Packing, Reconstruction, Sampling, Variant,
+};
 use diffraction_shaders::runner::browser::Browser;
 
 /// The machine's browser. A missing one is a failure where the tools are required, else it is said.
@@ -25,6 +27,8 @@ pub fn centred(name: &str) -> Variant {
         basis: Basis::Taylor,
         terms: Auto::Value(19),
         packing: Packing::Paired,
+        reconstruction: Reconstruction::Window,
+        sampling: Sampling::Load,
         hoist: true,
         ..Variant::texts(&Optics::standard())
     }

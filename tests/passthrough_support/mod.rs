@@ -3,7 +3,8 @@
 use diffraction_shaders::height::{HeightField, synthetic::synthesise};
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{
-    Auto, Basis, Coherence, Grating, Mode, Optics, Packing, Rough, TableFormat, Variant,
+    Auto, Basis, Coherence, Grating, Mode, Optics, Packing, Reconstruction, Rough, Sampling,
+    TableFormat, Variant,
 };
 use diffraction_shaders::reference::Directions;
 use diffraction_shaders::runner::{Runner, rounded};
@@ -45,6 +46,8 @@ pub fn centred(name: &str) -> Variant {
         basis: Basis::Taylor,
         terms: Auto::Value(19),
         packing: Packing::Paired,
+        reconstruction: Reconstruction::Window,
+        sampling: Sampling::Load,
         hoist: true,
         ..Variant::texts(&Optics::standard())
     }

@@ -17,7 +17,8 @@ pub struct Core {
     pub names: Vec<String>,
     /// With the bindings of the templates.
     pub bound: naga::Module,
-    /// Without bindings: the writers then keep the names of the templates and leave out all marks.
+    /// Without bindings, those of samplers apart, which the writer of HLSL wants: the writers then keep the names of the
+    /// templates and leave out all marks.
     pub unbound: naga::Module,
     /// Of `unbound`.
     pub info: ModuleInfo,
@@ -33,8 +34,8 @@ impl Core {
     }
 }
 
-/// Takes functions of those names out of a module; the first has to exist. They may read textures, and nothing else
-/// from outside.
+/// Takes functions of those names out of a module; the first has to exist. They may read textures and samplers, and
+/// nothing else from outside.
 pub fn extract(module: &Module, names: &[&str]) -> Result<Core, String> {
     let mut bound = module.ir().clone();
     let find = |name: &&str| {
@@ -51,7 +52,8 @@ pub fn extract(module: &Module, names: &[&str]) -> Result<Core, String> {
         let read = bound.global_variables.iter().filter(|(global, _)| !info[*global].is_empty());
         let mut foreign = read.filter(|(_, global)| {
             let handle = global.space == AddressSpace::Handle;
-            !(handle && matches!(bound.types[global.ty].inner, TypeInner::Image { .. }))
+            let inner = &bound.types[global.ty].inner;
+            !(handle && matches!(inner, TypeInner::Image { .. } | TypeInner::Sampler { .. }))
         });
         if let Some((_, global)) = foreign.next() {
             let global = global.name.as_deref().unwrap_or_default();
@@ -63,7 +65,9 @@ pub fn extract(module: &Module, names: &[&str]) -> Result<Core, String> {
     compact(&mut bound, KeepUnused::No);
     let mut unbound = bound.clone();
     for (_, global) in unbound.global_variables.iter_mut() {
-        global.binding = None;
+        if !matches!(unbound.types[global.ty].inner, TypeInner::Sampler { .. }) {
+            global.binding = None;
+        }
     }
     let info = validate(&unbound)?;
     let names = found.into_iter().map(|(name, _)| name.to_owned()).collect();

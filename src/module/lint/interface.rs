@@ -1,8 +1,11 @@
 //! Rules about entry points and resources.
 
-use naga::{AddressSpace, Handle, ImageClass, ScalarKind, Span, Type, TypeInner, VectorSize};
+use naga::{
+    AddressSpace, Handle, ImageClass, ResourceBinding, ScalarKind, Span, Type, TypeInner,
+    VectorSize,
+};
 
-use crate::{diagnostic::Diagnostic, profile::Limits};
+use crate::{diagnostic::Diagnostic, profile::Limits, tables::SAMPLER};
 
 use super::{super::Stage, Subject};
 
@@ -36,6 +39,9 @@ pub fn entry_points(subject: &Subject) -> Vec<Diagnostic> {
     found
 }
 
+/// Where the runners and the manifest have the sampler.
+const SAMPLER_PLACE: ResourceBinding = ResourceBinding { group: 0, binding: SAMPLER };
+
 /// Uniform blocks and sampled textures are all that may be bound, and samplers by declaration.
 pub fn resources(subject: &Subject) -> Vec<Diagnostic> {
     let mut found = Vec::new();
@@ -46,6 +52,10 @@ pub fn resources(subject: &Subject) -> Vec<Diagnostic> {
             (_, TypeInner::Image { class: ImageClass::Storage { .. }, .. }) => "storage texture",
             (_, TypeInner::Sampler { .. }) if !subject.contract.samplers.contains(name) => {
                 "sampler that is not declared"
+            }
+            (_, TypeInner::Sampler { comparison: true }) => "sampler that compares",
+            (_, TypeInner::Sampler { .. }) if global.binding != Some(SAMPLER_PLACE) => {
+                "sampler at another place than binding 5 of group 0"
             }
             _ => continue,
         };

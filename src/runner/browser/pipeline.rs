@@ -8,7 +8,7 @@ use super::{Api, BoundTable, Browser, Web, lock};
 use crate::emit::{BindingKind, EmittedFile};
 use crate::error::{Error, Result, Stage};
 use crate::runner::stages::StageFile;
-use crate::tables::Table;
+use crate::tables::{SAMPLER, Table};
 
 /// A compiled program with its tables; the page forgets it when it is dropped.
 #[derive(Debug)]
@@ -103,6 +103,7 @@ fn describe(binding: u32, table: &Table, bytes: &[u8]) -> Value {
         "width": table.width,
         "height": table.height,
         "layers": table.layers,
+        "filtered": table.filtered,
         "bytes": bytes.len(),
     })
 }
@@ -143,8 +144,10 @@ fn resources(
                 }
                 textures.push(entry);
             }
+            // of WebGL2 the parameters of its textures
+            BindingKind::Sampler if binding.binding == SAMPLER => job["sampler"] = json!(SAMPLER),
             BindingKind::Sampler => {
-                return Err(failure(name, file, format!("{emitted} is a sampler")));
+                return Err(failure(name, file, format!("{emitted} is another sampler")));
             }
         }
     }

@@ -283,7 +283,7 @@ impl Current<'_> {
         Ok(())
     }
 
-    /// Makes a texture, not filtered, and binds it to a unit.
+    /// Makes a texture, filtered where its table is, and binds it to a unit.
     pub(super) fn upload(
         &self,
         unit: u32,
@@ -305,15 +305,18 @@ impl Current<'_> {
         let data = PixelUnpackData::Slice(Some(bytemuck::cast_slice(&texels)));
         let flat = table.layers == 0;
         let to = if flat { glow::TEXTURE_2D } else { glow::TEXTURE_2D_ARRAY };
-        let nearest = glow::NEAREST as i32;
+        let filter = if table.filtered { glow::LINEAR } else { glow::NEAREST } as i32;
+        let edge = glow::CLAMP_TO_EDGE as i32;
         // SAFETY: the context is current; GL reads `width · height · layers · channels` floats, which were counted above: no
         // buffer is bound for unpacking, and rows of floats need no padding.
         unsafe {
             let texture = self.gl.create_texture()?;
             self.gl.active_texture(glow::TEXTURE0 + unit);
             self.gl.bind_texture(to, Some(texture));
-            self.gl.tex_parameter_i32(to, glow::TEXTURE_MIN_FILTER, nearest);
-            self.gl.tex_parameter_i32(to, glow::TEXTURE_MAG_FILTER, nearest);
+            self.gl.tex_parameter_i32(to, glow::TEXTURE_MIN_FILTER, filter);
+            self.gl.tex_parameter_i32(to, glow::TEXTURE_MAG_FILTER, filter);
+            self.gl.tex_parameter_i32(to, glow::TEXTURE_WRAP_S, edge);
+            self.gl.tex_parameter_i32(to, glow::TEXTURE_WRAP_T, edge);
             self.gl.tex_parameter_i32(to, glow::TEXTURE_MAX_LEVEL, 0);
             let float = glow::FLOAT;
             if flat {

@@ -9,7 +9,7 @@ use super::context::{Context, Current};
 use super::device::Device;
 use crate::emit::{BindingKind, EmittedFile};
 use crate::error::Result;
-use crate::tables::Table;
+use crate::tables::{SAMPLER, Table};
 
 /// A compiled program with its tables, in a context of its own.
 pub struct Pipeline {
@@ -129,8 +129,10 @@ fn bind(
                 }
                 current.uniform_buffer(place, bytes).or_else(|e| current.fail(e))?;
             }
+            // combined with its texture, whose parameters are those of the table
+            BindingKind::Sampler if binding.binding == SAMPLER => {}
             BindingKind::Sampler => {
-                return current.fail(format!("{}: {name} is a sampler", file.name));
+                return current.fail(format!("{}: {name} is another sampler", file.name));
             }
         }
     }

@@ -40,7 +40,7 @@ pub enum Shader<'a> {
     },
 }
 
-/// A texture that shaders read by `textureLoad` at level 0.
+/// A texture that shaders read at level 0.
 #[derive(Clone, Debug)]
 pub struct Texture<'a> {
     /// `@binding` in group 0.
@@ -55,6 +55,9 @@ pub struct Texture<'a> {
     pub height: u32,
     /// Layers; 1 for [`TextureLayout::D2`]. On GL `textureNumLayers` may return one more, see [`TextureLayout::D2Array`].
     pub layers: u32,
+    /// `@binding` in group 0 of the sampler that it is read through, which is linear and clamps to the edge; `None`: by
+    /// `textureLoad` alone.
+    pub sampler: Option<u32>,
     /// Texels in little-endian order, `[layer][row][column]`, without padding.
     pub bytes: Cow<'a, [u8]>,
 }
@@ -129,7 +132,7 @@ pub(super) fn check(program: &Program<'_>, shared: &Shared) -> Result<()> {
         }
     }
     for texture in &program.textures {
-        let Texture { binding, layout, format, width, height, layers, ref bytes } = *texture;
+        let Texture { binding, layout, format, width, height, layers, ref bytes, .. } = *texture;
         let fail = |cause: String| {
             Error::new(
                 error::Stage::Run,
@@ -196,12 +199,20 @@ pub(super) fn build(shared: &Arc<Shared>, program: &Program<'_>) -> Result<Pipel
         layouts.push(layout_entry(
             texture.binding,
             wgpu::BindingType::Texture {
-                sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                sample_type: wgpu::TextureSampleType::Float {
+                    filterable: texture.sampler.is_some(),
+                },
                 view_dimension: dimension(texture.layout),
                 multisampled: false,
             },
         ));
         views.push((texture.binding, upload(shared, program.name, texture)?));
+    }
+    let samplers: Vec<(u32, wgpu::Sampler)> =
+        samplers(program).into_iter().map(|binding| (binding, linear(device))).collect();
+    for (binding, _) in &samplers {
+        let ty = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
+        layouts.push(layout_entry(*binding, ty));
     }
     let buffer = program.uniform.map(|uniform| {
         let ty = wgpu::BufferBindingType::Uniform;
@@ -223,6 +234,10 @@ pub(super) fn build(shared: &Arc<Shared>, program: &Program<'_>) -> Result<Pipel
             resource: wgpu::BindingResource::TextureView(view),
         })
         .collect();
+    entries.extend(samplers.iter().map(|(binding, sampler)| wgpu::BindGroupEntry {
+        binding: *binding,
+        resource: wgpu::BindingResource::Sampler(sampler),
+    }));
     if let (Some(uniform), Some(buffer)) = (program.uniform, &buffer) {
         let resource = buffer.as_entire_binding();
         entries.push(wgpu::BindGroupEntry { binding: uniform.binding, resource });
@@ -293,6 +308,7 @@ fn fillers(program: &Program<'_>) -> Vec<Texture<'static>> {
         width: 1,
         height: 1,
         layers: 1,
+        sampler: None,
         bytes: Cow::Owned(vec![0; 16]),
     };
     (0..last).filter(|binding| !used.contains(binding)).map(filler).collect()
@@ -301,7 +317,23 @@ fn fillers(program: &Program<'_>) -> Vec<Texture<'static>> {
 /// The bindings of group 0 that the program fills.
 fn bindings(program: &Program<'_>) -> impl Iterator<Item = u32> {
     let textures = program.textures.iter().map(|texture| texture.binding);
-    textures.chain(program.uniform.map(|uniform| uniform.binding))
+    let uniform = program.uniform.map(|uniform| uniform.binding);
+    textures.chain(uniform).chain(samplers(program))
+}
+
+/// The bindings of its samplers, each once.
+fn samplers(program: &Program<'_>) -> BTreeSet<u32> {
+    program.textures.iter().filter_map(|texture| texture.sampler).collect()
+}
+
+/// Linear between texels, clamped to the edge.
+fn linear(device: &wgpu::Device) -> wgpu::Sampler {
+    device.create_sampler(&wgpu::SamplerDescriptor {
+        label: Some("linear"),
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        ..Default::default()
+    })
 }
 
 fn layout_entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {

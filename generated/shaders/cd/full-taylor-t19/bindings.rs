@@ -46,7 +46,7 @@ pub const DIRECTIONS_GROUP: u32 = 0;
 /// Binding of texture `directions`.
 pub const DIRECTIONS_BINDING: u32 = 3;
 
-/// A table that the shader reads as a texture, texel by texel, without a sampler.
+/// A table that the shader reads as a texture, at level 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Table {
     /// Bind group.
@@ -69,6 +69,8 @@ pub struct Table {
     pub height: u32,
     /// Array layers; 1 for a plain texture.
     pub layers: u32,
+    /// Binding of the sampler that it is read through, linear and clamping to the edge; none: texel by texel.
+    pub sampler: Option<u32>,
 }
 
 /// Table `terms`.
@@ -83,6 +85,7 @@ pub const TERMS_TABLE: Table = Table {
     width: 21,
     height: 5,
     layers: 10,
+    sampler: None,
 };
 
 /// Table `spectrum`.
@@ -97,6 +100,7 @@ pub const SPECTRUM_TABLE: Table = Table {
     width: 81,
     height: 2,
     layers: 1,
+    sampler: None,
 };
 
 /// All tables.

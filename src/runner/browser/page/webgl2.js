@@ -122,8 +122,8 @@ const webgl2 = (() => {
     return (log ?? "").replaceAll("\0", "").trim();
   }
 
-  // A texture, not filtered; its texels are as they will be stored, so that the driver has nothing to round.
-  function upload(gl, { binding, name, format, width, height, layers, data }) {
+  // A texture, filtered or not; its texels are as they will be stored, so that the driver has nothing to round.
+  function upload(gl, { binding, name, format, width, height, layers, filtered, data }) {
     const what = `table ${name}`;
     within(gl, `${what}: units`, binding + 1, "MAX_TEXTURE_IMAGE_UNITS");
     within(gl, `${what}: width`, width, "MAX_TEXTURE_SIZE");
@@ -140,8 +140,11 @@ const webgl2 = (() => {
     const texture = gl.createTexture();
     gl.activeTexture(gl.TEXTURE0 + binding);
     gl.bindTexture(at, texture);
-    gl.texParameteri(at, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
-    gl.texParameteri(at, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+    const filter = filtered ? gl.LINEAR : gl.NEAREST;
+    gl.texParameteri(at, gl.TEXTURE_MIN_FILTER, filter);
+    gl.texParameteri(at, gl.TEXTURE_MAG_FILTER, filter);
+    gl.texParameteri(at, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
+    gl.texParameteri(at, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     if (layers === 0) {
       gl.texStorage2D(at, 1, internal, width, height);

@@ -52,7 +52,7 @@ const webgpu = (() => {
     programs.set(job.id, await guarded(used, () => build(used, job, tables)));
   }
 
-  async function build(device, { vertex, fragment, block }, tables) {
+  async function build(device, { vertex, fragment, block, sampler }, tables) {
     const modules = new Map();
     for (const { file, text } of [vertex, fragment]) {
       if (!modules.has(file)) modules.set(file, await shader(device, file, text));
@@ -65,9 +65,15 @@ const webgpu = (() => {
     const layouts = [{ binding: block, visibility, buffer: { minBindingSize: PARAMS_BYTES } }];
     const entries = [{ binding: block, resource: { buffer: uniform } }];
     const textures = tables.map((table) => upload(device, table));
-    tables.forEach(({ binding, layers }, i) => {
+    if (sampler !== undefined) {
+      const filter = { magFilter: "linear", minFilter: "linear" };
+      layouts.push({ binding: sampler, visibility, sampler: { type: "filtering" } });
+      entries.push({ binding: sampler, resource: device.createSampler(filter) });
+    }
+    tables.forEach(({ binding, layers, filtered }, i) => {
       const viewDimension = layers === 0 ? "2d" : "2d-array";
-      const texture = { sampleType: "unfilterable-float", viewDimension };
+      const sampleType = filtered ? "float" : "unfilterable-float";
+      const texture = { sampleType, viewDimension };
       layouts.push({ binding, visibility, texture });
       entries.push({ binding, resource: textures[i].createView({ dimension: viewDimension }) });
     });

@@ -1,0 +1,40 @@
+// The wavelength integral as a sum over nodes that lie the closer, the faster the amplitude changes along f = (u, v)/λ, and
+// the closer, the more light there is.
+
+// Of every level of |(u, v)| a row of nodes: X, Y, Z weights and wavelength in µm, 0 after the last. Row 0 is the lowest
+// level, the others begin at row 2; row 1: cosine and sine of the surface's rotation, scale of the first term, ratio of the
+// scales.
+@group(0) @binding(2) var spectrum: texture_2d<f32>;
+
+// Relative tristimulus values for one pair of directions.
+fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
+    let factor = gain(wi, wr);
+    if (factor == 0.0) {
+        return vec3f(0.0);
+    }
+    let path = path_difference(wi, wr);
+    let row = node_row(path.xy);
+    var xyz = vec3f(0.0);
+    for (var node = 0; node < WAVELENGTH_COUNT; node++) {
+        let texel = textureLoad(spectrum, vec2i(node, row), 0);
+        if (texel.w == 0.0) {
+            break;
+        }
+        xyz += texel.xyz * intensity(path, texel.w);
+    }
+#ifdef HALF
+    return factor * series_scale() * series_scale() * xyz;
+#else
+    return factor * xyz;
+#endif
+}
+
+// Row of the nodes of a direction.
+fn node_row(uv: vec2f) -> i32 {
+#ifdef MONOCHROMATIC
+    return 0;
+#else
+    let level = min(i32(0.5 * f32(NODE_LEVELS) * length(uv)), NODE_LEVELS - 1);
+    return select(level + 1, 0, level == 0);
+#endif
+}
