@@ -8,6 +8,7 @@
 
 mod line;
 mod sharpen;
+mod table;
 
 use rayon::prelude::*;
 
@@ -20,6 +21,7 @@ use crate::spectrum::Spectrum;
 use line::{LANES, Lines, Row};
 
 pub use sharpen::sharpen;
+pub use table::{COLOUR_SCALE, shape, table};
 
 /// Colours of a table, `[level][row][column][X, Y, Z]`, columns of a full turn.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,6 +69,6 @@ pub fn bake(
 }
 
 /// The rows of a table with their wavelengths.
-fn rows(axes: &Axes) -> impl Iterator<Item = Row> {
-    (0..axes.rows).map(|index| Row { index, radius: axes.radius(index) })
+fn rows(axes: &Axes) -> impl Iterator<Item = Row> + '_ {
+    (0..axes.rows).map(|index| Row { radius: axes.radius(index) })
 }

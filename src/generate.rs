@@ -25,7 +25,7 @@ use crate::plan::{Container, SurfaceSpec, TableFormat, Target, Variant};
 use crate::probe;
 use crate::resolve::{Resolved, resolve};
 use crate::tables::container::encode;
-use crate::tables::{TERMS, Table};
+use crate::tables::{TERMS, Table, TexelFormat};
 use crate::template::Sources;
 use crate::twin::Twin;
 
@@ -298,13 +298,18 @@ impl Built<'_> {
             }
             let content = match table.binding {
                 TERMS => Cache(request.cache).content(id, table.byte_count(), || {
-                    Ok(assemble::terms(variant, resolved, &surface.surface.field).bytes())
+                    Ok(assemble::terms(variant, resolved, &surface.surface.field)?.bytes())
                 })?,
                 _ => Content::Bytes(table.bytes()),
             };
-            let (format, tolerance) = match table.format.number_bytes() {
-                2 => (TableFormat::F16, HALF_TOLERANCE),
-                _ => (TableFormat::F32, TABLE_TOLERANCE),
+            let (format, tolerance) = match table.format {
+                TexelFormat::Rg32Float | TexelFormat::Rgba32Float => {
+                    (TableFormat::F32, TABLE_TOLERANCE)
+                }
+                TexelFormat::Rg16Float | TexelFormat::Rgba16Float => {
+                    (TableFormat::F16, HALF_TOLERANCE)
+                }
+                TexelFormat::Rgb9e5Ufloat => (TableFormat::Rgb9e5, SHARED_TOLERANCE),
             };
             let shape = table.shape();
             for &container in request.containers {
@@ -368,7 +373,7 @@ impl Built<'_> {
                 }
             }
             let mut twin = Twin::new(resolved, &tables, variant, rotate_deg);
-            if let (Some((_, terms)), true) = (last.as_ref(), self.tables.len() > 1) {
+            if let (Some((_, terms)), true) = (last.as_ref(), self.tables.iter().any(|table| table.binding == TERMS)) {
                 twin.terms = terms;
             }
             Ok(probe::expected(&twin, &exact).concat())
@@ -403,6 +408,8 @@ impl Built<'_> {
 const TABLE_TOLERANCE: f64 = 2.4e-7;
 /// The same of a table of 16-bit floats.
 const HALF_TOLERANCE: f64 = 1e-3;
+/// The same of nine bits with a common exponent.
+const SHARED_TOLERANCE: f64 = 4e-3;
 
 fn pretty(path: &str, value: &impl serde::Serialize) -> Result<String, Error> {
     let text = serde_json::to_string_pretty(value)

@@ -52,6 +52,8 @@ pub struct Resolved {
     pub node_counts: Vec<u32>,
     /// Columns of the table of coefficients; 0 without one.
     pub coefficient_count: usize,
+    /// Axes of the table of colours, of `baked`.
+    pub axes: Axes,
     /// Scales of the terms.
     pub scale: Scale,
     /// Static cost.
@@ -80,7 +82,7 @@ pub fn resolve(variant: &Variant, height: &HeightField) -> Result<Resolved> {
             Error::new(Stage::Compute, &variant.name, "a flat surface has no period")
                 .remedy("gems is for gratings")
         })?,
-        Mode::Full | Mode::Pq | Mode::Adaptive => [0.0; 2],
+        Mode::Full | Mode::Pq | Mode::Adaptive | Mode::Baked => [0.0; 2],
     };
     let expansion = match variant.terms {
         Auto::Value(terms) => Expansion::new(variant.basis, terms, height, min_nm),
@@ -126,7 +128,9 @@ pub fn resolve(variant: &Variant, height: &HeightField) -> Result<Resolved> {
         Packing::Single => 1,
     });
     let scale = match variant.table {
-        TableFormat::F32 => Scale::NONE,
+        // colours have a scale of their own
+        TableFormat::F32 | TableFormat::Rgb9e5 => Scale::NONE,
+        TableFormat::F16 if variant.mode == Mode::Baked => Scale::NONE,
         TableFormat::F16 => scale::scale(&expansion),
     };
     let coefficient_count = match grid {
@@ -147,6 +151,10 @@ pub fn resolve(variant: &Variant, height: &HeightField) -> Result<Resolved> {
         grid,
         node_counts: prefilter::node_counts(variant, height),
         coefficient_count,
+        axes: match variant.mode {
+            Mode::Baked => Axes::new(variant, high_um - low_um),
+            _ => Axes::default(),
+        },
         scale,
         cost: Cost::default(),
     };

@@ -10,7 +10,9 @@ use diffraction_shaders::basis;
 use diffraction_shaders::frame::view_direction;
 use diffraction_shaders::height::{HeightField, synthetic::synthesise};
 use diffraction_shaders::optics::direction;
-use diffraction_shaders::plan::{Auto, Coherence, Mode, Optics, Packing, TableFormat, Variant};
+use diffraction_shaders::plan::{
+    Auto, Coherence, Mode, Optics, Packing, Sampling, TableFormat, Variant,
+};
 use diffraction_shaders::reference::Directions;
 use diffraction_shaders::runner::browser::Api;
 use diffraction_shaders::runner::{
@@ -212,7 +214,7 @@ fn row_zero_is_at_the_top() {
 fn variants() -> Vec<Variant> {
     let ensemble = Optics { coherence: Coherence::Ensemble, ..Optics::standard() };
     let f16 = TableFormat::F16;
-    let single = Packing::Single;
+    let (single, shared) = (Packing::Single, TableFormat::Rgb9e5);
     vec![
         centred("full"),
         Variant { packing: single, ..centred("full single") },
@@ -224,6 +226,14 @@ fn variants() -> Vec<Variant> {
         Variant { mode: Mode::Adaptive, optics: ensemble, ..centred("adaptive ensemble") },
         Variant { mode: Mode::Adaptive, table: f16, packing: single, ..centred("adaptive f16") },
         Variant { mode: Mode::Gems, ..centred("gems") },
+        Variant { mode: Mode::Baked, table: shared, bake_mib: 2.0, ..centred("baked") },
+        Variant {
+            mode: Mode::Baked,
+            table: shared,
+            bake_mib: 2.0,
+            sampling: Sampling::Filter,
+            ..centred("baked filtered")
+        },
     ]
 }
 

@@ -9,7 +9,7 @@ use diffraction_shaders::measure::{Comparison, compare};
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{
     Auto, Basis, Coherence, CoherenceScaling, FileSource, Grating, Level, Mode, Optics, Packing,
-    SurfaceSource, SurfaceSpec, TableFormat, Variant,
+    Sampling, SurfaceSource, SurfaceSpec, TableFormat, Variant,
 };
 use diffraction_shaders::reference::Directions;
 use diffraction_shaders::runner::gpu::{Backend, Gpu};
@@ -62,6 +62,11 @@ fn difference(
     let shader = ShaderRunner::new(subject, gpu.clone()).unwrap();
     let map = shader.map(light, size, &|_| ()).unwrap().disc();
     compare(&format!("{} {}", variant.name, shader.route()), &twin, &map, None).unwrap()
+}
+
+/// A table of two pages.
+fn baked(table: TableFormat, sampling: Sampling) -> Variant {
+    Variant { mode: Mode::Baked, table, sampling, bake_mib: 6.0, bake_error: 1.0, ..standard(1) }
 }
 
 fn blazed() -> HeightField {
@@ -118,6 +123,10 @@ fn the_other_modes_and_formats_agree_with_their_twins() {
         Variant { mode: Mode::Adaptive, optics: ensemble, ..standard(20) },
         Variant { mode: Mode::Gems, ..standard(19) },
         Variant { table: TableFormat::F16, ..standard(19) },
+        baked(TableFormat::F32, Sampling::Load),
+        baked(TableFormat::Rgb9e5, Sampling::Load),
+        baked(TableFormat::Rgb9e5, Sampling::Filter),
+        baked(TableFormat::F16, Sampling::Filter),
         Variant {
             table: TableFormat::F16,
             mode: Mode::Adaptive,

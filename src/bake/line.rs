@@ -28,7 +28,6 @@ const TERM_ERROR: f64 = 1e-3;
 /// A row of the table.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
-    pub(super) index: u32,
     pub(super) radius: f64,
 }
 
@@ -78,7 +77,7 @@ impl Lines {
         let widest = sigmas[0].max(sigmas[1]);
         let reach = axes.radius(axes.rows - 1) / (range.min_nm * 1e-3) + REACH_SIGMAS * widest;
         let bins = Bins::reachable(patch_um[0], patch_um[1], reach, 2);
-        let terms = Terms::new(height, &expansion, bins);
+        let terms = Terms::new(height, &expansion, bins, None);
         let (features, padded, numbers) = features(&terms, optics.coherence);
         let step_cpum = STEP_SIGMAS * narrowest;
         let recipe = |row: Row| {

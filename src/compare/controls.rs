@@ -75,7 +75,7 @@ impl Control {
 }
 
 /// All of them.
-pub const CONTROLS: [Control; 7] = [
+pub const CONTROLS: [Control; 9] = [
     Control {
         name: "black",
         mode: Mode::Full,
@@ -124,6 +124,19 @@ pub const CONTROLS: [Control; 7] = [
                 texel[..3].iter_mut().for_each(|weight| *weight /= jacobian);
             }
         },
+    },
+    Control {
+        name: "baked for one w",
+        mode: Mode::Baked,
+        spoil: |p, _| {
+            let share = "min(path.z * path.z / max(4.0 - squared, 1e-6), 1.0)";
+            replace(p, "baked", share, "0.5");
+        },
+    },
+    Control {
+        name: "baked and turned the wrong way",
+        mode: Mode::Baked,
+        spoil: |p, _| replace(p, "baked", "uv.y < 0.0", "uv.y > 0.0"),
     },
 ];
 
@@ -203,6 +216,7 @@ fn variant(mode: Mode) -> Variant {
         Mode::Pq => "pq",
         Mode::Adaptive => "adaptive",
         Mode::Gems => "gems",
+        Mode::Baked => "baked",
     };
     Variant {
         name: name.to_owned(),
@@ -212,7 +226,9 @@ fn variant(mode: Mode) -> Variant {
         // `pq` needs neighbours
         window_radius: Auto::Value(if mode == Mode::Pq { 3 } else { 1 }),
         packing: Packing::Paired,
-        table: TableFormat::F32,
+        table: if mode == Mode::Baked { TableFormat::Rgb9e5 } else { TableFormat::F32 },
+        // small, since it is made for every route
+        bake_mib: 2.0,
         hoist: true,
         ..texts
     }

@@ -2,7 +2,7 @@
 
 use crate::plan::{Basis, Mode, TableFormat, Variant};
 use crate::record::{Part, Tolerance};
-use crate::resolve::{Resolved, window_tail};
+use crate::resolve::{Axes, Resolved, window_tail};
 
 /// Arithmetic in 32 bits of a series about the mid-range height, over the greatest value.
 pub const CENTRED: f64 = 2e-5;
@@ -14,6 +14,10 @@ const F32: f64 = 2e-6;
 const F32_FROM_ZERO: f64 = 1e-5;
 /// Rounding of tables of 16-bit floats with a scale for each term.
 const F16: f64 = 2e-2;
+/// The same of colours.
+const BAKED_F16: f64 = 1e-3;
+/// Rounding of colours to nine bits of the largest component.
+const RGB9E5: f64 = 2e-3;
 /// Greatest error of the phase function of a series that counts as converged.
 const CONVERGED: f64 = 1e-2;
 
@@ -56,7 +60,9 @@ fn packing(variant: &Variant) -> f64 {
     match (variant.table, variant.basis) {
         (TableFormat::F32, Basis::Taylor | Basis::Chebyshev | Basis::Optimal) => F32,
         (TableFormat::F32, Basis::TaylorZero) => F32_FROM_ZERO,
+        (TableFormat::F16, _) if variant.mode == Mode::Baked => BAKED_F16,
         (TableFormat::F16, _) => F16,
+        (TableFormat::Rgb9e5, _) => RGB9E5,
     }
 }
 
@@ -74,6 +80,9 @@ fn terms_sum(resolved: &Resolved) -> f64 {
 fn model(variant: &Variant, resolved: &Resolved) -> Option<Tolerance> {
     let waves = &variant.wavelengths;
     let visible = waves.min_nm <= 380.0 && waves.max_nm >= 780.0;
+    if variant.mode == Mode::Baked && visible {
+        return baked(variant, resolved);
+    }
     if resolved.expansion.bound() > CONVERGED || !visible {
         return None;
     }
@@ -82,7 +91,19 @@ fn model(variant: &Variant, resolved: &Resolved) -> Option<Tolerance> {
         Mode::Adaptive => (0.5, Some(0.25)),
         Mode::Full if waves.step_nm <= 2.5 && whole => (0.3, Some(0.5)),
         Mode::Full if waves.step_nm <= 5.0 => (8.0, None),
-        Mode::Full | Mode::Pq | Mode::Gems => return None,
+        Mode::Full | Mode::Pq | Mode::Gems | Mode::Baked => return None,
     };
     Some(Tolerance { max_abs: None, de2000_p95: Some(p95), map_p95 })
+}
+
+/// `baked`: what its sizes aim at, twice, where they were not cut by the most bytes.
+fn baked(variant: &Variant, resolved: &Resolved) -> Option<Tolerance> {
+    let free = Variant { bake_mib: f64::INFINITY, ..variant.clone() };
+    let wanted = Axes::new(&free, 2.0 * resolved.expansion.reach_um);
+    let most = 2.0 * variant.bake_error;
+    (wanted == resolved.axes).then_some(Tolerance {
+        max_abs: None,
+        de2000_p95: Some(most),
+        map_p95: Some(most),
+    })
 }

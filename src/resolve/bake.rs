@@ -7,6 +7,11 @@
 //! * **Layers**: `w²/(4 - |(u, v)|²)` from 0 to 1, which is all there is. The square makes them dense where directions are
 //!   steep and the phase `2πwh/λ` is large.
 
+use std::f64::consts::{SQRT_2, TAU};
+
+use crate::optics::{REFERENCE_NM, window_sigma_um};
+use crate::plan::{TableFormat, Variant};
+
 /// Sizes of a table of colours; all zero where a mode has none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Axes {
@@ -25,6 +30,56 @@ pub struct Axes {
 }
 
 impl Axes {
+    /// Chooses sizes from the widths of what is on the axes, the error aimed at, and the most bytes. `height_um`: range of
+    /// the heights.
+    ///
+    /// A lobe's intensity has the deviation `λσf/√2` in `|(u, v)|`, taken at 500 nm; along w the phase turns by `4πH/λ`. Errors of
+    /// linear interpolation go with the square of the steps. The shares of the axes are those that measured best.
+    pub fn new(variant: &Variant, height_um: f64) -> Axes {
+        let sigma_um = window_sigma_um(&variant.optics, REFERENCE_NM);
+        let lobe = WAVELENGTH_UM / (TAU * sigma_um * SQRT_2);
+        let turns = 2.0 * height_um / WAVELENGTH_UM;
+        let stretch = (1.0 / (LOBE_ROWS * lobe * PACE)).round().max(1.0);
+        let sized = |fineness: f64| {
+            let columns = fineness * TAU / (LOBE_COLUMNS * lobe);
+            let pages = (columns / f64::from(MOST_COLUMNS)).ceil().max(1.0) as u32;
+            let page = (columns / f64::from(8 * pages)).ceil().clamp(2.0, 1e6) as u32 * 8;
+            let pace = (fineness * PACE).round().max(4.0);
+            Axes {
+                columns: pages * page.min(MOST_COLUMNS),
+                pages,
+                rows: (pace * (2.0 * stretch).asinh()).ceil() as u32 + 1,
+                levels: (fineness * TURN_LEVELS * turns).ceil() as u32 + 2,
+                stretch,
+                pace,
+            }
+        };
+        let texel = match variant.table {
+            TableFormat::F32 => 16.0,
+            TableFormat::F16 => 8.0,
+            TableFormat::Rgb9e5 => 4.0,
+        };
+        let fits = |axes: &Axes| {
+            axes.texels() as f64 * texel <= variant.bake_mib * f64::from(1 << 20)
+                && axes.pages * axes.levels <= MOST_LAYERS
+                && axes.rows <= MOST_COLUMNS
+        };
+        let mut fineness = (STANDARD_ERROR / variant.bake_error).sqrt();
+        let mut axes = sized(fineness);
+        while !fits(&axes) && fineness > LEAST_FINENESS {
+            fineness *= SHRINKING;
+            axes = sized(fineness);
+        }
+        axes
+    }
+
+    /// Texels of the table, repeated columns included.
+    pub fn texels(&self) -> u64 {
+        u64::from(self.pages * (self.page_columns() + 1))
+            * u64::from(self.rows)
+            * u64::from(self.levels)
+    }
+
     /// Columns of a page, the repeated one apart.
     pub fn page_columns(&self) -> u32 {
         self.columns / self.pages.max(1)
@@ -74,5 +129,25 @@ fn tangent(place: f64) -> f64 {
     (BEND - rest.sqrt()) / (2.0 * (BEND - 1.0))
 }
 
+/// Wavelength that sizes are measured by, µm.
+const WAVELENGTH_UM: f64 = 0.5;
+/// The error that the following shares belong to.
+const STANDARD_ERROR: f64 = 0.5;
+/// Columns are this many deviations of a lobe apart, at `|(u, v)| = 1`.
+const LOBE_COLUMNS: f64 = 0.6;
+/// The first rows are this many deviations apart.
+const LOBE_ROWS: f64 = 0.27;
+/// Rows to a ratio of e: the colour-matching functions are a twentieth of their wavelength wide.
+const PACE: f64 = 36.0;
+/// Levels to a turn of the phase.
+const TURN_LEVELS: f64 = 8.5;
+/// Factor by which all axes are made coarser, until the table is small enough.
+const SHRINKING: f64 = 0.98;
+/// Nothing is gained by going on.
+const LEAST_FINENESS: f64 = 1e-3;
+/// Columns of a page, and rows: a multiple of eight, with one more within what every profile allows.
+const MOST_COLUMNS: u32 = 2040;
+/// Layers that every profile allows.
+const MOST_LAYERS: u32 = 256;
 /// Slope of [`octant`] at 0.
 const BEND: f64 = 1.35;
