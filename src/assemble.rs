@@ -115,7 +115,7 @@ pub fn tables(
 ) -> Result<Vec<Table>> {
     let mut all = shapes(variant, resolved, rotate_deg)?;
     for table in all.iter_mut().filter(|table| table.binding == tables::TERMS) {
-        *table = terms(variant, resolved, height)?;
+        *table = terms(variant, resolved, height, &|_| ())?;
     }
     Ok(all)
 }
@@ -147,11 +147,17 @@ pub fn shapes(variant: &Variant, resolved: &Resolved, rotate_deg: f64) -> Result
     Ok(all)
 }
 
-/// The term table or the table of colours, unrounded.
-pub fn terms(variant: &Variant, resolved: &Resolved, height: &HeightField) -> Result<Table> {
+/// The term table or the table of colours, unrounded. `baked` is called with the columns of the latter that were finished
+/// since the last call, from any thread.
+pub fn terms(
+    variant: &Variant,
+    resolved: &Resolved,
+    height: &HeightField,
+    baked: &(dyn Fn(usize) + Sync),
+) -> Result<Table> {
     if variant.mode == Mode::Baked {
         let Variant { optics, wavelengths, .. } = variant;
-        let colours = bake::bake(height, optics, wavelengths, resolved.axes, &|_| ())?;
+        let colours = bake::bake(height, optics, wavelengths, resolved.axes, baked)?;
         let table = bake::table(&bake::sharpen(colours), variant.table);
         return Ok(Table { filtered: variant.filters(), ..table });
     }

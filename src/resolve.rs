@@ -85,6 +85,8 @@ pub fn resolve(variant: &Variant, height: &HeightField) -> Result<Resolved> {
         Mode::Full | Mode::Pq | Mode::Adaptive | Mode::Baked => [0.0; 2],
     };
     let expansion = match variant.terms {
+        // the table of colours has terms of its own
+        _ if variant.mode == Mode::Baked => Expansion::new(variant.basis, 1, height, min_nm),
         Auto::Value(terms) => Expansion::new(variant.basis, terms, height, min_nm),
         Auto::Auto => {
             Expansion::new(variant.basis, 1, height, min_nm).with_error(variant.term_error)

@@ -14,7 +14,8 @@ use diffraction_shaders::runner::{Runner, Subject, TwinRunner, rounded};
 use glam::DVec3;
 
 const BLAZED: &str = "{ kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 60 }";
-const DOMES: &str = "{ kind = \"bumps\", size_um = 18.0, pixels = 200, pitch_um = 2.0, height_um = 0.2, seed = 4 }";
+const DOMES: &str =
+    "{ kind = \"bumps\", size_um = 18.0, pixels = 200, pitch_um = 2.0, height_um = 0.2, seed = 4 }";
 /// Sizes at which a test takes little time.
 const FEW: Axes = Axes { columns: 48, pages: 1, rows: 40, levels: 4, stretch: 8.0, pace: 11.0 };
 const VISIBLE: Wavelengths = Wavelengths { min_nm: 380.0, max_nm: 780.0, step_nm: 5.0 };
@@ -144,7 +145,8 @@ fn maps_are_as_good_as_was_asked() {
             let all = standard(&height, &variant.optics, 0.0, light, 24);
             let visible = Reference::VISIBLE_NM;
             let reference =
-                Reference::new(&height, 0.0, &variant.optics, visible, all.iter().copied()).unwrap();
+                Reference::new(&height, 0.0, &variant.optics, visible, all.iter().copied())
+                    .unwrap();
             let exact = reference.tristimulus_all(&all, &|_| ());
             let found = twin.tristimulus(&all, &|_| ()).unwrap();
             compare("baked", &exact, &found, auto_exposure(&exact)).unwrap().de2000.p95

@@ -38,7 +38,9 @@ fn bits(shape: &Shape) -> Vec<u8> {
             let numbers = shape.format.decode(&texels);
             return shape.format.encode(&numbers);
         }
-        TexelFormat::Rg16Float | TexelFormat::Rgba16Float => [0x7c00_u16, 0x8000].map(|b| b.to_le_bytes().to_vec()).concat(),
+        TexelFormat::Rg16Float | TexelFormat::Rgba16Float => {
+            [0x7c00_u16, 0x8000].map(|b| b.to_le_bytes().to_vec()).concat()
+        }
         _ => [f32::NEG_INFINITY, -0.0].map(|v| v.to_le_bytes().to_vec()).concat(),
     };
     texels[..special.len()].copy_from_slice(&special);

@@ -103,8 +103,9 @@ impl Lines {
     /// Colours of [`LANES`] columns from `first` on, `[row][level][X, Y, Z][lane]`.
     pub(super) fn block(&self, first: u32) -> Vec<[[f32; LANES]; 3]> {
         let levels = self.axes.levels as usize;
-        let directions: [[f64; 2]; LANES] =
-            std::array::from_fn(|lane| self.axes.direction((first + lane as u32) % self.axes.columns));
+        let directions: [[f64; 2]; LANES] = std::array::from_fn(|lane| {
+            self.axes.direction((first + lane as u32) % self.axes.columns)
+        });
         let mut out = vec![[[0.0; LANES]; 3]; self.recipes.len() * levels];
         let mut line = Line::default();
         // from the mirror direction outwards the steps grow

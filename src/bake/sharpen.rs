@@ -12,8 +12,7 @@ const KERNEL: [f32; 2] = [-1.0 / 12.0, 7.0 / 6.0];
 #[must_use]
 pub fn sharpen(mut colours: Colours) -> Colours {
     let axes = colours.axes;
-    let (columns, rows, levels) =
-        (axes.columns as usize, axes.rows as usize, axes.levels as usize);
+    let (columns, rows, levels) = (axes.columns as usize, axes.rows as usize, axes.levels as usize);
     // around the turn
     colours.xyz.par_chunks_mut(columns).for_each(|line| {
         let before = line.to_vec();

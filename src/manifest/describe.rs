@@ -120,10 +120,7 @@ fn spectrum_meaning(variant: &Variant) -> (Vec<String>, BTreeMap<&'static str, S
     (channels, BTreeMap::from([("column", column), ("row", row_meaning("nodes"))]))
 }
 
-fn colours_meaning(
-    table: &Table,
-    axes: &Axes,
-) -> (Vec<String>, BTreeMap<&'static str, String>) {
+fn colours_meaning(table: &Table, axes: &Axes) -> (Vec<String>, BTreeMap<&'static str, String>) {
     let names = ["X", "Y", "Z", "unused"];
     let names = names[..table.format.channels()].iter().map(|s| (*s).to_owned()).collect();
     let Axes { columns, pages, levels, stretch, pace, .. } = axes;

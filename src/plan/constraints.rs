@@ -13,7 +13,9 @@ pub(super) fn reads(mode: Mode, periods_given: bool, key: &str) -> bool {
         (Mode::Pq, "coherence_um") => !periods_given,
         (Mode::Adaptive, "window_radius" | "step_nm" | "hoist") => false,
         (Mode::Pq | Mode::Adaptive, _) => true,
-        (Mode::Baked, "basis" | "terms" | "window_radius" | "step_nm" | "packing" | "hoist") => false,
+        (Mode::Baked, "basis" | "terms" | "window_radius" | "step_nm" | "packing" | "hoist") => {
+            false
+        }
         (Mode::Baked, _) => true,
         (Mode::Gems, _) => false,
     }
@@ -56,8 +58,9 @@ pub(super) fn normalised(draft: Draft) -> Draft {
             draft
         }
         Some(Mode::Baked) => {
-            let Draft { mode, mut wavelengths, table, sampling, bake_error, bake_mib, optics, .. } =
-                draft;
+            let Draft {
+                mode, mut wavelengths, table, sampling, bake_error, bake_mib, optics, ..
+            } = draft;
             // an only wavelength is refused
             wavelengths.step_nm = standard.wavelengths.step_nm;
             Draft { mode, wavelengths, table, sampling, bake_error, bake_mib, optics, ..standard }

@@ -138,7 +138,7 @@ const LOBE_COLUMNS: f64 = 0.6;
 /// The first rows are this many deviations apart.
 const LOBE_ROWS: f64 = 0.27;
 /// Rows to a ratio of e: the colour-matching functions are a twentieth of their wavelength wide.
-const PACE: f64 = 36.0;
+const PACE: f64 = 38.0;
 /// Levels to a turn of the phase.
 const TURN_LEVELS: f64 = 8.5;
 /// Factor by which all axes are made coarser, until the table is small enough.

@@ -68,7 +68,8 @@ fn packed(texel: [f64; 3]) -> u32 {
     let texel = texel.map(|v| if v > 0.0 { v.min(LARGEST) } else { 0.0 });
     let largest = texel.iter().copied().fold(0.0, f64::max);
     let mut exponent = (0..=31).find(|e| largest < power(e - BIAS)).unwrap_or(31);
-    let share = |v: f64, exponent: i32| (v / power(exponent - BIAS - MANTISSA) + 0.5).floor() as u32;
+    let share =
+        |v: f64, exponent: i32| (v / power(exponent - BIAS - MANTISSA) + 0.5).floor() as u32;
     if share(largest, exponent) == 1 << MANTISSA {
         exponent += 1;
     }
