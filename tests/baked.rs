@@ -91,8 +91,9 @@ fn texels_are_the_exact_colours() {
         let found = worst(&height, &variant, &colours);
         assert!(found < 1.5e-3, "{grating} {keys}: {found:.1e}");
         // another coherence length is another table
-        let (_, other) = read(grating, "coherence_um = 25");
-        assert!(worst(&height, &other, &colours) > 1e-2, "{grating} {keys}");
+        let (_, other) = read(grating, "coherence_um = 10");
+        let other = worst(&height, &other, &colours);
+        assert!(other > 3e-3, "{grating} {keys}: {other:.1e}");
     }
 }
 
@@ -119,7 +120,7 @@ fn sizes_follow_the_surface_the_light_and_the_error() {
     assert!(axes(&flatter, "table = \"rgb9e5\"").levels < plain.levels);
     assert!(axes(BLAZED, "table = \"rgb9e5\"\ncoherence_um = 20").columns * 3 < plain.columns);
     let coarse = axes(BLAZED, "table = \"rgb9e5\"\nbake_error = 2");
-    assert!(coarse.texels() * 7 < plain.texels() && coarse.texels() * 9 > plain.texels());
+    assert!(coarse.texels() * 5 < plain.texels() && coarse.texels() * 9 > plain.texels());
     for (table, bytes) in [("f32", 16), ("f16", 8), ("rgb9e5", 4)] {
         for mib in [0.5, 3.0, 32.0] {
             let keys = format!("table = \"{table}\"\nbake_mib = {mib}\nbake_error = 0.1");

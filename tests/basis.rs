@@ -130,7 +130,7 @@ fn terms_times_coefficients_are_the_transform_of_the_phase_function() {
     let height = HeightField::new(7, 5, 0.06, 0.05, heights_um).unwrap();
     for basis in BASES {
         let expansion = Expansion::new(basis, 26, &height, 400.0);
-        let terms = Terms::new(&height, &expansion, Bins { r_max: 3, s_max: 2 });
+        let terms = Terms::new(&height, &expansion, Bins { r_max: 3, s_max: 2 }, None);
         for tau in [-1.0, -0.37, 0.0] {
             let z = tau * expansion.z_max;
             for (r, s) in [(0, 0), (1, 0), (0, -2), (-3, 2)] {

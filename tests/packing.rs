@@ -69,7 +69,7 @@ fn terms_of_a_tall_surface_overflow_without_scales() {
     let (height, variant) = (&load(&plan.surfaces[0]).unwrap().field, &plan.variants[0]);
     let resolved = resolve(variant, height).unwrap();
     let finite = |scale: Scale| {
-        let terms = Terms::new(height, &resolved.expansion, resolved.bins, resolved.grid);
+        let terms = Terms::new(height, &resolved.expansion, resolved.bins, None);
         let table = terms_table(&terms, variant.packing, variant.table, scale).rounded();
         table.texels.iter().all(|v| v.is_finite())
     };
