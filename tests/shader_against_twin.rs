@@ -139,7 +139,9 @@ fn the_other_modes_and_formats_agree_with_their_twins() {
             for (height, rotate_deg) in [(&blazed, 0.0), (&fingers, 25.0)] {
                 let c = difference(&gpu, height, variant, rotate_deg, 20.0, 64);
                 let what = format!("{:?} {:?}", variant.mode, variant.table);
-                assert!(c.max_abs <= CENTRED && c.de2000.p99 <= 0.01, "{what}: {c:?}");
+                // the last bit of a direction is a small part of a column of the table
+                let most = if variant.mode == Mode::Baked { 5.0 * CENTRED } else { CENTRED };
+                assert!(c.max_abs <= most && c.de2000.p99 <= 0.01, "{what}: {c:?}");
             }
         }
     }
