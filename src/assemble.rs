@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::bake;
 use crate::diagnostic::Diagnostic;
 use crate::error::Result;
 use crate::height::HeightField;
@@ -37,6 +38,7 @@ pub fn defines(
         ("HALF", variant.table == TableFormat::F16),
         ("HOIST", variant.hoist),
         ("MODE_ADAPTIVE", variant.mode == Mode::Adaptive),
+        ("MODE_BAKED", variant.mode == Mode::Baked),
         ("MODE_FULL", variant.mode == Mode::Full),
         ("MODE_GEMS", variant.mode == Mode::Gems),
         ("MODE_PQ", variant.mode == Mode::Pq),
@@ -55,12 +57,16 @@ pub fn defines(
         ("COEFFICIENT_COUNT", count(resolved.coefficient_count)),
         ("COEFFICIENT_ROWS", count(tables::coefficient_rows(&resolved.expansion))),
         ("COHERENCE_UM", Constant::F32(optics.coherence_um)),
+        ("COLUMN_COUNT", count(resolved.axes.columns as usize)),
         ("GRID_HEIGHT_UM", Constant::F32(grid_um[1])),
         ("GRID_WIDTH_UM", Constant::F32(grid_um[0])),
         ("LAYER_COUNT", count(resolved.layers as usize)),
+        ("LEVEL_COUNT", count(resolved.axes.levels as usize)),
         ("MAJOR_COUNT", count(resolved.corridor.majors as usize)),
         ("MINOR_COUNT", count(resolved.corridor.minors as usize)),
         ("NODE_LEVELS", count(NODE_LEVELS as usize)),
+        ("PAGE_COLUMNS", count(resolved.axes.page_columns() as usize)),
+        ("PAGE_COUNT", count(resolved.axes.pages as usize)),
         ("PANEL_COUNT", count(resolved.corridor.panels as usize)),
         ("PATCH_HEIGHT_UM", Constant::F32(resolved.patch_um[1])),
         ("PATCH_WIDTH_UM", Constant::F32(resolved.patch_um[0])),
@@ -69,6 +75,9 @@ pub fn defines(
         ("PIXEL_COLUMNS", Constant::F32(f64::from(resolved.pixels[0]))),
         ("PIXEL_ROWS", Constant::F32(f64::from(resolved.pixels[1]))),
         ("REFRACTIVE_INDEX", Constant::F32(optics.refractive_index)),
+        ("ROW_COUNT", count(resolved.axes.rows as usize)),
+        ("ROW_PACE", Constant::F32(resolved.axes.pace)),
+        ("STRETCH", Constant::F32(resolved.axes.stretch)),
         ("TAP_COLUMNS", count(resolved.taps[0] as usize)),
         ("TAP_ROWS", count(resolved.taps[1] as usize)),
         ("WAVELENGTH_COUNT", count(wavelengths)),
@@ -106,13 +115,21 @@ pub fn tables(
 ) -> Result<Vec<Table>> {
     let mut all = shapes(variant, resolved, rotate_deg)?;
     for table in all.iter_mut().filter(|table| table.binding == tables::TERMS) {
-        *table = terms(variant, resolved, height);
+        *table = terms(variant, resolved, height, &|_| ())?;
     }
     Ok(all)
 }
 
 /// The same with the term table's texels left out.
 pub fn shapes(variant: &Variant, resolved: &Resolved, rotate_deg: f64) -> Result<Vec<Table>> {
+    if variant.mode == Mode::Baked {
+        let shape = bake::shape(&resolved.axes, variant.table);
+        let mut all = vec![Table { filtered: variant.filters(), ..shape }];
+        if rotate_deg != 0.0 {
+            all.push(tables::rotation_table(rotate_deg));
+        }
+        return Ok(all);
+    }
     let mut all = Vec::new();
     if variant.mode != Mode::Gems {
         let shape = tables::terms_shape(
@@ -130,17 +147,30 @@ pub fn shapes(variant: &Variant, resolved: &Resolved, rotate_deg: f64) -> Result
     Ok(all)
 }
 
-/// The term table, unrounded.
-pub fn terms(variant: &Variant, resolved: &Resolved, height: &HeightField) -> Table {
+/// The term table or the table of colours, unrounded. `baked` is called with the columns of the latter that were finished
+/// since the last call, from any thread.
+pub fn terms(
+    variant: &Variant,
+    resolved: &Resolved,
+    height: &HeightField,
+    baked: &(dyn Fn(usize) + Sync),
+) -> Result<Table> {
+    if variant.mode == Mode::Baked {
+        let Variant { optics, wavelengths, .. } = variant;
+        let colours = bake::bake(height, optics, wavelengths, resolved.axes, baked)?;
+        let table = bake::table(&bake::sharpen(colours), variant.table);
+        return Ok(Table { filtered: variant.filters(), ..table });
+    }
     let terms = Terms::new(height, &resolved.expansion, resolved.bins, resolved.grid);
     let table = terms_table(&terms, variant.packing, variant.table, resolved.scale);
-    Table { filtered: variant.filters(), ..table }
+    Ok(Table { filtered: variant.filters(), ..table })
 }
 
 /// The spectrum table, unrounded.
 fn spectrum(variant: &Variant, resolved: &Resolved, rotate_deg: f64) -> Result<Table> {
     let samples = match variant.mode {
         Mode::Gems => return Ok(grating_table(resolved.grating_um, rotate_deg)),
+        Mode::Baked => return Ok(tables::rotation_table(rotate_deg)),
         Mode::Full | Mode::Pq => {
             Spectrum::new(&variant.optics.illuminant)?.samples(&variant.wavelengths)
         }

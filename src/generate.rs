@@ -5,6 +5,7 @@
 
 mod cache;
 mod identity;
+mod step;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -25,11 +26,13 @@ use crate::plan::{Container, SurfaceSpec, TableFormat, Target, Variant};
 use crate::probe;
 use crate::resolve::{Resolved, resolve};
 use crate::tables::container::encode;
-use crate::tables::{TERMS, Table};
+use crate::tables::{TERMS, Table, TexelFormat};
 use crate::template::Sources;
 use crate::twin::Twin;
 
 use cache::Cache;
+
+pub use step::Step;
 
 /// Version of this tool, a part of every input hash.
 pub const TOOL_VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -76,10 +79,10 @@ pub struct Gap {
     pub reason: String,
 }
 
-/// Generates everything, or returns every error. `done` is called with the label of each finished step.
+/// Generates everything, or returns every error. `done` is called with each step.
 pub fn generate(
     request: &Request<'_>,
-    done: &(dyn Fn(&str) + Sync),
+    done: &(dyn Fn(Step<'_>) + Sync),
 ) -> Result<Generated, Vec<Diagnostic>> {
     let surfaces = load(request)?;
     Cache(request.cache).sweep();
@@ -111,10 +114,12 @@ pub fn generate(
     let mut errors = Vec::new();
     for one in built {
         let label = format!("{} {}", one.surface.spec.name, one.variant.name);
-        if let Err(error) = one.insert(request, &mut package, &mut last) {
+        let of = one.resolved.axes.columns as usize;
+        let baked = |columns| done(Step::Baked { label: &label, columns, of });
+        if let Err(error) = one.insert(request, &mut package, &mut last, &baked) {
             errors.push(Diagnostic::from(&error).variant(&label));
         }
-        done(&label);
+        done(Step::Finished(&label));
     }
     if !errors.is_empty() {
         return Err(errors);
@@ -278,17 +283,23 @@ impl Built<'_> {
         request: &Request<'_>,
         package: &mut Package,
         last: &mut Option<(String, Table)>,
+        baked: &(dyn Fn(usize) + Sync),
     ) -> Result<(), Error> {
         for (path, bytes, compare) in std::mem::take(&mut self.files) {
             package.insert(&path, bytes, compare)?;
         }
-        self.insert_tables(request, package)?;
+        self.insert_tables(request, package, baked)?;
         let probes = self.probes(request, package, last)?;
         let path = format!("shaders/{}/{}/probe.json", self.surface.spec.name, self.variant.name);
         package.insert(&path, probes, Compare::Json { tolerance: probe::TOLERANCE })
     }
 
-    fn insert_tables(&self, request: &Request<'_>, package: &mut Package) -> Result<(), Error> {
+    fn insert_tables(
+        &self,
+        request: &Request<'_>,
+        package: &mut Package,
+        baked: &(dyn Fn(usize) + Sync),
+    ) -> Result<(), Error> {
         let Built { surface, variant, resolved, .. } = self;
         for (table, id) in self.tables.iter().zip(&self.ids) {
             let path = self.table_path(id);
@@ -298,13 +309,18 @@ impl Built<'_> {
             }
             let content = match table.binding {
                 TERMS => Cache(request.cache).content(id, table.byte_count(), || {
-                    Ok(assemble::terms(variant, resolved, &surface.surface.field).bytes())
+                    Ok(assemble::terms(variant, resolved, &surface.surface.field, baked)?.bytes())
                 })?,
                 _ => Content::Bytes(table.bytes()),
             };
-            let (format, tolerance) = match table.format.number_bytes() {
-                2 => (TableFormat::F16, HALF_TOLERANCE),
-                _ => (TableFormat::F32, TABLE_TOLERANCE),
+            let (format, tolerance) = match table.format {
+                TexelFormat::Rg32Float | TexelFormat::Rgba32Float => {
+                    (TableFormat::F32, TABLE_TOLERANCE)
+                }
+                TexelFormat::Rg16Float | TexelFormat::Rgba16Float => {
+                    (TableFormat::F16, HALF_TOLERANCE)
+                }
+                TexelFormat::Rgb9e5Ufloat => (TableFormat::Rgb9e5, SHARED_TOLERANCE),
             };
             let shape = table.shape();
             for &container in request.containers {
@@ -368,7 +384,9 @@ impl Built<'_> {
                 }
             }
             let mut twin = Twin::new(resolved, &tables, variant, rotate_deg);
-            if let (Some((_, terms)), true) = (last.as_ref(), self.tables.len() > 1) {
+            if let (Some((_, terms)), true) =
+                (last.as_ref(), self.tables.iter().any(|table| table.binding == TERMS))
+            {
                 twin.terms = terms;
             }
             Ok(probe::expected(&twin, &exact).concat())
@@ -403,6 +421,8 @@ impl Built<'_> {
 const TABLE_TOLERANCE: f64 = 2.4e-7;
 /// The same of a table of 16-bit floats.
 const HALF_TOLERANCE: f64 = 1e-3;
+/// The same of nine bits with a common exponent.
+const SHARED_TOLERANCE: f64 = 4e-3;
 
 fn pretty(path: &str, value: &impl serde::Serialize) -> Result<String, Error> {
     let text = serde_json::to_string_pretty(value)

@@ -48,6 +48,7 @@ pub mod measure;
 pub mod record;
 pub mod tables;
 pub mod resolve;
+pub mod bake;
 pub mod inspect;
 pub mod twin;
 pub mod profile;

@@ -60,7 +60,7 @@ pub struct VariantManifest {
     pub requires: Requires,
     /// What a pixel costs.
     pub cost: Cost,
-    /// A-priori bounds of the model's approximations; none where no error is claimed.
+    /// A-priori bounds of the model's approximations; none where no error is claimed, or where only a comparison tells it.
     pub error_bound: Option<ErrorBound>,
 }
 
@@ -309,7 +309,7 @@ fn error_bound(variant: &Variant, resolved: &Resolved) -> Option<ErrorBound> {
         ),
         // a Gaussian beyond four standard deviations of its square root
         Mode::Adaptive => (None, libm::erfc(REACH_SIGMAS)),
-        Mode::Gems => return None,
+        Mode::Gems | Mode::Baked => return None,
     };
     Some(ErrorBound {
         terms: resolved.expansion.terms,
@@ -337,6 +337,7 @@ fn packing_bound(variant: &Variant, resolved: &Resolved) -> f64 {
     sum * match variant.table {
         TableFormat::F32 => 2.0_f64.powi(-24),
         TableFormat::F16 => 2.0_f64.powi(-11),
+        TableFormat::Rgb9e5 => 2.0_f64.powi(-10),
     }
 }
 
@@ -359,7 +360,7 @@ fn core(variant: &Variant, resolved: &Resolved) -> Core {
             let sides = [0, 1].map(|i| f64::from(resolved.periods[i]) * resolved.patch_um[i]);
             Some(optics::replica_diffuser_scale(optics, sides))
         }
-        Mode::Full | Mode::Adaptive => Some(optics::diffuser_scale(optics)),
+        Mode::Full | Mode::Adaptive | Mode::Baked => Some(optics::diffuser_scale(optics)),
     };
     Core {
         function: "fn diffraction(wi: vec3f, wr: vec3f) -> vec3f",

@@ -238,6 +238,8 @@ pub enum Mode {
     Adaptive,
     /// The order sum of GPU Gems (2004), chapter 8: a comparator without a stated error.
     Gems,
+    /// Colours from a table over `(u, v, w)`: the wavelengths are integrated beforehand.
+    Baked,
 }
 
 /// Expansion of the phase function.
@@ -303,6 +305,8 @@ pub enum TableFormat {
     F32,
     /// 16-bit float, with a scale for each term.
     F16,
+    /// Three numbers of nine bits with one exponent, of `baked` only: colours have no sign.
+    Rgb9e5,
 }
 
 /// A file form of tables beside the raw texels, which are always written.
@@ -373,6 +377,10 @@ pub struct Variant {
     pub table: TableFormat,
     /// How complex terms lie in texels.
     pub packing: Packing,
+    /// 95th percentile of CIEDE2000 that the sizes of a table of colours aim at. Read by `baked` only.
+    pub bake_error: f64,
+    /// Most that the table of colours may have, MiB; above it the error is given up. Read by `baked` only.
+    pub bake_mib: f64,
     /// How what lies between texels is read. Read where something lies there, see [`Variant::reads_between`].
     pub sampling: Sampling,
     /// Loop-invariant work outside the loops.

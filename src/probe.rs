@@ -156,18 +156,21 @@ pub fn json(
 /// Relative part of the tolerance, of the direction's own greatest value: the flanks of a lobe are steep, so that the
 /// rounding of a direction counts there.
 const OWN: f64 = 1e-3;
+/// The same of a table of colours: filters of graphics cards round their weights to 8 bits.
+const OWN_BAKED: f64 = 4e-3;
 /// Least part of the greatest value of all probes: what a centred series needs.
 const CENTRED: f64 = 2e-5;
 
 /// How far each of X, Y and Z may lie from `expected` in a shader of 32-bit floats: the larger of 1e-3 of the direction's
-/// own greatest value and, of the greatest value of all probes, 2e-5 or twice the sum of the terms' greatest values in
+/// own greatest value (4e-3 of `baked`) and, of the greatest value of all probes, 2e-5 or twice the sum of the terms' greatest values in
 /// units of 2⁻²⁴, where that is larger. The latter counts for a series about the lowest height, whose large terms cancel.
 pub fn tolerances(resolved: &Resolved, expected: &[[f64; 3]]) -> Vec<f64> {
     let greatest = |xyz: &[f64; 3]| xyz.iter().fold(0.0, |max: f64, v| max.max(v.abs()));
     let terms: f64 = resolved.expansion.term_sizes().iter().sum();
     let share = (terms * 2.0_f64.powi(-23)).clamp(CENTRED, 1.0);
     let floor = share * expected.iter().map(greatest).fold(f64::MIN_POSITIVE, f64::max);
-    expected.iter().map(|xyz| floor.max(OWN * greatest(xyz))).collect()
+    let own = if resolved.axes.columns > 0 { OWN_BAKED } else { OWN };
+    expected.iter().map(|xyz| floor.max(own * greatest(xyz))).collect()
 }
 
 #[cfg(test)]

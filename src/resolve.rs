@@ -1,5 +1,6 @@
 //! What a variant becomes on a surface: counts that were left to the tool, sizes, static cost.
 
+mod bake;
 mod corridor;
 mod cost;
 mod period;
@@ -17,6 +18,7 @@ use crate::tables::Scale;
 use crate::terms::Grid;
 use crate::transform::Bins;
 
+pub use bake::{Axes, octant};
 pub use corridor::{Corridor, LEAST_SQUARED, Lobes, REACH_SIGMAS, WHOLE_PANELS};
 pub use cost::{Cost, LOBE_NODES};
 pub use prefilter::{GRID_ERROR, NODE_ERROR, NODE_LEVELS, grid_error, node_level};
@@ -50,6 +52,8 @@ pub struct Resolved {
     pub node_counts: Vec<u32>,
     /// Columns of the table of coefficients; 0 without one.
     pub coefficient_count: usize,
+    /// Axes of the table of colours, of `baked`.
+    pub axes: Axes,
     /// Scales of the terms.
     pub scale: Scale,
     /// Static cost.
@@ -92,9 +96,11 @@ pub fn resolve(variant: &Variant, height: &HeightField) -> Result<Resolved> {
             Error::new(Stage::Compute, &variant.name, "a flat surface has no period")
                 .remedy("gems is for gratings")
         })?,
-        Mode::Full | Mode::Pq | Mode::Adaptive => [0.0; 2],
+        Mode::Full | Mode::Pq | Mode::Adaptive | Mode::Baked => [0.0; 2],
     };
     let expansion = match variant.terms {
+        // the table of colours has terms of its own
+        _ if variant.mode == Mode::Baked => Expansion::new(variant.basis, 1, height, min_nm),
         Auto::Value(terms) => Expansion::new(variant.basis, terms, height, min_nm),
         Auto::Auto => {
             Expansion::new(variant.basis, 1, height, min_nm).with_error(variant.term_error)
@@ -138,7 +144,9 @@ pub fn resolve(variant: &Variant, height: &HeightField) -> Result<Resolved> {
         Packing::Single => 1,
     });
     let scale = match variant.table {
-        TableFormat::F32 => Scale::NONE,
+        // colours have a scale of their own
+        TableFormat::F32 | TableFormat::Rgb9e5 => Scale::NONE,
+        TableFormat::F16 if variant.mode == Mode::Baked => Scale::NONE,
         TableFormat::F16 => scale::scale(&expansion),
     };
     let coefficient_count = match grid {
@@ -159,6 +167,10 @@ pub fn resolve(variant: &Variant, height: &HeightField) -> Result<Resolved> {
         grid,
         node_counts: prefilter::node_counts(variant, height),
         coefficient_count,
+        axes: match variant.mode {
+            Mode::Baked => Axes::new(variant, high_um - low_um),
+            _ => Axes::default(),
+        },
         scale,
         cost: Cost::default(),
     };

@@ -80,10 +80,11 @@ pub trait Runner {
 
 /// Refuses a response at one wavelength from a variant that has none.
 fn has_wavelengths(variant: &Variant) -> Result<()> {
-    if variant.mode != Mode::Gems {
-        return Ok(());
-    }
-    let cause = "has no wavelength axis: it maps the wavelength of each order to a colour";
+    let cause = match variant.mode {
+        Mode::Gems => "has no wavelength axis: it maps the wavelength of each order to a colour",
+        Mode::Baked => "has no wavelength axis: its table holds colours",
+        Mode::Full | Mode::Pq | Mode::Adaptive => return Ok(()),
+    };
     Err(Error::new(Stage::Run, &variant.name, cause).remedy("ask it for colours"))
 }
 

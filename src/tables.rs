@@ -1,8 +1,8 @@
 //! Texel data of the tables that shaders read.
 
 pub mod container;
+mod number;
 
-use half::f16;
 use serde::{Deserialize, Serialize};
 
 use crate::basis::Expansion;
@@ -23,6 +23,8 @@ pub enum TexelFormat {
     Rg32Float,
     /// Four 32-bit floats.
     Rgba32Float,
+    /// Three numbers of nine bits with a common exponent of five.
+    Rgb9e5Ufloat,
 }
 
 impl TexelFormat {
@@ -31,14 +33,16 @@ impl TexelFormat {
         match self {
             TexelFormat::Rg16Float | TexelFormat::Rg32Float => 2,
             TexelFormat::Rgba16Float | TexelFormat::Rgba32Float => 4,
+            TexelFormat::Rgb9e5Ufloat => 3,
         }
     }
 
-    /// Bytes of a number.
-    pub fn number_bytes(self) -> usize {
+    /// Bytes of a texel.
+    pub fn texel_bytes(self) -> usize {
         match self {
-            TexelFormat::Rg16Float | TexelFormat::Rgba16Float => 2,
-            TexelFormat::Rg32Float | TexelFormat::Rgba32Float => 4,
+            TexelFormat::Rg16Float | TexelFormat::Rgb9e5Ufloat => 4,
+            TexelFormat::Rg32Float | TexelFormat::Rgba16Float => 8,
+            TexelFormat::Rgba32Float => 16,
         }
     }
 
@@ -49,7 +53,17 @@ impl TexelFormat {
             TexelFormat::Rgba16Float => "rgba16float",
             TexelFormat::Rg32Float => "rg32float",
             TexelFormat::Rgba32Float => "rgba32float",
+            TexelFormat::Rgb9e5Ufloat => "rgb9e5ufloat",
         }
+    }
+}
+
+/// Texel format of colours in a number format.
+pub fn colour_format(format: TableFormat) -> TexelFormat {
+    match format {
+        TableFormat::F32 => TexelFormat::Rgba32Float,
+        TableFormat::F16 => TexelFormat::Rgba16Float,
+        TableFormat::Rgb9e5 => TexelFormat::Rgb9e5Ufloat,
     }
 }
 
@@ -90,45 +104,24 @@ impl Table {
     /// Numbers as the shader sees them: rounded to the texel format.
     #[must_use]
     pub fn rounded(mut self) -> Table {
-        match self.format.number_bytes() {
-            2 => self.texels.iter_mut().for_each(|v| *v = f16::from_f64(*v).to_f64()),
-            _ => self.texels.iter_mut().for_each(|v| *v = f64::from(*v as f32)),
-        }
+        self.format.round(&mut self.texels);
         self
     }
 
     /// Little-endian bytes, as uploaded and as written to `.bin`.
     pub fn bytes(&self) -> Vec<u8> {
-        match self.format.number_bytes() {
-            2 => self.texels.iter().flat_map(|&v| f16::from_f64(v).to_le_bytes()).collect(),
-            _ => self.texels.iter().flat_map(|&v| (v as f32).to_le_bytes()).collect(),
-        }
+        self.format.encode(&self.texels)
     }
 
     /// The same with the numbers of [`Table::bytes`], as rounded there.
     #[must_use]
     pub fn with_bytes(self, bytes: &[u8]) -> Table {
-        let texels = match self.format.number_bytes() {
-            2 => {
-                bytes.as_chunks().0.iter().map(|&pair| f16::from_le_bytes(pair).to_f64()).collect()
-            }
-            _ => bytes
-                .as_chunks()
-                .0
-                .iter()
-                .map(|&four| f64::from(f32::from_le_bytes(four)))
-                .collect(),
-        };
-        Table { texels, ..self }
+        Table { texels: self.format.decode(bytes), ..self }
     }
 
     /// Size in bytes.
     pub fn byte_count(&self) -> usize {
-        self.width
-            * self.height
-            * self.layers.max(1)
-            * self.format.channels()
-            * self.format.number_bytes()
+        self.width * self.height * self.layers.max(1) * self.format.texel_bytes()
     }
 
     /// A texel; missing channels are 0, as after `textureLoad` except that alpha is 0 too.
@@ -224,6 +217,8 @@ pub fn terms_shape(bins: Bins, terms: usize, packing: Packing, format: TableForm
         (Packing::Single, TableFormat::F32) => (TexelFormat::Rg32Float, 1),
         (Packing::Paired, TableFormat::F16) => (TexelFormat::Rgba16Float, 2),
         (Packing::Single, TableFormat::F16) => (TexelFormat::Rg16Float, 1),
+        // no terms: the colours have a table of their own
+        (_, TableFormat::Rgb9e5) => (TexelFormat::Rgb9e5Ufloat, 1),
     };
     let layers = terms.div_ceil(per_texel);
     Table {
@@ -299,6 +294,11 @@ pub fn levels_table(levels: &[Vec<Sample>], rotate_deg: f64, scale: Scale) -> Ta
 /// groove to the next. Row 1 as in [`spectrum_table`].
 pub fn grating_table([x_um, y_um]: [f64; 2], rotate_deg: f64) -> Table {
     two_rows(vec![[x_um, y_um, 0.0, 0.0]], rotate_deg, Scale::NONE)
+}
+
+/// The table of what nothing but a rotation is to be told, in place of a spectrum. Row 1 as in [`spectrum_table`].
+pub fn rotation_table(rotate_deg: f64) -> Table {
+    two_rows(vec![[0.0; 4]], rotate_deg, Scale::NONE)
 }
 
 fn two_rows(first: Vec<[f64; 4]>, rotate_deg: f64, scale: Scale) -> Table {

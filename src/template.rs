@@ -32,6 +32,7 @@ const BUILTIN: &[(&str, &str)] = &[
     ("full", include_str!("../templates/full.wgsl")),
     ("pq", include_str!("../templates/pq.wgsl")),
     ("adaptive", include_str!("../templates/adaptive.wgsl")),
+    ("baked", include_str!("../templates/baked.wgsl")),
     ("prefiltered", include_str!("../templates/prefiltered.wgsl")),
     ("warped", include_str!("../templates/warped.wgsl")),
     ("gems", include_str!("../templates/gems.wgsl")),

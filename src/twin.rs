@@ -4,6 +4,7 @@
 //! twice: the f64 form of `gain.wgsl` is [`crate::optics`], that of the map's geometry [`crate::frame`].
 
 mod adaptive;
+mod baked;
 pub mod full;
 mod gems;
 mod nodes;
@@ -18,14 +19,14 @@ use glam::{DVec2, DVec3};
 use crate::plan::{Mode, Optics, Variant};
 use crate::reference::Directions;
 use crate::resolve::Resolved;
-use crate::tables::Table;
+use crate::tables::{TERMS, Table};
 
 /// Everything that one pixel of a variant reads, and the variant's algorithm on it.
 #[derive(Clone, Copy)]
 pub struct Twin<'a> {
     /// Counts and sizes.
     pub resolved: &'a Resolved,
-    /// Term table, rounded or not; empty where the mode has none.
+    /// Term table, or the table of colours, rounded or not; empty where the mode has none.
     pub terms: &'a Table,
     /// Spectrum table, rounded or not.
     pub spectrum: &'a Table,
@@ -48,7 +49,7 @@ impl<'a> Twin<'a> {
         let named = |name: &str| tables.iter().find(|t| t.name == name).unwrap_or(&ABSENT);
         Twin {
             resolved,
-            terms: named("terms"),
+            terms: tables.iter().find(|t| t.binding == TERMS).unwrap_or(&ABSENT),
             spectrum: named("spectrum"),
             coefficients: named("coefficients"),
             variant,
@@ -64,6 +65,7 @@ impl<'a> Twin<'a> {
             Mode::Full | Mode::Pq => nodes::tristimulus(self, directions),
             Mode::Adaptive => adaptive::tristimulus(self, directions),
             Mode::Gems => gems::tristimulus(self, directions),
+            Mode::Baked => baked::tristimulus(self, directions),
         }
     }
 
@@ -79,7 +81,7 @@ impl<'a> Twin<'a> {
                 let add = |bin, _| [adaptive::intensity(self, bin, path, lambda_um), 0.0, 0.0];
                 Some(adaptive::corridor(self, path, point, add)[0])
             }
-            Mode::Gems => None,
+            Mode::Gems | Mode::Baked => None,
         }
     }
 

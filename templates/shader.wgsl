@@ -30,6 +30,9 @@
 #import adaptive
 #endif
 #endif
+#ifdef MODE_BAKED
+#import baked
+#endif
 #ifdef MODE_GEMS
 #import gems
 #endif

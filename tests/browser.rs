@@ -10,7 +10,9 @@ use diffraction_shaders::basis;
 use diffraction_shaders::frame::view_direction;
 use diffraction_shaders::height::{HeightField, synthetic::synthesise};
 use diffraction_shaders::optics::direction;
-use diffraction_shaders::plan::{Auto, Coherence, Mode, Optics, Packing, TableFormat, Variant};
+use diffraction_shaders::plan::{
+    Auto, Coherence, Mode, Optics, Packing, Sampling, TableFormat, Variant,
+};
 use diffraction_shaders::reference::Directions;
 use diffraction_shaders::runner::browser::Api;
 use diffraction_shaders::runner::{
@@ -45,8 +47,11 @@ fn every_mode_agrees_with_its_twin_and_both_routes_with_each_other() {
         let [gpu, gl] = [&maps[0], &maps[1]].map(|map| difference(map, &twin));
         let apart = difference(&maps[0], &maps[1]);
         println!("{}: webgpu {gpu:.2e}, webgl2 {gl:.2e}, apart {apart:.2e}", variant.name);
-        assert!(gpu <= CENTRED && gl <= CENTRED, "{}: {gpu} {gl}", variant.name);
-        assert!(apart <= APART, "{}: {apart}", variant.name);
+        // the last bit of a direction is a small part of a column of the table
+        let factor = if variant.mode == Mode::Baked { 5.0 } else { 1.0 };
+        let most = factor * CENTRED;
+        assert!(gpu <= most && gl <= most, "{}: {gpu} {gl}", variant.name);
+        assert!(apart <= factor * APART, "{}: {apart}", variant.name);
         worst.iter_mut().zip([gpu, gl, apart]).for_each(|(most, now)| *most = most.max(now));
     }
     println!("worst: {worst:?}");
@@ -212,7 +217,7 @@ fn row_zero_is_at_the_top() {
 fn variants() -> Vec<Variant> {
     let ensemble = Optics { coherence: Coherence::Ensemble, ..Optics::standard() };
     let f16 = TableFormat::F16;
-    let single = Packing::Single;
+    let (single, shared) = (Packing::Single, TableFormat::Rgb9e5);
     vec![
         centred("full"),
         Variant { packing: single, ..centred("full single") },
@@ -224,6 +229,14 @@ fn variants() -> Vec<Variant> {
         Variant { mode: Mode::Adaptive, optics: ensemble, ..centred("adaptive ensemble") },
         Variant { mode: Mode::Adaptive, table: f16, packing: single, ..centred("adaptive f16") },
         Variant { mode: Mode::Gems, ..centred("gems") },
+        Variant { mode: Mode::Baked, table: shared, bake_mib: 2.0, ..centred("baked") },
+        Variant {
+            mode: Mode::Baked,
+            table: shared,
+            bake_mib: 2.0,
+            sampling: Sampling::Filter,
+            ..centred("baked filtered")
+        },
     ]
 }
 

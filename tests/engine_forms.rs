@@ -462,6 +462,7 @@ fn texture(table: &Table) -> Texture<'static> {
             TexelFormat::Rgba16Float => TextureFormat::Rgba16Float,
             TexelFormat::Rg32Float => TextureFormat::Rg32Float,
             TexelFormat::Rgba32Float => TextureFormat::Rgba32Float,
+            TexelFormat::Rgb9e5Ufloat => TextureFormat::Rgb9e5Ufloat,
         },
         width: table.width as u32,
         height: table.height as u32,

@@ -29,7 +29,8 @@ fn variant(keys: &str) -> Variant {
 #[test]
 fn every_shader_that_the_constraints_leave_compiles_for_every_target() {
     let plan = plan(concat!(
-        "mode = [\"full\", \"pq\", \"adaptive\", \"gems\"]\nterms = 5\n",
+        "mode = [\"full\", \"pq\", \"adaptive\", \"gems\", \"baked\"]\nterms = 5\n",
+        "sampling = [\"load\", \"filter\"]\nbake_mib = 1\n",
         "wavelengths = [{}, { min_nm = 550, max_nm = 550 }]\n",
         "table = [\"f32\", \"f16\"]\npacking = [\"paired\", \"single\"]\nhoist = [true, false]\n",
         "coherence = [\"single\", \"ensemble\"]\ncoherence_scaling = [\"fixed\", \"wavelength\"]\n",
@@ -42,6 +43,8 @@ fn every_shader_that_the_constraints_leave_compiles_for_every_target() {
     assert_eq!(count(Mode::Pq), 2 * 2 * 2 * 2 * 2);
     assert_eq!(count(Mode::Adaptive), 2 * 2 * 2 * 2 * 2 * 2 * 2);
     assert_eq!(count(Mode::Gems), 1);
+    // no single wavelength; both samplings, but 32-bit floats are not filtered
+    assert_eq!(count(Mode::Baked), 3 * 2 * 2 * 2 * 2);
     for variant in &plan.variants {
         let resolved = resolve(variant, &height).unwrap();
         for rotate_deg in [0.0, 30.0] {
@@ -65,6 +68,9 @@ fn combinations_without_a_meaning_are_rejected_with_the_reason() {
         ("mode = \"pq\"\nhoist = false", "no other mode has such a form"),
         ("mode = \"adaptive\"\nhoist = false", "no other mode has such a form"),
         ("coherence = \"ensemble\"\nhoist = false", "an ensemble adds intensities"),
+        ("table = \"rgb9e5\"", "have no sign"),
+        ("mode = \"baked\"\nwavelengths = { min_nm = 550, max_nm = 550 }", "a single one leaves"),
+        ("mode = \"baked\"\nsampling = \"filter\"", "32-bit floats"),
         ("mode = \"gems\"\ncolour = \"thesis\"", "without tristimulus values"),
     ] {
         let text = format!("{SURFACE}[variants]\n{keys}\n");
@@ -89,6 +95,10 @@ fn names_and_hashes_hold_what_the_mode_reads() {
             "adaptive-taylor-t31-f16-ensemble",
         ),
         (
+            "mode = \"baked\"\nterms = 3\nbasis = \"optimal\"\ntable = \"rgb9e5\"\nsampling = \"filter\"\nbake_mib = 8",
+            "baked-rgb9e5-filter-m8",
+        ),
+        (
             "mode = \"gems\"\nterms = 3\nbasis = \"taylor-zero\"\nhoist = false\nrefractive_index = 1.6",
             "gems",
         ),
@@ -100,5 +110,8 @@ fn names_and_hashes_hold_what_the_mode_reads() {
     assert!(same("mode = \"gems\"", "mode = \"gems\"\ncoherence_um = 30"));
     assert!(!same("mode = \"pq\"", "mode = \"pq\"\nperiods = [26, 650]"));
     assert!(!same("mode = \"adaptive\"", "mode = \"full\""));
+    assert!(same("mode = \"baked\"", "mode = \"baked\"\nterms = 7\npacking = \"single\""));
+    assert!(!same("mode = \"baked\"", "mode = \"baked\"\nbake_error = 0.3"));
+    assert!(same("mode = \"full\"", "mode = \"full\"\nbake_error = 0.3"));
     assert_eq!(variant("mode = \"gems\"").canonical(), "{\"mode\":\"gems\"}");
 }

@@ -9,7 +9,7 @@ use again::{again, required};
 use diffraction_shaders::emit::{EmittedFile, emit};
 use diffraction_shaders::module;
 use diffraction_shaders::optics::direction;
-use diffraction_shaders::plan::{Basis, TableFormat, Variant};
+use diffraction_shaders::plan::{Basis, Mode, TableFormat, Variant};
 use diffraction_shaders::process::on_path;
 use diffraction_shaders::runner::egl::{Dialect, Egl};
 use diffraction_shaders::runner::gpu::{Backend, Gpu};
@@ -41,8 +41,12 @@ fn every_mode_and_form_agrees_with_its_twin() {
         for (height, rotate_deg) in surfaces.iter().zip([25.0, 0.0]).take(1 + usize::from(both)) {
             let subject = Subject { height, rotate_deg, variant };
             let twin = Results::of(&TwinRunner::new(subject, true).unwrap());
-            let bound =
-                if variant.basis == Basis::TaylorZero { texts_bound(height) } else { CENTRED };
+            let bound = match (variant.basis, variant.mode) {
+                // the last bit of a direction is a small part of a column of the table
+                (_, Mode::Baked) => 5.0 * CENTRED,
+                (Basis::TaylorZero, _) => texts_bound(height),
+                _ => CENTRED,
+            };
             for driver in &drivers {
                 let runner = DriverRunner::with(Prepared::new(subject).unwrap(), driver.clone());
                 let errors = Results::of(&runner).errors(&twin);

@@ -69,6 +69,11 @@ fn difference(
     compare(&format!("{} {}", variant.name, shader.route()), &twin, &map, None).unwrap()
 }
 
+/// A table of two pages.
+fn baked(table: TableFormat, sampling: Sampling) -> Variant {
+    Variant { mode: Mode::Baked, table, sampling, bake_mib: 6.0, bake_error: 1.0, ..standard(1) }
+}
+
 fn blazed() -> HeightField {
     synthesise(&Grating::Blazed { period_um: 2.5, height_um: 0.25, pixels: 60 }, "blazed")
         .unwrap()
@@ -123,6 +128,10 @@ fn the_other_modes_and_formats_agree_with_their_twins() {
         Variant { mode: Mode::Adaptive, optics: ensemble, ..standard(20) },
         Variant { mode: Mode::Gems, ..standard(19) },
         Variant { table: TableFormat::F16, ..standard(19) },
+        baked(TableFormat::F32, Sampling::Load),
+        baked(TableFormat::Rgb9e5, Sampling::Load),
+        baked(TableFormat::Rgb9e5, Sampling::Filter),
+        baked(TableFormat::F16, Sampling::Filter),
         Variant {
             table: TableFormat::F16,
             mode: Mode::Adaptive,
@@ -135,7 +144,9 @@ fn the_other_modes_and_formats_agree_with_their_twins() {
             for (height, rotate_deg) in [(&blazed, 0.0), (&fingers, 25.0)] {
                 let c = difference(&gpu, height, variant, rotate_deg, 20.0, 64);
                 let what = format!("{:?} {:?}", variant.mode, variant.table);
-                assert!(c.max_abs <= CENTRED && c.de2000.p99 <= 0.01, "{what}: {c:?}");
+                // the last bit of a direction is a small part of a column of the table
+                let most = if variant.mode == Mode::Baked { 5.0 * CENTRED } else { CENTRED };
+                assert!(c.max_abs <= most && c.de2000.p99 <= 0.01, "{what}: {c:?}");
             }
         }
     }

@@ -116,6 +116,7 @@ fn base_colour() -> Table {
         width: TEXTURE,
         height: TEXTURE,
         layers: 0,
+        filtered: false,
         texels: (0..TEXTURE * TEXTURE).flat_map(texel).collect(),
     }
 }

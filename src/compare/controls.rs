@@ -79,7 +79,7 @@ impl Control {
 }
 
 /// All of them.
-pub const CONTROLS: [Control; 8] = [
+pub const CONTROLS: [Control; 10] = [
     Control {
         name: "black",
         mode: Mode::Full,
@@ -145,6 +145,21 @@ pub const CONTROLS: [Control; 8] = [
         mode: Mode::Adaptive,
         filtered: true,
         spoil: |p, _| replace(p, "prefiltered", "place / size", "floor(place + 0.5) / size"),
+    },
+    Control {
+        name: "baked for one w",
+        mode: Mode::Baked,
+        filtered: false,
+        spoil: |p, _| {
+            let share = "min(path.z * path.z / max(4.0 - squared, 1e-6), 1.0)";
+            replace(p, "baked", share, "0.5");
+        },
+    },
+    Control {
+        name: "baked and turned the wrong way",
+        mode: Mode::Baked,
+        filtered: false,
+        spoil: |p, _| replace(p, "baked", "uv.y < 0.0", "uv.y > 0.0"),
     },
 ];
 
@@ -225,6 +240,7 @@ fn variant(mode: Mode, filtered: bool) -> Variant {
         Mode::Pq => "pq",
         Mode::Adaptive => "adaptive",
         Mode::Gems => "gems",
+        Mode::Baked => "baked",
     };
     Variant {
         name: name.to_owned(),
@@ -236,7 +252,13 @@ fn variant(mode: Mode, filtered: bool) -> Variant {
         // `pq` needs neighbours
         window_radius: Auto::Value(if mode == Mode::Pq { 3 } else { 1 }),
         packing: Packing::Paired,
-        table: if filtered { TableFormat::F16 } else { TableFormat::F32 },
+        table: match mode {
+            Mode::Baked => TableFormat::Rgb9e5,
+            _ if filtered => TableFormat::F16,
+            _ => TableFormat::F32,
+        },
+        // small, since it is made for every route
+        bake_mib: 2.0,
         hoist: true,
         ..texts
     }

@@ -4,13 +4,15 @@ use std::f64::consts::{FRAC_2_PI, TAU};
 
 use crate::plan::{Basis, Mode, TableFormat, Variant};
 use crate::record::{Part, Tolerance};
-use crate::resolve::{Resolved, window_tail};
+use crate::resolve::{Axes, Resolved, window_tail};
 
 /// Arithmetic in 32 bits of a series about the mid-range height, over the greatest value.
 pub const CENTRED: f64 = 2e-5;
 /// The same of a place between texels: around the mirror direction `(u, v)` is a difference of numbers near 1, whose rounding
 /// moves the place where the amplitude is steepest (2.9e-5 on a scan of 65 µm).
 pub const PLACED: f64 = 6e-5;
+/// The same of a table of colours: the last bit of a direction is a small part of a column, and lobes are steep (4.5e-5).
+pub const BAKED: f64 = 1e-4;
 /// Two drivers' arithmetic against each other, over the greatest value.
 pub const ACROSS: f64 = 1e-5;
 /// Rounding of tables of 32-bit floats, over the greatest value.
@@ -19,6 +21,10 @@ const F32: f64 = 2e-6;
 const F32_FROM_ZERO: f64 = 1e-5;
 /// Rounding of tables of 16-bit floats with a scale for each term.
 const F16: f64 = 2e-2;
+/// The same of colours.
+const BAKED_F16: f64 = 1e-3;
+/// Rounding of colours to nine bits of the largest component.
+const RGB9E5: f64 = 2e-3;
 /// Greatest error of the phase function of a series that counts as converged.
 const CONVERGED: f64 = 1e-2;
 
@@ -34,7 +40,11 @@ pub fn tolerance(part: Part, variant: &Variant, resolved: &Resolved) -> Option<T
         |max_abs| Some(Tolerance { max_abs: Some(max_abs), de2000_p95: None, map_p95: None });
     match part {
         Part::Arithmetic => {
-            let least = if resolved.grid.is_some() { PLACED } else { CENTRED };
+            let least = match variant.mode {
+                Mode::Baked => BAKED,
+                _ if resolved.grid.is_some() => PLACED,
+                _ => CENTRED,
+            };
             let least = least.max(filter(variant, resolved));
             values(least.max(cancellation(variant, resolved)))
         }
@@ -80,7 +90,9 @@ fn packing(variant: &Variant) -> f64 {
     match (variant.table, variant.basis) {
         (TableFormat::F32, Basis::Taylor | Basis::Chebyshev | Basis::Optimal) => F32,
         (TableFormat::F32, Basis::TaylorZero) => F32_FROM_ZERO,
+        (TableFormat::F16, _) if variant.mode == Mode::Baked => BAKED_F16,
         (TableFormat::F16, _) => F16,
+        (TableFormat::Rgb9e5, _) => RGB9E5,
     }
 }
 
@@ -99,6 +111,9 @@ fn terms_sum(resolved: &Resolved) -> f64 {
 fn model(variant: &Variant, resolved: &Resolved) -> Option<Tolerance> {
     let waves = &variant.wavelengths;
     let visible = waves.min_nm <= 380.0 && waves.max_nm >= 780.0;
+    if variant.mode == Mode::Baked && visible {
+        return baked(variant, resolved);
+    }
     if resolved.expansion.bound() > CONVERGED || !visible {
         return None;
     }
@@ -112,7 +127,19 @@ fn model(variant: &Variant, resolved: &Resolved) -> Option<Tolerance> {
         Mode::Adaptive => (0.5, Some(0.25)),
         Mode::Full if waves.step_nm <= 2.5 && whole => (0.3, Some(0.5)),
         Mode::Full if waves.step_nm <= 5.0 => (8.0, None),
-        Mode::Full | Mode::Pq | Mode::Gems => return None,
+        Mode::Full | Mode::Pq | Mode::Gems | Mode::Baked => return None,
     };
     Some(Tolerance { max_abs: None, de2000_p95: Some(p95), map_p95 })
+}
+
+/// `baked`: what its sizes aim at, twice, where they were not cut by the most bytes.
+fn baked(variant: &Variant, resolved: &Resolved) -> Option<Tolerance> {
+    let free = Variant { bake_mib: f64::INFINITY, ..variant.clone() };
+    let wanted = Axes::new(&free, 2.0 * resolved.expansion.reach_um);
+    let most = 2.0 * variant.bake_error;
+    (wanted == resolved.axes).then_some(Tolerance {
+        max_abs: None,
+        de2000_p95: Some(most),
+        map_p95: Some(most),
+    })
 }

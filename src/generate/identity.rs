@@ -52,6 +52,16 @@ pub(super) fn expected_id(surface_hash: &str, variant: &Variant) -> String {
 
 /// Identity of a term table: everything that its numbers and its size come from.
 fn terms_id(surface_hash: &str, variant: &Variant) -> String {
+    if variant.mode == Mode::Baked {
+        let Optics { coherence_um, coherence, coherence_scaling, .. } = &variant.optics;
+        let Wavelengths { min_nm, max_nm, .. } = variant.wavelengths;
+        let inputs = json!([
+            [TOOL_VERSION, surface_hash, min_nm, max_nm, variant.table],
+            [variant.bake_error, variant.bake_mib],
+            [coherence_um, coherence, coherence_scaling, illuminant(&variant.optics)],
+        ]);
+        return format!("colours-{}", &hash(&inputs)[..12]);
+    }
     let radius = match (variant.mode, variant.window_radius) {
         _ if is_prefiltered(variant) => json!(["prefiltered", variant.optics.coherence_um]),
         (Mode::Adaptive, _) => {
@@ -120,8 +130,9 @@ fn spectrum_id(spec: &SurfaceSpec, surface_hash: &str, variant: &Variant) -> Str
             json!([TOOL_VERSION, "adaptive", illuminant, min_nm, max_nm, rotate_deg])
         }
         Mode::Gems => json!([TOOL_VERSION, "gems", surface_hash]),
+        Mode::Baked => json!([TOOL_VERSION, "rotation", rotate_deg]),
     };
-    if variant.table == TableFormat::F16 {
+    if variant.table == TableFormat::F16 && variant.mode != Mode::Baked {
         // the scales of the terms are in it
         inputs = json!([inputs, terms_id(surface_hash, variant)]);
     }

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use crate::bake::COLOUR_SCALE;
 use crate::plan::{Container, Mode, Variant};
-use crate::resolve::{NODE_LEVELS, Resolved};
+use crate::resolve::{Axes, NODE_LEVELS, Resolved};
 use crate::tables::container::entry;
 use crate::tables::{Scale, TERMS, Table};
 use crate::template::GENERATED;
@@ -23,6 +24,8 @@ pub fn describe(
     let (channels, axes) = match table.name {
         "terms" => terms_meaning(table, resolved),
         "coefficients" => coefficients_meaning(table, resolved),
+        "colours" => colours_meaning(table, &resolved.axes),
+        _ if variant.mode == Mode::Baked => rotation_meaning(),
         _ if variant.mode == Mode::Gems => grating_meaning(),
         _ if !resolved.node_counts.is_empty() => levels_meaning(variant),
         _ => spectrum_meaning(variant),
@@ -48,7 +51,7 @@ pub fn describe(
         order: "[layer][row][column][channel]",
         channels,
         axes,
-        scale: 1.0,
+        scale: if table.name == "colours" { 1.0 / COLOUR_SCALE } else { 1.0 },
         term_scales,
         wrap: "none: no texel outside is read",
         containers: containers.iter().map(|&c| (c, entry(c, &shape, id))).collect(),
@@ -131,6 +134,35 @@ fn levels_meaning(variant: &Variant) -> (Vec<String>, BTreeMap<&'static str, Str
     );
     let axes = BTreeMap::from([("column", column), ("row", row_meaning(&level))]);
     (channels.map(str::to_owned).into(), axes)
+}
+
+fn colours_meaning(table: &Table, axes: &Axes) -> (Vec<String>, BTreeMap<&'static str, String>) {
+    let names = ["X", "Y", "Z", "unused"];
+    let names = names[..table.format.channels()].iter().map(|s| (*s).to_owned()).collect();
+    let Axes { columns, pages, levels, stretch, pace, .. } = axes;
+    let page = axes.page_columns();
+    let axes = BTreeMap::from([
+        (
+            "column",
+            format!(
+                "angle of (u, v): index + {page} times the page is {columns}/8 times the octant and t (1.35 - 0.35 t), t the smaller over the larger of |u| and |v| (or 1 minus that, where the octant runs back); the last column repeats the first of the next page"
+            ),
+        ),
+        ("row", format!("{pace} asinh({stretch} |(u, v)|)")),
+        (
+            "layer",
+            format!(
+                "{levels} times the page, of {pages}, plus {} w²/(4 - u² - v²); linear between",
+                levels - 1
+            ),
+        ),
+    ]);
+    (names, axes)
+}
+
+fn rotation_meaning() -> (Vec<String>, BTreeMap<&'static str, String>) {
+    let axes = [("column", "one".to_owned()), ("row", row_meaning("unused"))];
+    (vec!["unused".to_owned(); 4], BTreeMap::from(axes))
 }
 
 fn grating_meaning() -> (Vec<String>, BTreeMap<&'static str, String>) {

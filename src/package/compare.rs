@@ -1,9 +1,9 @@
 //! Comparing a file on disk with a fresh one.
 
-use half::f16;
 use serde_json::Value;
 
 use crate::plan::TableFormat;
+use crate::tables::TexelFormat;
 use crate::tables::container::decode;
 
 use super::Compare;
@@ -24,11 +24,13 @@ pub(super) fn same(compare: Compare, fresh: &[u8], disk: &[u8]) -> bool {
                 _ => false,
             }
         }
-        Compare::Table { format: TableFormat::F32, tolerance, layer } => {
-            same_numbers(fresh, disk, tolerance, layer, 4)
-        }
-        Compare::Table { format: TableFormat::F16, tolerance, layer } => {
-            same_numbers(fresh, disk, tolerance, layer, 2)
+        Compare::Table { format, tolerance, layer } => {
+            let format = match format {
+                TableFormat::F32 => TexelFormat::Rg32Float,
+                TableFormat::F16 => TexelFormat::Rg16Float,
+                TableFormat::Rgb9e5 => TexelFormat::Rgb9e5Ufloat,
+            };
+            same_numbers(fresh, disk, tolerance, layer, format)
         }
         Compare::Container { container, shape, tolerance } => {
             // an edited file may be of any length
@@ -37,8 +39,7 @@ pub(super) fn same(compare: Compare, fresh: &[u8], disk: &[u8]) -> bool {
             }
             let texels = |file| decode(container, &shape, file);
             let (Some(fresh), Some(disk)) = (texels(fresh), texels(disk)) else { return false };
-            let width = shape.format.number_bytes();
-            same_numbers(&fresh, &disk, tolerance, shape.layer_numbers(), width)
+            same_numbers(&fresh, &disk, tolerance, shape.layer_numbers(), shape.format)
         }
     }
 }
@@ -72,28 +73,25 @@ fn same_json(fresh: &Value, disk: &Value, tolerance: f64, scale: f64) -> bool {
     }
 }
 
-/// `width`: bytes of a number.
-fn same_numbers(fresh: &[u8], disk: &[u8], tolerance: f64, layer: usize, width: usize) -> bool {
-    if fresh.len() != disk.len() || !fresh.len().is_multiple_of(width) {
+/// `layer`: numbers that share a magnitude; 0: all.
+fn same_numbers(
+    fresh: &[u8],
+    disk: &[u8],
+    tolerance: f64,
+    layer: usize,
+    format: TexelFormat,
+) -> bool {
+    let texel = format.texel_bytes();
+    if fresh.len() != disk.len() || !fresh.len().is_multiple_of(texel) {
         return false;
     }
-    let layer_bytes = if layer == 0 { fresh.len() } else { layer.saturating_mul(width) };
-    fresh.chunks(layer_bytes.max(width)).zip(disk.chunks(layer_bytes.max(width))).all(
-        |(fresh, disk)| {
-            let largest = numbers(fresh, width).fold(0.0, |max: f64, x| max.max(x.abs()));
-            // Written so that a NaN on either side is a difference.
-            numbers(fresh, width)
-                .zip(numbers(disk, width))
-                .all(|(x, y)| (x - y).abs() <= tolerance * largest)
-        },
-    )
-}
-
-fn numbers(bytes: &[u8], width: usize) -> impl Iterator<Item = f64> + '_ {
-    bytes.chunks_exact(width).map(|chunk| match *chunk {
-        [a, b] => f16::from_le_bytes([a, b]).to_f64(),
-        [a, b, c, d] => f64::from(f32::from_le_bytes([a, b, c, d])),
-        _ => f64::NAN,
+    let texels = if layer == 0 { fresh.len() } else { layer / format.channels() };
+    let layer_bytes = texels.saturating_mul(texel).max(texel);
+    fresh.chunks(layer_bytes).zip(disk.chunks(layer_bytes)).all(|(fresh, disk)| {
+        let (fresh, disk) = (format.decode(fresh), format.decode(disk));
+        let largest = fresh.iter().fold(0.0, |max: f64, x| max.max(x.abs()));
+        // Written so that a NaN on either side is a difference.
+        fresh.iter().zip(&disk).all(|(x, y)| (x - y).abs() <= tolerance * largest)
     })
 }
 
@@ -134,6 +132,6 @@ mod tests {
         );
         assert!(!same(table(0), &fresh, &bytes(&[100.0, 0.0, f32::NAN, 0.0])));
         assert!(!same(table(0), &fresh, &bytes(&[100.0, 0.0])));
-        assert!(!same(table(0), &bytes(&[f32::NAN]), &bytes(&[1.0])));
+        assert!(!same(table(0), &bytes(&[f32::NAN, 0.0]), &bytes(&[1.0, 0.0])));
     }
 }

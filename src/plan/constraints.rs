@@ -13,6 +13,10 @@ pub(super) fn reads(mode: Mode, periods_given: bool, key: &str) -> bool {
         (Mode::Pq, "coherence_um") => !periods_given,
         (Mode::Adaptive, "window_radius" | "step_nm" | "hoist") => false,
         (Mode::Pq | Mode::Adaptive, _) => true,
+        (Mode::Baked, "basis" | "terms" | "window_radius" | "step_nm" | "packing" | "hoist") => {
+            false
+        }
+        (Mode::Baked, _) => true,
         (Mode::Gems, _) => false,
     }
 }
@@ -22,6 +26,7 @@ pub(super) fn reads_between(mode: Mode, reconstruction: Option<Reconstruction>) 
     let prefiltered = reconstruction == Some(Reconstruction::Prefiltered);
     match mode {
         Mode::Full | Mode::Adaptive => prefiltered,
+        Mode::Baked => true,
         Mode::Pq | Mode::Gems => false,
     }
 }
@@ -31,6 +36,10 @@ pub(super) fn reads_between(mode: Mode, reconstruction: Option<Reconstruction>) 
 pub(super) fn normalised(draft: Draft) -> Draft {
     let standard = Draft::standard(Optics::standard());
     let mut draft = draft;
+    if draft.mode.1 != Some(Mode::Baked) {
+        draft.bake_error = standard.bake_error;
+        draft.bake_mib = standard.bake_mib;
+    }
     if draft.mode.1.is_some_and(|mode| !reads_between(mode, draft.reconstruction.1)) {
         draft.sampling = standard.sampling;
     }
@@ -47,6 +56,14 @@ pub(super) fn normalised(draft: Draft) -> Draft {
             let mut draft = Draft { periods: None, window_radius: standard.window_radius, ..draft };
             draft.wavelengths.step_nm = standard.wavelengths.step_nm;
             draft
+        }
+        Some(Mode::Baked) => {
+            let Draft {
+                mode, mut wavelengths, table, sampling, bake_error, bake_mib, optics, ..
+            } = draft;
+            // an only wavelength is refused
+            wavelengths.step_nm = standard.wavelengths.step_nm;
+            Draft { mode, wavelengths, table, sampling, bake_error, bake_mib, optics, ..standard }
         }
         Some(Mode::Gems) => {
             let colour = draft.optics.colour;
@@ -95,6 +112,16 @@ pub(super) fn broken(mode: Mode, draft: &Draft) -> Vec<(&'static str, String)> {
         "hoist",
         "hoist = false is the loop of the texts over bins, and a prefiltered table needs no such loop",
     );
+    refuse(
+        mode != Mode::Baked && draft.table.1 == Some(TableFormat::Rgb9e5),
+        "table",
+        "numbers with a shared exponent have no sign, and only the colours of mode = \"baked\" need none",
+    );
+    refuse(
+        mode == Mode::Baked && draft.wavelengths.max_nm <= draft.wavelengths.min_nm,
+        "wavelengths",
+        "baked integrates over the wavelengths, and a single one leaves nothing to integrate",
+    );
     let tabulated = matches!(draft.basis.1, Some(Basis::Chebyshev | Basis::Optimal));
     refuse(
         tabulated && !draft.hoist && mode == Mode::Full && !prefiltered,
@@ -119,7 +146,7 @@ pub(super) fn broken(mode: Mode, draft: &Draft) -> Vec<(&'static str, String)> {
                 "pq repeats the patch a whole number of times, the same for all wavelengths",
             );
         }
-        Mode::Adaptive => {}
+        Mode::Adaptive | Mode::Baked => {}
         Mode::Gems => refuse(
             optics.colour == Colour::Thesis,
             "colour",

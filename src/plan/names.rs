@@ -29,6 +29,8 @@ impl Variant {
             wavelengths: Wavelengths { min_nm: 380.0, max_nm: 780.0, step_nm: 5.0 },
             table: TableFormat::F32,
             packing: Packing::Single,
+            bake_error: 0.5,
+            bake_mib: 32.0,
             sampling: Sampling::Load,
             hoist: false,
             optics: optics.clone(),
@@ -73,6 +75,10 @@ impl Variant {
         if self.reconstruction == Reconstruction::Prefiltered {
             map.insert("reconstruction", json!(self.reconstruction));
             map.retain(|key, _| !["window_radius", "hoist"].contains(key));
+        }
+        if self.mode == Mode::Baked {
+            map.insert("bake_error", json!(self.bake_error));
+            map.insert("bake_mib", json!(self.bake_mib));
         }
         if self.reads_between() {
             map.insert("sampling", json!(self.sampling));
@@ -129,8 +135,10 @@ pub(super) fn name_of(draft: &Draft) -> String {
     if draft.mode.1 == Some(Mode::Gems) {
         return draft.mode.0.to_owned();
     }
-    let mut parts =
-        vec![draft.mode.0.to_owned(), draft.basis.0.to_owned(), format!("t{}", auto(draft.terms))];
+    let mut parts = vec![draft.mode.0.to_owned()];
+    if draft.mode.1 != Some(Mode::Baked) {
+        parts.extend([draft.basis.0.to_owned(), format!("t{}", auto(draft.terms))]);
+    }
     let mut add = |present: bool, part: String| {
         if present {
             parts.push(part);
@@ -152,6 +160,8 @@ pub(super) fn name_of(draft: &Draft) -> String {
     add(draft.packing != standard.packing, draft.packing.as_str().to_owned());
     add(draft.sampling != standard.sampling, draft.sampling.as_str().to_owned());
     add(!draft.hoist, "nohoist".to_owned());
+    add(draft.bake_error != standard.bake_error, format!("e{}", number(draft.bake_error)));
+    add(draft.bake_mib != standard.bake_mib, format!("m{}", number(draft.bake_mib)));
     let (optics, plain) = (&draft.optics, &standard.optics);
     add(optics.coherence_um != plain.coherence_um, format!("lc{}", number(optics.coherence_um)));
     add(optics.coherence == Coherence::Ensemble, "ensemble".to_owned());
@@ -184,7 +194,7 @@ fn wavelengths(draft: &Draft) -> String {
     let waves = &draft.wavelengths;
     let (min, max) = (number(waves.min_nm), number(waves.max_nm));
     match draft.mode.0 {
-        "adaptive" => format!("{min}to{max}"),
+        "adaptive" | "baked" => format!("{min}to{max}"),
         _ if waves.max_nm <= waves.min_nm => format!("{min}nm"),
         _ => format!("{min}to{max}by{}", number(waves.step_nm)),
     }

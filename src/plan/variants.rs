@@ -27,6 +27,8 @@ pub(super) struct Draft {
     pub(super) wavelengths: Wavelengths,
     pub(super) table: Word<TableFormat>,
     pub(super) packing: Packing,
+    pub(super) bake_error: f64,
+    pub(super) bake_mib: f64,
     pub(super) sampling: Sampling,
     pub(super) hoist: bool,
     pub(super) optics: Optics,
@@ -48,6 +50,8 @@ pub(super) enum Setting {
     Wavelengths(Wavelengths),
     Table(Word<TableFormat>),
     Packing(Packing),
+    BakeError(f64),
+    BakeMib(f64),
     Sampling(Sampling),
     Hoist(bool),
     CoherenceUm(f64),
@@ -62,7 +66,7 @@ pub(super) enum Setting {
 type Axis = (&'static str, fn(&Item) -> Option<Setting>);
 
 /// Keys of `[variants]` and of a preset in the order of the product: the first varies slowest.
-const AXES: [Axis; 12] = [
+const AXES: [Axis; 14] = [
     ("mode", |item| item.word(words::MODES).map(Setting::Mode)),
     ("basis", |item| item.word(words::BASES).map(Setting::Basis)),
     ("terms", |item| auto(item, 1..201, "the number of terms, or \"auto\"").map(Setting::Terms)),
@@ -78,6 +82,8 @@ const AXES: [Axis; 12] = [
     ("packing", |item| item.word(words::PACKINGS).map(|(_, packing)| Setting::Packing(packing))),
     ("sampling", |item| item.word(words::SAMPLINGS).map(|(_, word)| Setting::Sampling(word))),
     ("hoist", |item| item.boolean().map(Setting::Hoist)),
+    ("bake_error", bake_error),
+    ("bake_mib", bake_mib),
 ];
 
 /// Keys of `[optics]`, which are axes too; they vary fastest.
@@ -166,6 +172,8 @@ impl Draft {
             wavelengths: Wavelengths { min_nm: 380.0, max_nm: 780.0, step_nm: 5.0 },
             table: ("f32", Some(TableFormat::F32)),
             packing: Packing::Paired,
+            bake_error: 0.5,
+            bake_mib: 32.0,
             sampling: Sampling::Load,
             hoist: true,
             optics,
@@ -200,6 +208,8 @@ impl Draft {
             wavelengths: self.wavelengths,
             table,
             packing: self.packing,
+            bake_error: self.bake_error,
+            bake_mib: self.bake_mib,
             sampling: self.sampling,
             hoist: self.hoist,
             optics: self.optics.clone(),
@@ -223,6 +233,8 @@ impl Draft {
             Setting::Wavelengths(x) => self.wavelengths = x,
             Setting::Table(x) => self.table = x,
             Setting::Packing(x) => self.packing = x,
+            Setting::BakeError(x) => self.bake_error = x,
+            Setting::BakeMib(x) => self.bake_mib = x,
             Setting::Sampling(x) => self.sampling = x,
             Setting::Hoist(x) => self.hoist = x,
             Setting::CoherenceUm(x) => self.optics.coherence_um = x,
@@ -290,6 +302,16 @@ fn auto(item: &Item, range: std::ops::Range<u64>, what: &str) -> Option<Auto<u32
 fn term_error(item: &Item) -> Option<Setting> {
     let what = "the largest error of the phase function that terms = \"auto\" may leave";
     item.number("above 0 and at most 0.5", what, |x| x > 0.0 && x <= 0.5).map(Setting::TermError)
+}
+
+fn bake_error(item: &Item) -> Option<Setting> {
+    let what = "the 95th percentile of CIEDE2000 that the sizes of a baked table aim at";
+    item.number("from 0.05 to 10", what, |x| (0.05..=10.0).contains(&x)).map(Setting::BakeError)
+}
+
+fn bake_mib(item: &Item) -> Option<Setting> {
+    let what = "the most that a baked table may have, in MiB";
+    item.number("from 0.25 to 512", what, |x| (0.25..=512.0).contains(&x)).map(Setting::BakeMib)
 }
 
 fn coherence_um(item: &Item) -> Option<Setting> {

@@ -13,7 +13,7 @@ pub(super) const MODES: Words<Mode> = &[
     ("pq", Some(Mode::Pq)),
     ("adaptive", Some(Mode::Adaptive)),
     ("gems", Some(Mode::Gems)),
-    ("baked", None),
+    ("baked", Some(Mode::Baked)),
 ];
 
 pub(super) const BASES: Words<Basis> = &[
@@ -26,8 +26,11 @@ pub(super) const BASES: Words<Basis> = &[
 pub(super) const RECONSTRUCTIONS: Words<Reconstruction> =
     &[("window", Some(Reconstruction::Window)), ("prefiltered", Some(Reconstruction::Prefiltered))];
 
-pub(super) const TABLE_FORMATS: Words<TableFormat> =
-    &[("f32", Some(TableFormat::F32)), ("f16", Some(TableFormat::F16))];
+pub(super) const TABLE_FORMATS: Words<TableFormat> = &[
+    ("f32", Some(TableFormat::F32)),
+    ("f16", Some(TableFormat::F16)),
+    ("rgb9e5", Some(TableFormat::Rgb9e5)),
+];
 
 /// `bin` stands for the raw texels, which are written whether it is named or not.
 pub(super) const CONTAINERS: Words<Option<Container>> = &[

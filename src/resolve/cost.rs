@@ -29,10 +29,21 @@ pub const LOBE_NODES: u32 = 8;
 
 /// Counts a variant's work.
 pub(super) fn cost(variant: &Variant, resolved: &Resolved, lobes: &Lobes) -> Cost {
+    if variant.mode == Mode::Baked {
+        // two neighbouring levels, filtered or not
+        let fetches: u64 = if variant.filters() { 2 } else { 8 };
+        let texel = crate::tables::colour_format(variant.table).texel_bytes() as u64;
+        return Cost {
+            fetches,
+            fetches_mean: fetches as f64,
+            table_bytes: resolved.axes.texels() * texel,
+            ..Cost::default()
+        };
+    }
     let layers = u64::from(resolved.layers);
     let most_nodes = resolved.node_counts.iter().copied().max().map(u64::from);
     let nodes = match variant.mode {
-        Mode::Gems => 1,
+        Mode::Gems | Mode::Baked => 1,
         Mode::Adaptive if most_nodes.is_some() => most_nodes.unwrap_or(1),
         Mode::Adaptive if variant.wavelengths.max_nm > variant.wavelengths.min_nm => {
             crate::spectrum::WAVENUMBER_NODES as u64
@@ -86,7 +97,7 @@ pub(super) fn cost(variant: &Variant, resolved: &Resolved, lobes: &Lobes) -> Cos
     match variant.mode {
         Mode::Full => uniform(u64::from(2 * resolved.window_radius + 1).pow(2)),
         Mode::Pq => uniform(u64::from(resolved.taps[0]) * u64::from(resolved.taps[1])),
-        Mode::Gems => {
+        Mode::Gems | Mode::Baked => {
             Cost { fetches: 1, fetches_mean: 1.0, table_bytes: spectrum_bytes, ..Cost::default() }
         }
         Mode::Adaptive => {

@@ -29,8 +29,7 @@ pub struct Shape {
 impl Shape {
     /// Bytes of the texels, if a file can have as many.
     pub fn byte_count(&self) -> Option<usize> {
-        let texel = self.format.channels() * self.format.number_bytes();
-        [self.height, self.layers.max(1), texel]
+        [self.height, self.layers.max(1), self.format.texel_bytes()]
             .iter()
             .try_fold(self.width, |product, factor| product.checked_mul(*factor))
     }

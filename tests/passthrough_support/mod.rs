@@ -35,6 +35,11 @@ pub fn variants() -> Vec<Variant> {
             v.optics.coherence = Coherence::Ensemble;
         }),
         named("gems", |v| v.mode = Mode::Gems),
+        named("baked", |v| (v.mode, v.table, v.bake_mib) = (Mode::Baked, TableFormat::Rgb9e5, 2.0)),
+        named("baked-filtered", |v| {
+            (v.mode, v.table, v.bake_mib) = (Mode::Baked, TableFormat::Rgb9e5, 2.0);
+            v.sampling = Sampling::Filter;
+        }),
         texts,
     ]
 }

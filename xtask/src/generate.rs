@@ -3,9 +3,10 @@
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::{Context, Result};
-use diffraction_shaders::generate::{self, Generated, Request};
+use diffraction_shaders::generate::{self, Generated, Request, Step};
 use diffraction_shaders::package::{self, Compare, Package, Report, Stamp};
 use diffraction_shaders::plan::{Plan, Target, Variant};
 use diffraction_shaders::readme;
@@ -99,7 +100,18 @@ fn build(
         return Ok(None);
     }
     let bar = progress::bar(plan.surfaces.len() * selection.variants.len(), "generating");
-    let generated = generate::generate(&request, &|_| bar.inc(1));
+    let baked = AtomicUsize::new(0);
+    let generated = generate::generate(&request, &|step| match step {
+        Step::Finished(_) => {
+            baked.store(0, Ordering::Relaxed);
+            bar.set_message("generating");
+            bar.inc(1);
+        }
+        Step::Baked { label, columns, of } => {
+            let sum = baked.fetch_add(columns, Ordering::Relaxed) + columns;
+            bar.set_message(format!("baking {label}, {} %", 100 * sum / of.max(1)));
+        }
+    });
     bar.finish_and_clear();
     let Generated { mut package, notes, .. } = generated.map_err(Diagnostics)?;
     notes.iter().for_each(|note| console.note(note));

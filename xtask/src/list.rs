@@ -120,7 +120,7 @@ fn variant_object(variant: &Variant, plan: &Plan, costs: &Costs) -> Value {
 fn samples(variant: &Variant) -> Value {
     match variant.mode {
         Mode::Full | Mode::Pq => json!(variant.wavelengths.nodes_nm().len()),
-        Mode::Adaptive | Mode::Gems => Value::Null,
+        Mode::Adaptive | Mode::Gems | Mode::Baked => Value::Null,
     }
 }
 

@@ -295,6 +295,7 @@ impl Current<'_> {
             TexelFormat::Rgba16Float => (glow::RGBA16F as i32, glow::RGBA, 4),
             TexelFormat::Rg32Float => (glow::RG32F as i32, glow::RG, 2),
             TexelFormat::Rgba32Float => (glow::RGBA32F as i32, glow::RGBA, 4),
+            TexelFormat::Rgb9e5Ufloat => (glow::RGB9_E5 as i32, glow::RGB, 3),
         };
         // rounded to the texel format here, so that the driver has nothing left to round
         let texels: Vec<f32> = table.clone().rounded().texels.iter().map(|&v| v as f32).collect();

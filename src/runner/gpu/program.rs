@@ -85,13 +85,15 @@ pub enum TextureFormat {
     Rg16Float,
     /// Four f16.
     Rgba16Float,
+    /// Three numbers of nine bits with one exponent.
+    Rgb9e5Ufloat,
 }
 
 impl TextureFormat {
     /// Bytes of a texel.
     pub fn bytes(self) -> u32 {
         match self {
-            TextureFormat::Rg16Float => 4,
+            TextureFormat::Rg16Float | TextureFormat::Rgb9e5Ufloat => 4,
             TextureFormat::Rg32Float | TextureFormat::Rgba16Float => 8,
             TextureFormat::Rgba32Float => 16,
         }
@@ -103,6 +105,7 @@ impl TextureFormat {
             TextureFormat::Rgba32Float => wgpu::TextureFormat::Rgba32Float,
             TextureFormat::Rg16Float => wgpu::TextureFormat::Rg16Float,
             TextureFormat::Rgba16Float => wgpu::TextureFormat::Rgba16Float,
+            TextureFormat::Rgb9e5Ufloat => wgpu::TextureFormat::Rgb9e5Ufloat,
         }
     }
 }

@@ -22,6 +22,9 @@ pub(super) fn format(format: TexelFormat) -> (&'static str, Format) {
         TexelFormat::Rgba16Float => ("VK_FORMAT_R16G16B16A16_SFLOAT", Format::R16G16B16A16_SFLOAT),
         TexelFormat::Rg32Float => ("VK_FORMAT_R32G32_SFLOAT", Format::R32G32_SFLOAT),
         TexelFormat::Rgba32Float => ("VK_FORMAT_R32G32B32A32_SFLOAT", Format::R32G32B32A32_SFLOAT),
+        TexelFormat::Rgb9e5Ufloat => {
+            ("VK_FORMAT_E5B9G9R9_UFLOAT_PACK32", Format::E5B9G9R9_UFLOAT_PACK32)
+        }
     }
 }
 
@@ -42,7 +45,7 @@ pub(super) fn encode(shape: &Shape, texels: &[u8]) -> Result<Vec<u8>> {
         keys.extend(pair);
         keys.resize(keys.len().next_multiple_of(4), 0);
     }
-    let texel_bytes = shape.format.channels() * shape.format.number_bytes();
+    let texel_bytes = shape.format.texel_bytes();
     let dfd_byte_offset = number(Header::LENGTH + LevelIndex::LENGTH)?;
     let kvd_byte_offset = dfd_byte_offset + descriptor_bytes;
     let kvd_byte_length = number(keys.len())?;

@@ -1,5 +1,6 @@
 //! OpenEXR: the layers of a table side by side, in half or single precision, scan lines without compression.
 
+use std::borrow::Cow;
 use std::io::Cursor;
 
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
@@ -19,6 +20,7 @@ use super::{Atlas, Shape, failed};
 pub(super) fn channels(format: TexelFormat) -> &'static [&'static str] {
     match format.channels() {
         2 => &["R", "G"],
+        3 => &["R", "G", "B"],
         _ => &["R", "G", "B", "A"],
     }
 }
@@ -29,6 +31,7 @@ fn place(format: TexelFormat, channel: usize) -> usize {
 }
 
 pub(super) fn encode(shape: &Shape, texels: &[u8]) -> Result<Vec<u8>> {
+    let texels = &stored(shape.format, texels);
     let atlas = Atlas::new(shape);
     if i32::try_from(atlas.width.max(atlas.height)).is_err() {
         return Err(failed(Container::Exr, "is larger than the format allows"));
@@ -69,7 +72,7 @@ pub(super) fn encode(shape: &Shape, texels: &[u8]) -> Result<Vec<u8>> {
 
 /// One channel of the picture; 0 where no layer lies.
 fn plane(shape: &Shape, atlas: &Atlas, texels: &[u8], channel: usize) -> FlatSamples {
-    let width = shape.format.number_bytes();
+    let width = number_bytes(shape.format);
     let mut bytes = vec![0; atlas.width * atlas.height * width];
     for_each(shape, atlas, |texel, pixel| {
         let from = (texel * shape.format.channels() + channel) * width;
@@ -88,9 +91,13 @@ fn plane(shape: &Shape, atlas: &Atlas, texels: &[u8], channel: usize) -> FlatSam
 /// What stands where the texels of such a file are: scan lines at its end, each of two numbers of 32 bits and the rows of
 /// the channels, one after the other.
 pub(super) fn texels(shape: &Shape, file: &[u8]) -> Option<Vec<u8>> {
-    let mut texels = vec![0; shape.byte_count().filter(|count| *count <= file.len())?];
-    let (atlas, width) = (Atlas::new(shape), shape.format.number_bytes());
+    let (atlas, width) = (Atlas::new(shape), number_bytes(shape.format));
     let channels = shape.format.channels();
+    let count = shape.byte_count()? / shape.format.texel_bytes() * channels * width;
+    if count > file.len() {
+        return None;
+    }
+    let mut texels = vec![0; count];
     let line = 8 + atlas.width.checked_mul(channels * width)?;
     let lines = file.get(file.len().checked_sub(line.checked_mul(atlas.height)?)?..)?;
     for_each(shape, &atlas, |texel, pixel| {
@@ -102,7 +109,34 @@ pub(super) fn texels(shape: &Shape, file: &[u8]) -> Option<Vec<u8>> {
             texels[to..to + width].copy_from_slice(&lines[from..from + width]);
         }
     });
-    Some(texels)
+    Some(match shape.format {
+        TexelFormat::Rgb9e5Ufloat => {
+            let numbers = texels.as_chunks().0;
+            let numbers: Vec<f64> =
+                numbers.iter().map(|&pair| f16::from_le_bytes(pair).to_f64()).collect();
+            shape.format.encode(&numbers)
+        }
+        _ => texels,
+    })
+}
+
+/// Texels as numbers that the file has: a shared exponent's fit into half precision without rounding.
+fn stored(format: TexelFormat, texels: &[u8]) -> Cow<'_, [u8]> {
+    match format {
+        TexelFormat::Rgb9e5Ufloat => {
+            let numbers = format.decode(texels);
+            numbers.iter().flat_map(|v| f16::from_f64(*v).to_le_bytes()).collect::<Vec<_>>().into()
+        }
+        _ => texels.into(),
+    }
+}
+
+/// Bytes of a number in the file.
+fn number_bytes(format: TexelFormat) -> usize {
+    match format {
+        TexelFormat::Rg32Float | TexelFormat::Rgba32Float => 4,
+        _ => 2,
+    }
 }
 
 /// Every texel of a table with its pixel.

@@ -66,8 +66,9 @@ pub(super) fn gap(surface: &str, variant: &str, route: String, reason: String) -
 }
 
 fn not_applicable(variant: &Variant, asked: Wavelengths) -> Option<String> {
-    if variant.mode == Mode::Gems {
-        return Some("not applicable: the mode gems has no wavelength axis".to_owned());
+    if matches!(variant.mode, Mode::Gems | Mode::Baked) {
+        let mode = variant.mode.as_str();
+        return Some(format!("not applicable: the mode {mode} has no wavelength axis"));
     }
     let own = variant.wavelengths;
     (asked.min_nm < own.min_nm || asked.max_nm > own.max_nm).then(|| {

@@ -67,7 +67,10 @@ pub(super) fn times(
     let Some(first) = all.first() else { return (Times::new(), None) };
     let texts = Variant::texts(&first.candidate.variant.optics);
     let size = args.size as usize;
-    let case = |variant: &Variant| Case::Map { variant: Box::new(variant.clone()), size };
+    let case = |variant: &Variant| {
+        let variant = Box::new(variant.clone());
+        Case::Map { variant, height: None, frame: [size; 2] }
+    };
     let rules = Rules::standard(Duration::from_secs_f64(args.seconds));
     let clock = SystemClock::new();
     let place = Place {

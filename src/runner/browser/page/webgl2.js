@@ -129,11 +129,13 @@ const webgl2 = (() => {
     within(gl, `${what}: width`, width, "MAX_TEXTURE_SIZE");
     within(gl, `${what}: height`, height, "MAX_TEXTURE_SIZE");
     within(gl, `${what}: layers`, Math.max(layers, 1), "MAX_ARRAY_TEXTURE_LAYERS");
-    const half = format.endsWith("16float");
-    const internal = gl[`${format.startsWith("rgba") ? "RGBA" : "RG"}${half ? "16F" : "32F"}`];
-    const channels = format.startsWith("rgba") ? gl.RGBA : gl.RG;
-    const type = half ? gl.HALF_FLOAT : gl.FLOAT;
-    const numbers = half ? Uint16Array : Float32Array;
+    const [internal, channels, type, numbers] = {
+      rg16float: [gl.RG16F, gl.RG, gl.HALF_FLOAT, Uint16Array],
+      rgba16float: [gl.RGBA16F, gl.RGBA, gl.HALF_FLOAT, Uint16Array],
+      rg32float: [gl.RG32F, gl.RG, gl.FLOAT, Float32Array],
+      rgba32float: [gl.RGBA32F, gl.RGBA, gl.FLOAT, Float32Array],
+      rgb9e5ufloat: [gl.RGB9_E5, gl.RGB, gl.UNSIGNED_INT_5_9_9_9_REV, Uint32Array],
+    }[format];
     // a copy, since views of numbers begin at multiples of their size
     const texels = new numbers(data.slice().buffer);
     const at = layers === 0 ? gl.TEXTURE_2D : gl.TEXTURE_2D_ARRAY;
