@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::diagnostic::Diagnostic;
 use crate::error::Result;
 use crate::height::HeightField;
-use crate::module::{Module, compile};
+use crate::module::{Contract, Module, compile_with};
 use crate::plan::{Coherence, CoherenceScaling, Colour, Mode, Packing, TableFormat, Variant};
 use crate::resolve::Resolved;
 use crate::spectrum::{Sample, Spectrum};
@@ -83,7 +83,7 @@ pub fn shader(
 ) -> std::result::Result<Module, Vec<Diagnostic>> {
     let named = |all: Vec<Diagnostic>| all.into_iter().map(|d| d.variant(name)).collect::<Vec<_>>();
     let specialised = specialise(sources, ROOT, defines).map_err(named)?;
-    compile(&specialised, sources, name)
+    compile_with(&specialised, sources, name, &Contract::package())
 }
 
 /// The tables of a variant in the order of their bindings, unrounded. Time: one two-dimensional transform per two terms.

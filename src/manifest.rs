@@ -1,10 +1,10 @@
 //! What a package says about itself, as data.
 
 mod describe;
+mod interface;
 
 use std::collections::BTreeMap;
 
-use naga::{AddressSpace, ImageClass, ImageDimension, TypeInner};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -19,6 +19,7 @@ use crate::tables::container::ContainerEntry;
 use crate::template::GENERATED;
 
 pub use describe::describe;
+use interface::{bindings, uniforms, vertex_inputs};
 
 /// Version of the manifests' layout.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -46,8 +47,10 @@ pub struct VariantManifest {
     pub targets: BTreeMap<Target, Vec<FileEntry>>,
     /// Resources by their names in the templates.
     pub bindings: Vec<Binding>,
-    /// Layout of the uniform block.
+    /// Layout of the uniform blocks.
     pub uniforms: Vec<UniformBlock>,
+    /// What the vertex stage of a mesh reads from buffers.
+    pub vertex_inputs: Vec<VertexInput>,
     /// The tables, by binding.
     pub tables: Vec<TableEntry>,
     /// The same for Rust: a file beside the manifest.
@@ -118,7 +121,23 @@ pub struct Binding {
     pub source: String,
 }
 
-/// A uniform block, std140-compatible: `vec4` members only.
+/// An attribute of the vertices of `mesh_vert`.
+#[derive(Clone, Debug, Serialize)]
+pub struct VertexInput {
+    /// Name in the templates.
+    pub name: String,
+    /// Location; in HLSL the semantic `LOC` with this number, in Metal the attribute.
+    pub location: u32,
+    /// WGSL type.
+    #[serde(rename = "type")]
+    pub ty: &'static str,
+    /// WebGPU's name of the format.
+    pub format: &'static str,
+    /// What it holds.
+    pub meaning: &'static str,
+}
+
+/// A uniform block, std140-compatible: `vec4` and `mat4x4` members only.
 #[derive(Clone, Debug, Serialize)]
 pub struct UniformBlock {
     /// Name of the variable in the templates.
@@ -268,6 +287,7 @@ pub fn manifest(subject: Subject<'_>, module: &Module, files: &[EmittedFile]) ->
         targets,
         bindings: bindings(module, &tables),
         uniforms: uniforms(module),
+        vertex_inputs: vertex_inputs(module),
         rust_bindings: "bindings.rs",
         requires: requires(&extents),
         cost: resolved.cost,
@@ -364,58 +384,4 @@ fn requires(extents: &[Extent]) -> Requires {
         gaps: missing.map(|p| (p.name(), reason(p.limits()))).collect(),
         features: Vec::new(),
     }
-}
-
-fn bindings(module: &Module, tables: &[(&Table, TableEntry)]) -> Vec<Binding> {
-    let ir = module.ir();
-    let mut all: Vec<Binding> = ir
-        .global_variables
-        .iter()
-        .filter_map(|(_, variable)| {
-            let (resource, name) = (variable.binding.as_ref()?, variable.name.clone()?);
-            let table = tables.iter().find(|(table, _)| table.name == name);
-            let (kind, dimension, sample_type) = match ir.types[variable.ty].inner {
-                TypeInner::Image { dim, arrayed, class: ImageClass::Sampled { .. } } => {
-                    let dimension = if arrayed { "2d-array" } else if dim == ImageDimension::D3 { "3d" } else { "2d" };
-                    ("texture", Some(dimension), Some("unfilterable-float"))
-                }
-                _ => ("uniform", None, None),
-            };
-            let source = match (table, kind) {
-                (Some((_, entry)), _) => format!("table {}", entry.id),
-                (None, "texture") => "rgba32float, two rows per row of the picture: directions to the light and to the viewer, of `probe` only".to_owned(),
-                _ => "see `uniforms`; of `map` and `probe` only".to_owned(),
-            };
-            let format = table.map(|(table, _)| table.format.name());
-            Some(Binding { name, group: resource.group, binding: resource.binding, kind, dimension, sample_type, format, source })
-        })
-        .collect();
-    all.sort_by_key(|b| (b.group, b.binding));
-    all
-}
-
-fn uniforms(module: &Module) -> Vec<UniformBlock> {
-    let ir = module.ir();
-    let block = |variable: &naga::GlobalVariable| {
-        let ty = &ir.types[variable.ty];
-        let TypeInner::Struct { members, span } = &ty.inner else { return None };
-        let members = members.iter().map(|m| UniformMember {
-            name: m.name.clone().unwrap_or_default(),
-            offset: m.offset,
-            ty: "vec4f",
-            meaning: match m.name.as_deref() {
-                Some("light") => "xyz: unit direction to the light, of `map`; w: unused",
-                Some("size") => "xy: size of the picture in pixels; zw: unused",
-                _ => "",
-            },
-        });
-        Some(UniformBlock {
-            name: variable.name.clone()?,
-            structure: ty.name.clone()?,
-            size: *span,
-            members: members.collect(),
-        })
-    };
-    let uniform = ir.global_variables.iter().filter(|(_, v)| v.space == AddressSpace::Uniform);
-    uniform.filter_map(|(_, v)| block(v)).collect()
 }

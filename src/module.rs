@@ -62,7 +62,15 @@ pub struct Contract {
 }
 
 impl Contract {
-    /// The contract of a shipped shader: `vert`, `map` and `probe`, and no sampler.
+    /// The contract of a shipped shader: [`Contract::standard`] and the two stages of a mesh.
+    pub fn package() -> Contract {
+        let mut contract = Contract::standard();
+        let mesh = [("mesh_vert", Stage::Vertex), ("mesh", Stage::Fragment)];
+        contract.entry_points.extend(mesh.map(|(name, stage)| (name.to_owned(), stage)));
+        contract
+    }
+
+    /// What can be compared: `vert`, `map` and `probe`, and no sampler.
     pub fn standard() -> Contract {
         let entry_points =
             [("vert", Stage::Vertex), ("map", Stage::Fragment), ("probe", Stage::Fragment)];

@@ -6,6 +6,7 @@
 mod adaptive;
 pub mod full;
 mod gems;
+pub mod mesh;
 mod nodes;
 mod pq;
 mod series;

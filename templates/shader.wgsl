@@ -27,3 +27,4 @@
 #import colour
 #import map
 #import probe
+#import mesh
