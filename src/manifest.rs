@@ -341,14 +341,6 @@ fn core(variant: &Variant, resolved: &Resolved) -> Core {
             "radiance of a unit directional source, relative to the peak of a mirror at normal incidence"
         }
     };
-    let diffuser_scale = match variant.mode {
-        Mode::Gems => None,
-        Mode::Pq => {
-            let sides = [0, 1].map(|i| f64::from(resolved.periods[i]) * resolved.patch_um[i]);
-            Some(optics::replica_diffuser_scale(optics, sides))
-        }
-        Mode::Full | Mode::Adaptive => Some(optics::diffuser_scale(optics)),
-    };
     Core {
         function: "fn diffraction(wi: vec3f, wr: vec3f) -> vec3f",
         frame: "tangent frame: x along the tangent, y along the bitangent, z along the normal; right-handed",
@@ -356,8 +348,20 @@ fn core(variant: &Variant, resolved: &Resolved) -> Core {
         colour_space,
         unit,
         clamped: false,
-        diffuser_scale,
+        diffuser_scale: diffuser_scale(variant, resolved),
         tristimulus_function: "fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f",
+    }
+}
+
+/// Radiance relative to a white diffuser per unit of a variant's result; `None` where that has no unit.
+pub fn diffuser_scale(variant: &Variant, resolved: &Resolved) -> Option<f64> {
+    match variant.mode {
+        Mode::Gems => None,
+        Mode::Pq => {
+            let sides = [0, 1].map(|i| f64::from(resolved.periods[i]) * resolved.patch_um[i]);
+            Some(optics::replica_diffuser_scale(&variant.optics, sides))
+        }
+        Mode::Full | Mode::Adaptive => Some(optics::diffuser_scale(&variant.optics)),
     }
 }
 

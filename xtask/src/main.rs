@@ -19,6 +19,7 @@ mod reexec;
 mod render;
 mod report;
 mod runners;
+mod scene;
 mod test;
 mod testbench;
 mod unchanged;
@@ -63,6 +64,8 @@ enum Command {
     Testbench(testbench::Args),
     /// Measure the time of every variant on every adapter.
     Bench(bench::Args),
+    /// Draw a variant on the skin of a body: stills, sweeps, a turntable.
+    Scene(scene::Args),
     /// Show results of compare, bench and testbench on one HTML page.
     Report(report::Args),
     Test(test::Args),
@@ -100,6 +103,7 @@ fn main() -> ExitCode {
         Command::Compare(args) => compare::run(&args, &console).map(ExitCode::from),
         Command::Testbench(args) => testbench::run(&args, &console).map(ExitCode::from),
         Command::Bench(args) => bench::run(&args, &console).map(ExitCode::from),
+        Command::Scene(args) => scene::run(&args, &console).map(ExitCode::from),
         Command::Report(args) => report::run(&args, &console).map(ExitCode::from),
         Command::Test(args) => test::run(&args),
     };

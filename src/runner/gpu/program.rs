@@ -304,12 +304,12 @@ fn bindings(program: &Program<'_>) -> impl Iterator<Item = u32> {
     textures.chain(program.uniform.map(|uniform| uniform.binding))
 }
 
-fn layout_entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
+pub(super) fn layout_entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
     let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT;
     wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None }
 }
 
-fn dimension(layout: TextureLayout) -> wgpu::TextureViewDimension {
+pub(super) fn dimension(layout: TextureLayout) -> wgpu::TextureViewDimension {
     match layout {
         TextureLayout::D2 => wgpu::TextureViewDimension::D2,
         TextureLayout::D2Array => wgpu::TextureViewDimension::D2Array,
@@ -317,7 +317,7 @@ fn dimension(layout: TextureLayout) -> wgpu::TextureViewDimension {
 }
 
 /// Copies a texture to the device in pieces, so that the staging memory stays small.
-fn upload(shared: &Shared, name: &str, texture: &Texture<'_>) -> Result<wgpu::TextureView> {
+pub(super) fn upload(shared: &Shared, name: &str, texture: &Texture<'_>) -> Result<wgpu::TextureView> {
     const PIECE: u64 = 32 << 20;
     let Texture { layout, format, width, height, layers, ref bytes, .. } = *texture;
     let misread = layers == 1 || (width == height && layers % 6 == 0);
