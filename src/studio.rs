@@ -75,12 +75,7 @@ pub struct Studio<'a> {
 impl<'a> Studio<'a> {
     /// Computes the tables and compiles the passes. `widen`: lobes are widened by the footprint of pixels, which an ensemble
     /// allows: a lobe twice as wide is one of half the coherence length.
-    pub fn new(
-        gpu: &'a Gpu,
-        subject: Subject<'a>,
-        mesh: Mesh,
-        widen: bool,
-    ) -> Result<Studio<'a>> {
+    pub fn new(gpu: &'a Gpu, subject: Subject<'a>, mesh: Mesh, widen: bool) -> Result<Studio<'a>> {
         let variant = subject.variant;
         let ensemble = variant.optics.coherence == Coherence::Ensemble;
         if widen && !(ensemble && matches!(variant.mode, Mode::Full | Mode::Adaptive)) {
@@ -123,9 +118,12 @@ impl<'a> Studio<'a> {
     pub fn picture(&self, params: &MeshParams, look: &Look, size: [u32; 2]) -> Result<Hdr> {
         let fail = |cause: String| Err(Error::new(Stage::Run, &self.mesh.name, cause));
         if look.lights.is_empty() || look.lights.len() > MOST_LIGHTS {
-            return fail(format!("{} lights; from 1 to {MOST_LIGHTS} can shine", look.lights.len()));
+            return fail(format!(
+                "{} lights; from 1 to {MOST_LIGHTS} can shine",
+                look.lights.len()
+            ));
         }
-        if let Some(light) = look.lights.iter().find(|l| !(l.direction.length() > 0.0)) {
+        if let Some(light) = look.lights.iter().find(|l| l.direction.try_normalize().is_none()) {
             return fail(format!("a light from {}, which is no direction", light.direction));
         }
         let block = params_bytes(params);

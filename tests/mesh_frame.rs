@@ -50,9 +50,11 @@ fn the_bitangent_is_normal_times_tangent_times_handedness() {
 fn the_orientation_field_turns_the_frame_about_the_normal() {
     let (normal, tangent) = slanted();
     for (handedness, of_vertex, of_map) in [(1.0, 0.7, 0.0), (-1.0, 0.0, 0.4), (-1.0, -0.9, 2.5)] {
-        let at = mesh_vert(&params(DMat4::IDENTITY), &vertex(normal, tangent, handedness, of_vertex));
+        let at =
+            mesh_vert(&params(DMat4::IDENTITY), &vertex(normal, tangent, handedness, of_vertex));
         let map = OrientationMap { width: 1, height: 1, angles: vec![of_map as f32] };
-        let turn = DMat3::from_axis_angle(normal, handedness * (of_vertex + f64::from(of_map as f32)));
+        let turn =
+            DMat3::from_axis_angle(normal, handedness * (of_vertex + f64::from(of_map as f32)));
         let [t, b, n] = frame(&at, &map).to_cols_array_2d().map(DVec3::from);
         assert!(t.distance(turn * tangent) < 1e-12, "{t} {}", turn * tangent);
         assert!(b.distance(turn * (handedness * normal.cross(tangent))) < 1e-12);
@@ -84,13 +86,17 @@ fn mirrored_meshes_see_mirrored_directions() {
     let map = OrientationMap { width: 2, height: 1, angles: vec![0.3, 1.1] };
     let at = mesh_vert(&params(DMat4::IDENTITY), &vertex(normal, tangent, 1.0, 0.6));
     let seen = in_frame(&map, direction, &at);
-    let by_model = mesh_vert(&params(DMat4::from_scale(mirror)), &vertex(normal, tangent, 1.0, 0.6));
+    let by_model =
+        mesh_vert(&params(DMat4::from_scale(mirror)), &vertex(normal, tangent, 1.0, 0.6));
     assert!(in_frame(&map, mirror * direction, &by_model).distance(seen) < 1e-12);
     let mirrored = vertex(mirror * normal, mirror * tangent, -1.0, 0.6);
     let by_vertex = mesh_vert(&params(DMat4::IDENTITY), &mirrored);
     assert!(in_frame(&map, mirror * direction, &by_vertex).distance(seen) < 1e-12);
     // and the wrong handedness does not
-    let wrong = mesh_vert(&params(DMat4::IDENTITY), &Vertex { tangent: mirrored.tangent * DVec4::new(1.0, 1.0, 1.0, -1.0), ..mirrored });
+    let wrong = mesh_vert(
+        &params(DMat4::IDENTITY),
+        &Vertex { tangent: mirrored.tangent * DVec4::new(1.0, 1.0, 1.0, -1.0), ..mirrored },
+    );
     assert!(in_frame(&map, mirror * direction, &wrong).distance(seen) > 0.1);
 }
 

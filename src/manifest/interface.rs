@@ -1,6 +1,8 @@
 //! What a shader reads from outside, by reflection: resources, uniform blocks, attributes of vertices.
 
-use naga::{AddressSpace, Binding as Place, ImageClass, ImageDimension, Scalar, TypeInner, VectorSize};
+use naga::{
+    AddressSpace, Binding as Place, ImageClass, ImageDimension, Scalar, TypeInner, VectorSize,
+};
 
 use crate::module::Module;
 use crate::tables::Table;
@@ -21,7 +23,13 @@ pub(super) fn bindings(module: &Module, tables: &[(&Table, TableEntry)]) -> Vec<
             let table = tables.iter().find(|(table, _)| table.name == name);
             let (kind, dimension, sample_type) = match ir.types[variable.ty].inner {
                 TypeInner::Image { dim, arrayed, class: ImageClass::Sampled { .. } } => {
-                    let dimension = if arrayed { "2d-array" } else if dim == ImageDimension::D3 { "3d" } else { "2d" };
+                    let dimension = if arrayed {
+                        "2d-array"
+                    } else if dim == ImageDimension::D3 {
+                        "3d"
+                    } else {
+                        "2d"
+                    };
                     ("texture", Some(dimension), Some("unfilterable-float"))
                 }
                 _ => ("uniform", None, None),
@@ -31,7 +39,16 @@ pub(super) fn bindings(module: &Module, tables: &[(&Table, TableEntry)]) -> Vec<
                 None => source(&name).to_owned(),
             };
             let format = table.map(|(table, _)| table.format.name());
-            Some(Binding { name, group: resource.group, binding: resource.binding, kind, dimension, sample_type, format, source })
+            Some(Binding {
+                name,
+                group: resource.group,
+                binding: resource.binding,
+                kind,
+                dimension,
+                sample_type,
+                format,
+                source,
+            })
         })
         .collect();
     all.sort_by_key(|b| (b.group, b.binding));
@@ -93,9 +110,13 @@ fn meaning(of: &str, name: &str) -> &'static str {
     match (of, name) {
         ("params", "light") => "xyz: unit direction to the light, of `map`; w: unused",
         ("params", "size") => "xy: size of the picture in pixels; zw: unused",
-        ("mesh_params", "model") => "from the mesh to the world; may scale unevenly and mirror; column by column",
+        ("mesh_params", "model") => {
+            "from the mesh to the world; may scale unevenly and mirror; column by column"
+        }
         ("mesh_params", "view") => "from the world to the camera; column by column",
-        ("mesh_params", "projection") => "from the camera to the clip space of the API; column by column",
+        ("mesh_params", "projection") => {
+            "from the camera to the clip space of the API; column by column"
+        }
         ("mesh_params", "light_direction") => {
             "xyz: direction to the light in the world, of any length; w: unused"
         }
@@ -122,9 +143,11 @@ fn type_name(inner: &TypeInner) -> &'static str {
         TypeInner::Vector { size: VectorSize::Quad, scalar: Scalar::F32 } => "vec4f",
         TypeInner::Vector { size: VectorSize::Quad, scalar: Scalar::I32 } => "vec4i",
         TypeInner::Vector { size: VectorSize::Quad, scalar: Scalar::U32 } => "vec4u",
-        TypeInner::Matrix { columns: VectorSize::Quad, rows: VectorSize::Quad, scalar: Scalar::F32 } => {
-            "mat4x4f"
-        }
+        TypeInner::Matrix {
+            columns: VectorSize::Quad,
+            rows: VectorSize::Quad,
+            scalar: Scalar::F32,
+        } => "mat4x4f",
         _ => "",
     }
 }

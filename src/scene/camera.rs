@@ -76,7 +76,12 @@ impl Orbit {
         Ok(MeshParams {
             model: mesh.model,
             view: dcamera::rh::view::look_at_mat4(eye, self.target, DVec3::Y),
-            projection: dcamera::rh::proj::directx::perspective(self.view_deg.to_radians(), shape, near, far),
+            projection: dcamera::rh::proj::directx::perspective(
+                self.view_deg.to_radians(),
+                shape,
+                near,
+                far,
+            ),
             light_direction: light,
             eye,
         })

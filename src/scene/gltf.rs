@@ -51,7 +51,10 @@ pub(super) fn read(path: &Path) -> Result<Raw> {
         nodes.extend(node.children().map(|child| (child, world)));
         for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
             if primitive.mode() != Mode::Triangles {
-                raw.notes.push(format!("{name}: {:?} left out, only triangles are drawn", primitive.mode()));
+                raw.notes.push(format!(
+                    "{name}: {:?} left out, only triangles are drawn",
+                    primitive.mode()
+                ));
                 continue;
             }
             append(&mut raw, &primitive, &buffers, world)
@@ -126,7 +129,12 @@ fn append(
 }
 
 /// Appends and brings the list to `length`.
-fn fill<T: Clone>(list: &mut Option<Vec<T>>, items: impl Iterator<Item = T>, length: usize, missing: T) {
+fn fill<T: Clone>(
+    list: &mut Option<Vec<T>>,
+    items: impl Iterator<Item = T>,
+    length: usize,
+    missing: T,
+) {
     let list = list.get_or_insert_default();
     list.extend(items);
     list.resize(length, missing);

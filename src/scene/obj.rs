@@ -51,7 +51,9 @@ pub(super) fn read(path: &Path) -> Result<Raw> {
                 raw.colour = colour(path, material, &mut raw.notes);
             }
         }
-        Err(error) => raw.notes.push(format!("{name}: its materials cannot be read: {error}; grey taken")),
+        Err(error) => {
+            raw.notes.push(format!("{name}: its materials cannot be read: {error}; grey taken"))
+        }
     }
     Ok(raw)
 }

@@ -48,8 +48,7 @@ pub fn reduced(width: u32, pixels: &[[f32; 4]], factor: u32) -> Vec<[f32; 4]> {
     let (columns, rows) = (width / factor, pixels.len() / width / factor);
     let mean = |i: usize| {
         let (x, y) = (factor * (i % columns), factor * (i / columns));
-        let block = (0..factor * factor)
-            .map(|k| pixels[(y + k / factor) * width + x + k % factor]);
+        let block = (0..factor * factor).map(|k| pixels[(y + k / factor) * width + x + k % factor]);
         let sum = block.fold([0.0; 4], |sum: [f32; 4], p| std::array::from_fn(|c| sum[c] + p[c]));
         sum.map(|c| c / (factor * factor) as f32)
     };
@@ -78,7 +77,8 @@ pub fn png(frames: &[Display], delay_ms: u16) -> Result<Vec<u8>> {
     let fail = |error: png::EncodingError| {
         Error::new(Stage::Run, "png picture", "cannot be encoded").source(error)
     };
-    let first = frames.first().ok_or_else(|| Error::new(Stage::Run, "png picture", "has no frame"))?;
+    let first =
+        frames.first().ok_or_else(|| Error::new(Stage::Run, "png picture", "has no frame"))?;
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, first.width, first.height);
     encoder.set_color(png::ColorType::Rgb);
@@ -108,6 +108,8 @@ pub fn exr(width: u32, height: u32, pixels: &[[f32; 4]]) -> Result<Vec<u8>> {
     Image::from_channels((width as usize, height as usize), SpecificChannels::rgba(pixel))
         .write()
         .to_buffered(&mut bytes)
-        .map_err(|e| crate::error::Error::new(Stage::Run, "exr picture", "cannot be encoded").source(e))?;
+        .map_err(|e| {
+            crate::error::Error::new(Stage::Run, "exr picture", "cannot be encoded").source(e)
+        })?;
     Ok(bytes.into_inner())
 }

@@ -49,7 +49,8 @@ pub fn visible(
         }
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
         let range = |low: f64, high: f64, size: u32| {
-            (low - 0.5).ceil().max(0.0) as i64..=(high - 0.5).floor().min(f64::from(size) - 1.0) as i64
+            (low - 0.5).ceil().max(0.0) as i64
+                ..=(high - 0.5).floor().min(f64::from(size) - 1.0) as i64
         };
         for row in range(low.y, high.y, height) {
             for column in range(low.x, high.x, width) {

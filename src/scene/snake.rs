@@ -1,6 +1,6 @@
 //! A snake, so that pictures need no foreign asset: a tube along a meander, covered with overlapping keeled scales.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -130,14 +130,17 @@ fn spine(snake: &Snake) -> Vec<Spot> {
     (0..=rings).map(spot).collect()
 }
 
-/// Radius over the greatest one: a head, a neck, a body, a pointed tail.
+/// Radius over the greatest one: a head with a blunt snout, a neck, a body, a pointed tail.
 fn girth(share: f64) -> f64 {
-    let head = (1.0 - ((share - 0.035) / 0.035).powi(2)).max(0.0).sqrt() * 0.82;
-    let rise = ((share - 0.03) / 0.25).clamp(0.0, 1.0);
-    let body = 0.55 + 0.45 * (PI * (rise - 0.5)).sin().mul_add(0.5, 0.5);
+    let ease = |from: f64, to: f64| {
+        let t = ((share - from) / (to - from)).clamp(0.0, 1.0);
+        t * t * (3.0 - 2.0 * t)
+    };
+    let snout = (1.0 - (1.0 - share / 0.04).max(0.0).powi(2)).max(0.0).sqrt();
+    let head = 0.62 - 0.16 * ease(0.05, 0.085);
+    let body = head + 0.54 * ease(0.09, 0.35);
     let tail = ((1.0 - share) / 0.45).clamp(0.0, 1.0).powf(0.75);
-    let body = if share < 0.035 { 0.0 } else { body * tail };
-    head.max(body).max(1e-3)
+    (snout * body * tail).max(1e-3)
 }
 
 /// Height of the scales over the skin at a place, 0 to 1, and the distance from the keel, -0.5 to 0.5 of a scale's width.

@@ -71,7 +71,11 @@ pub struct Targets {
 
 impl Targets {
     pub(super) fn format(self) -> wgpu::TextureFormat {
-        if self.multisampled { wgpu::TextureFormat::Rgba16Float } else { wgpu::TextureFormat::Rgba32Float }
+        if self.multisampled {
+            wgpu::TextureFormat::Rgba16Float
+        } else {
+            wgpu::TextureFormat::Rgba32Float
+        }
     }
 
     fn samples(self) -> u32 {
@@ -129,27 +133,34 @@ pub(super) fn build(
         views.push((colours.binding, colour_view(shared, colours.map)));
         let ty = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
         layouts.push(layout_entry(colours.sampler, ty));
-        samplers.push((colours.sampler, device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("colours"),
-            address_mode_u: wgpu::AddressMode::Repeat,
-            address_mode_v: wgpu::AddressMode::Repeat,
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            mipmap_filter: wgpu::MipmapFilterMode::Linear,
-            ..Default::default()
-        })));
+        samplers.push((
+            colours.sampler,
+            device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("colours"),
+                address_mode_u: wgpu::AddressMode::Repeat,
+                address_mode_v: wgpu::AddressMode::Repeat,
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                mipmap_filter: wgpu::MipmapFilterMode::Linear,
+                ..Default::default()
+            }),
+        ));
     }
     let mut uniforms = Vec::new();
     for (binding, size) in &program.uniforms {
         let ty = wgpu::BufferBindingType::Uniform;
-        let ty = wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+        let ty =
+            wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
         layouts.push(layout_entry(*binding, ty));
-        uniforms.push((*binding, device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("uniform"),
-            size: *size as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        })));
+        uniforms.push((
+            *binding,
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("uniform"),
+                size: *size as u64,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }),
+        ));
     }
     let entry = |binding: &u32, resource| wgpu::BindGroupEntry { binding: *binding, resource };
     let views = views.iter().map(|(b, v)| entry(b, wgpu::BindingResource::TextureView(v)));
@@ -250,7 +261,8 @@ pub(super) fn draw(
 ) -> Result<Vec<Vec<[f32; 4]>>> {
     let side = shared.limits.max_texture_dimension_2d;
     if width == 0 || height == 0 || width > side || height > side {
-        let cause = format!("a picture of {width} × {height} pixels; from 1 to {side} can be drawn");
+        let cause =
+            format!("a picture of {width} × {height} pixels; from 1 to {side} can be drawn");
         return Err(Error::new(Stage::Run, name, cause));
     }
     let texture = |format, sample_count, usage| {
@@ -347,11 +359,7 @@ fn colour_view(shared: &Shared, map: &ColourMap) -> wgpu::TextureView {
                 bytes_per_row: Some(4 * level.width),
                 rows_per_image: None,
             },
-            wgpu::Extent3d {
-                width: level.width,
-                height: level.height,
-                depth_or_array_layers: 1,
-            },
+            wgpu::Extent3d { width: level.width, height: level.height, depth_or_array_layers: 1 },
         );
     }
     texture.create_view(&Default::default())

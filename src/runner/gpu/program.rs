@@ -317,7 +317,11 @@ pub(super) fn dimension(layout: TextureLayout) -> wgpu::TextureViewDimension {
 }
 
 /// Copies a texture to the device in pieces, so that the staging memory stays small.
-pub(super) fn upload(shared: &Shared, name: &str, texture: &Texture<'_>) -> Result<wgpu::TextureView> {
+pub(super) fn upload(
+    shared: &Shared,
+    name: &str,
+    texture: &Texture<'_>,
+) -> Result<wgpu::TextureView> {
     const PIECE: u64 = 32 << 20;
     let Texture { layout, format, width, height, layers, ref bytes, .. } = *texture;
     let misread = layers == 1 || (width == height && layers % 6 == 0);

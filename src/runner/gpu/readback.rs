@@ -57,7 +57,9 @@ pub(super) fn read_back(
         let texels = row[..(width * texel) as usize].chunks_exact(texel as usize);
         pixels.extend(texels.map(|bytes| match wide {
             true => bytemuck::pod_read_unaligned(bytes),
-            false => bytemuck::pod_read_unaligned::<[u16; 4]>(bytes).map(|b| f16::from_bits(b).to_f32()),
+            false => {
+                bytemuck::pod_read_unaligned::<[u16; 4]>(bytes).map(|b| f16::from_bits(b).to_f32())
+            }
         }));
     }
     Ok(pixels)

@@ -36,7 +36,12 @@ pub(crate) struct Args {
     #[arg(long, value_name = "WxH", default_value = "1280x720")]
     pub(crate) size: Size,
     /// Direction to a light in the world; may be repeated, up to four times.
-    #[arg(long, value_name = "X,Y,Z", default_value = "-0.35,0.45,0.82", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        default_value = "-0.35,0.45,0.82",
+        allow_hyphen_values = true
+    )]
     pub(crate) light: Vec<Vector>,
     /// Angle of the camera about the upright axis, degrees.
     #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true)]
@@ -117,7 +122,8 @@ impl FromStr for Size {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Size, String> {
-        let sides: Option<Vec<u32>> = text.split('x').map(|part| part.trim().parse().ok()).collect();
+        let sides: Option<Vec<u32>> =
+            text.split('x').map(|part| part.trim().parse().ok()).collect();
         match sides.as_deref() {
             Some([w, h]) if (1..=8192).contains(w) && (1..=8192).contains(h) => Ok(Size([*w, *h])),
             _ => Err("expected WxH, each from 1 to 8192, such as 1280x720".to_owned()),
