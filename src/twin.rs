@@ -84,4 +84,11 @@ impl<'a> Twin<'a> {
     }
 }
 
+impl mesh::OrientationMap {
+    /// No angle anywhere: for meshes whose vertices have all angles.
+    pub fn none() -> mesh::OrientationMap {
+        mesh::OrientationMap { width: 1, height: 1, angles: vec![0.0] }
+    }
+}
+
 static ABSENT: Table = Table::ABSENT;

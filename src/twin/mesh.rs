@@ -67,13 +67,6 @@ pub struct OrientationMap {
     pub angles: Vec<f32>,
 }
 
-impl OrientationMap {
-    /// No angle anywhere: what meshes get whose vertices have all angles.
-    pub fn none() -> OrientationMap {
-        OrientationMap { width: 1, height: 1, angles: vec![0.0] }
-    }
-}
-
 /// The vertex stage.
 pub fn mesh_vert(params: &MeshParams, vertex: &Vertex) -> MeshVertex {
     let place = params.model * vertex.position.extend(1.0);
@@ -113,10 +106,10 @@ pub fn in_frame(map: &OrientationMap, direction: DVec3, at: &MeshVertex) -> DVec
     let upright = unit(at.normal, LEAST_SHARE);
     let tangent = at.tangent.truncate();
     let straight = unit(tangent - tangent.dot(upright) * upright, LEAST_SHARE);
-    if straight.length_squared() < 0.5 {
+    let across = if at.tangent.w < 0.0 { -1.0 } else { 1.0 } * upright.cross(straight);
+    if across.length_squared() < 0.5 {
         return DVec3::ZERO;
     }
-    let across = if at.tangent.w < 0.0 { -1.0 } else { 1.0 } * upright.cross(straight);
     let turn = orientation(map, at.uv);
     let along = turn.x * straight + turn.y * across;
     let beside = turn.x * across - turn.y * straight;

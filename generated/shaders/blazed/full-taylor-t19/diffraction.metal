@@ -39,8 +39,6 @@ constant float REFRACTIVE_INDEX = 1.5;
 constant int WAVELENGTH_COUNT = 81;
 constant float WAVELENGTH_MIN_UM = 0.38;
 constant int WINDOW_RADIUS = 1;
-constant float LEAST_SHARE = 0.00000001;
-constant float LEAST_SQUARE = 0.000000000000000000000000000000000001;
 
 float fresnel_ratio(
     float cos_half
@@ -348,8 +346,8 @@ metal::float2 orientation(
     metal::float2 below = metal::mix(_e25, _e27, share.x);
     metal::float2 turn = metal::mix(above, below, share.y);
     float squared_4 = metal::dot(turn, turn);
-    metal::float2 direction_1 = turn * metal::rsqrt(metal::max(squared_4, LEAST_SHARE));
-    return (squared_4 > LEAST_SHARE) ? direction_1 : metal::float2(1.0, 0.0);
+    metal::float2 direction_1 = turn * metal::rsqrt(metal::max(squared_4, 0.00000001));
+    return (squared_4 > 0.00000001) ? direction_1 : metal::float2(1.0, 0.0);
 }
 
 metal::float3 in_frame(
@@ -359,8 +357,8 @@ metal::float3 in_frame(
     metal::float2 uv_3,
     metal::texture2d<float, metal::access::sample> orientation_map
 ) {
-    metal::float3 _e5 = unit(normal_3, LEAST_SHARE);
-    metal::float3 _e12 = unit(tangent_2.xyz - (metal::dot(tangent_2.xyz, _e5) * _e5), LEAST_SHARE);
+    metal::float3 _e5 = unit(normal_3, 0.00000001);
+    metal::float3 _e12 = unit(tangent_2.xyz - (metal::dot(tangent_2.xyz, _e5) * _e5), 0.00000001);
     if (metal::dot(_e12, _e12) < 0.5) {
         return metal::float3(0.0);
     }
@@ -368,8 +366,8 @@ metal::float3 in_frame(
     metal::float2 _e26 = orientation(uv_3, orientation_map);
     metal::float3 along = (_e26.x * _e12) + (_e26.y * across);
     metal::float3 beside = (_e26.x * across) - (_e26.y * _e12);
-    metal::float3 _e38 = unit(direction, LEAST_SQUARE);
-    metal::float3 _e44 = unit(metal::float3(metal::dot(_e38, along), metal::dot(_e38, beside), metal::dot(_e38, _e5)), LEAST_SHARE);
+    metal::float3 _e38 = unit(direction, 0.000000000000000000000000000000000001);
+    metal::float3 _e44 = unit(metal::float3(metal::dot(_e38, along), metal::dot(_e38, beside), metal::dot(_e38, _e5)), 0.00000001);
     return _e44;
 }
 
@@ -469,10 +467,10 @@ vertex mesh_vertOutput mesh_vert(
     metal::float4x4 _e7 = mesh_params.model;
     metal::float4 place_7 = _e7 * metal::float4(position, 1.0);
     metal::float3 _e11 = world_normal(normal, mesh_params);
-    metal::float3 _e13 = unit(_e11, LEAST_SQUARE);
+    metal::float3 _e13 = unit(_e11, 0.000000000000000000000000000000000001);
     metal::float4x4 _e16 = mesh_params.model;
-    metal::float3 _e23 = unit((_e16 * metal::float4(tangent.xyz, 0.0)).xyz, LEAST_SQUARE);
-    metal::float3 _e28 = unit(_e23 - (metal::dot(_e23, _e13) * _e13), LEAST_SHARE);
+    metal::float3 _e23 = unit((_e16 * metal::float4(tangent.xyz, 0.0)).xyz, 0.000000000000000000000000000000000001);
+    metal::float3 _e28 = unit(_e23 - (metal::dot(_e23, _e13) * _e13), 0.00000001);
     float _e29 = model_volume(mesh_params);
     float handedness = ((tangent.w * _e29) < 0.0) ? -1.0 : 1.0;
     metal::float3 across_1 = handedness * metal::cross(_e13, _e28);

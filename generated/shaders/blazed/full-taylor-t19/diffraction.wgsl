@@ -194,7 +194,8 @@ fn probe(@location(0) place: vec2f) -> @location(0) vec4f {
     return vec4f(tristimulus(wi, wr), 1.0);
 }
 // A mesh in a scene: vertices carry their tangent frame, turned by the orientation field; fragments take the directions
-// to the light and to the viewer into it. What faces away, and what has no frame, is black.
+// to the light and to the viewer into it. What faces away, and what has no frame, is black. A square of 1e-8 of what is of
+// unit length is a rounding error; of other vectors, one of 1e-36 is none. (Named constants would stand in every file.)
 
 struct MeshParams {
     // from the mesh to the world; may scale unevenly and mirror
@@ -212,11 +213,6 @@ struct MeshParams {
 // x: angle of the orientation field in radians, from the tangent towards the bitangent, added to that of the vertices;
 // repeats. One texel of 0 where only the vertices have angles.
 @group(0) @binding(9) var orientation_map: texture_2d<f32>;
-
-// Below this share of its square a direction is a rounding error.
-const LEAST_SHARE: f32 = 1e-8;
-// Below this square a vector has no direction.
-const LEAST_SQUARE: f32 = 1e-36;
 
 struct MeshVertex {
     @builtin(position) position: vec4f,
@@ -239,9 +235,9 @@ fn mesh_vert(
     @location(4) orientation_angle: f32,
 ) -> MeshVertex {
     let place = mesh_params.model * vec4f(position, 1.0);
-    let upright = unit(world_normal(normal), LEAST_SQUARE);
-    let along = unit((mesh_params.model * vec4f(tangent.xyz, 0.0)).xyz, LEAST_SQUARE);
-    let flat_tangent = unit(along - dot(along, upright) * upright, LEAST_SHARE);
+    let upright = unit(world_normal(normal), 1e-36);
+    let along = unit((mesh_params.model * vec4f(tangent.xyz, 0.0)).xyz, 1e-36);
+    let flat_tangent = unit(along - dot(along, upright) * upright, 1e-8);
     let handedness = select(1.0, -1.0, tangent.w * model_volume() < 0.0);
     let across = handedness * cross(upright, flat_tangent);
     let turned = cos(orientation_angle) * flat_tangent + sin(orientation_angle) * across;
@@ -267,8 +263,8 @@ fn mesh(
 
 // A direction of the world in the frame of a fragment, of unit length; zero where there is no frame.
 fn in_frame(direction: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
-    let upright = unit(normal, LEAST_SHARE);
-    let straight = unit(tangent.xyz - dot(tangent.xyz, upright) * upright, LEAST_SHARE);
+    let upright = unit(normal, 1e-8);
+    let straight = unit(tangent.xyz - dot(tangent.xyz, upright) * upright, 1e-8);
     if (dot(straight, straight) < 0.5) {
         return vec3f(0.0);
     }
@@ -276,8 +272,8 @@ fn in_frame(direction: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f
     let turn = orientation(uv);
     let along = turn.x * straight + turn.y * across;
     let beside = turn.x * across - turn.y * straight;
-    let ray = unit(direction, LEAST_SQUARE);
-    return unit(vec3f(dot(ray, along), dot(ray, beside), dot(ray, upright)), LEAST_SHARE);
+    let ray = unit(direction, 1e-36);
+    return unit(vec3f(dot(ray, along), dot(ray, beside), dot(ray, upright)), 1e-8);
 }
 
 // Cosine and sine of the map's angle. Texels are blended as directions, since an angle jumps by a turn.
@@ -292,8 +288,8 @@ fn orientation(uv: vec2f) -> vec2f {
     let below = mix(texel_turn(corner + under, size), texel_turn(right + under, size), share.x);
     let turn = mix(above, below, share.y);
     let squared = dot(turn, turn);
-    let direction = turn * inverseSqrt(max(squared, LEAST_SHARE));
-    return select(vec2f(1.0, 0.0), direction, squared > LEAST_SHARE);
+    let direction = turn * inverseSqrt(max(squared, 1e-8));
+    return select(vec2f(1.0, 0.0), direction, squared > 1e-8);
 }
 
 // Cosine and sine at a texel of the map, which repeats.

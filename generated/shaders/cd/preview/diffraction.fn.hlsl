@@ -9,8 +9,6 @@ static const float REFRACTIVE_INDEX = 1.5;
 static const int WAVELENGTH_COUNT = int(41);
 static const float WAVELENGTH_MIN_UM = 0.38;
 static const int WINDOW_RADIUS = int(1);
-static const float LEAST_SHARE = 1e-8;
-static const float LEAST_SQUARE = 1e-36;
 
 Texture2D<float4> spectrum;
 Texture2DArray<float4> terms;

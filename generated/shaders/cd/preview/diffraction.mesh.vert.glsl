@@ -24,8 +24,6 @@ const float REFRACTIVE_INDEX = 1.5;
 const int WAVELENGTH_COUNT = 41;
 const float WAVELENGTH_MIN_UM = 0.38;
 const int WINDOW_RADIUS = 1;
-const float LEAST_SHARE = 1e-8;
-const float LEAST_SQUARE = 1e-36;
 
 layout(std140, binding = 8) uniform MeshParams_block_0Vertex { MeshParams _group_0_binding_8_vs; };
 
@@ -76,10 +74,10 @@ void main() {
     mat4x4 _e7 = _group_0_binding_8_vs.model;
     vec4 place = (_e7 * vec4(position, 1.0));
     vec3 _e11 = world_normal(normal);
-    vec3 _e13 = unit(_e11, LEAST_SQUARE);
+    vec3 _e13 = unit(_e11, 1e-36);
     mat4x4 _e16 = _group_0_binding_8_vs.model;
-    vec3 _e23 = unit((_e16 * vec4(tangent.xyz, 0.0)).xyz, LEAST_SQUARE);
-    vec3 _e28 = unit((_e23 - (dot(_e23, _e13) * _e13)), LEAST_SHARE);
+    vec3 _e23 = unit((_e16 * vec4(tangent.xyz, 0.0)).xyz, 1e-36);
+    vec3 _e28 = unit((_e23 - (dot(_e23, _e13) * _e13)), 1e-8);
     float _e29 = model_volume();
     float handedness = (((tangent.w * _e29) < 0.0) ? -1.0 : 1.0);
     vec3 across = (handedness * cross(_e13, _e28));

@@ -35,8 +35,6 @@ static const float REFRACTIVE_INDEX = 1.5;
 static const int WAVELENGTH_COUNT = int(81);
 static const float WAVELENGTH_MIN_UM = 0.38;
 static const int WINDOW_RADIUS = int(1);
-static const float LEAST_SHARE = 1e-8;
-static const float LEAST_SQUARE = 1e-36;
 
 Texture2D<float4> spectrum : register(t2);
 Texture2DArray<float4> terms : register(t1);
@@ -350,14 +348,14 @@ float2 orientation(float2 uv_2)
     float2 below = lerp(_e25, _e27, share.x);
     float2 turn = lerp(above, below, share.y);
     float squared_4 = dot(turn, turn);
-    float2 direction_1 = (turn * rsqrt(max(squared_4, LEAST_SHARE)));
-    return ((squared_4 > LEAST_SHARE) ? direction_1 : float2(1.0, 0.0));
+    float2 direction_1 = (turn * rsqrt(max(squared_4, 1e-8)));
+    return ((squared_4 > 1e-8) ? direction_1 : float2(1.0, 0.0));
 }
 
 float3 in_frame(float3 direction, float3 normal_3, float4 tangent_2, float2 uv_3)
 {
-    const float3 _e5 = unit(normal_3, LEAST_SHARE);
-    const float3 _e12 = unit((tangent_2.xyz - (dot(tangent_2.xyz, _e5) * _e5)), LEAST_SHARE);
+    const float3 _e5 = unit(normal_3, 1e-8);
+    const float3 _e12 = unit((tangent_2.xyz - (dot(tangent_2.xyz, _e5) * _e5)), 1e-8);
     if ((dot(_e12, _e12) < 0.5)) {
         return (0.0).xxx;
     }
@@ -365,8 +363,8 @@ float3 in_frame(float3 direction, float3 normal_3, float4 tangent_2, float2 uv_3
     const float2 _e26 = orientation(uv_3);
     float3 along = ((_e26.x * _e12) + (_e26.y * across));
     float3 beside = ((_e26.x * across) - (_e26.y * _e12));
-    const float3 _e38 = unit(direction, LEAST_SQUARE);
-    const float3 _e44 = unit(float3(dot(_e38, along), dot(_e38, beside), dot(_e38, _e5)), LEAST_SHARE);
+    const float3 _e38 = unit(direction, 1e-36);
+    const float3 _e44 = unit(float3(dot(_e38, along), dot(_e38, beside), dot(_e38, _e5)), 1e-8);
     return _e44;
 }
 
@@ -432,10 +430,10 @@ VertexOutput_mesh_vert mesh_vert(float3 position : LOC0, float3 normal : LOC1, f
     float4x4 _e7 = mesh_params.model;
     float4 place_12 = mul(float4(position, 1.0), _e7);
     const float3 _e11 = world_normal(normal);
-    const float3 _e13 = unit(_e11, LEAST_SQUARE);
+    const float3 _e13 = unit(_e11, 1e-36);
     float4x4 _e16 = mesh_params.model;
-    const float3 _e23 = unit(mul(float4(tangent.xyz, 0.0), _e16).xyz, LEAST_SQUARE);
-    const float3 _e28 = unit((_e23 - (dot(_e23, _e13) * _e13)), LEAST_SHARE);
+    const float3 _e23 = unit(mul(float4(tangent.xyz, 0.0), _e16).xyz, 1e-36);
+    const float3 _e28 = unit((_e23 - (dot(_e23, _e13) * _e13)), 1e-8);
     const float _e29 = model_volume();
     float handedness = (((tangent.w * _e29) < 0.0) ? -1.0 : 1.0);
     float3 across_1 = (handedness * cross(_e13, _e28));

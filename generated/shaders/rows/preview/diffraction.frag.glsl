@@ -14,8 +14,6 @@ const float REFRACTIVE_INDEX = 1.5;
 const int WAVELENGTH_COUNT = 41;
 const float WAVELENGTH_MIN_UM = 0.38;
 const int WINDOW_RADIUS = 1;
-const float LEAST_SHARE = 1e-8;
-const float LEAST_SQUARE = 1e-36;
 
 layout(binding = 2) uniform sampler2D _group_0_binding_2_fs;
 

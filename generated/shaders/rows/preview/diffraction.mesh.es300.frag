@@ -21,8 +21,6 @@ const float REFRACTIVE_INDEX = 1.5;
 const int WAVELENGTH_COUNT = 41;
 const float WAVELENGTH_MIN_UM = 0.38;
 const int WINDOW_RADIUS = 1;
-const float LEAST_SHARE = 1e-8;
-const float LEAST_SQUARE = 1e-36;
 
 uniform highp sampler2D _group_0_binding_2_fs;
 
@@ -248,13 +246,13 @@ vec2 orientation(vec2 uv_1) {
     vec2 below = mix(_e25, _e27, share.x);
     vec2 turn = mix(above, below, share.y);
     float squared_3 = dot(turn, turn);
-    vec2 direction_1 = (turn * inversesqrt(max(squared_3, LEAST_SHARE)));
-    return ((squared_3 > LEAST_SHARE) ? direction_1 : vec2(1.0, 0.0));
+    vec2 direction_1 = (turn * inversesqrt(max(squared_3, 1e-8)));
+    return ((squared_3 > 1e-8) ? direction_1 : vec2(1.0, 0.0));
 }
 
 vec3 in_frame(vec3 direction, vec3 normal_1, vec4 tangent_1, vec2 uv_2) {
-    vec3 _e5 = unit(normal_1, LEAST_SHARE);
-    vec3 _e12 = unit((tangent_1.xyz - (dot(tangent_1.xyz, _e5) * _e5)), LEAST_SHARE);
+    vec3 _e5 = unit(normal_1, 1e-8);
+    vec3 _e12 = unit((tangent_1.xyz - (dot(tangent_1.xyz, _e5) * _e5)), 1e-8);
     if ((dot(_e12, _e12) < 0.5)) {
         return vec3(0.0);
     }
@@ -262,8 +260,8 @@ vec3 in_frame(vec3 direction, vec3 normal_1, vec4 tangent_1, vec2 uv_2) {
     vec2 _e26 = orientation(uv_2);
     vec3 along = ((_e26.x * _e12) + (_e26.y * across));
     vec3 beside = ((_e26.x * across) - (_e26.y * _e12));
-    vec3 _e38 = unit(direction, LEAST_SQUARE);
-    vec3 _e44 = unit(vec3(dot(_e38, along), dot(_e38, beside), dot(_e38, _e5)), LEAST_SHARE);
+    vec3 _e38 = unit(direction, 1e-36);
+    vec3 _e44 = unit(vec3(dot(_e38, along), dot(_e38, beside), dot(_e38, _e5)), 1e-8);
     return _e44;
 }
 
