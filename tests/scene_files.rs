@@ -198,7 +198,8 @@ fn broken_files_are_refused_by_name_and_cause() {
         edit(&mut gltf);
         read_json(&gltf).unwrap_err()
     };
-    let cases: [(&dyn Fn(&mut Value), &str); 8] = [
+    type Edit<'a> = &'a dyn Fn(&mut Value);
+    let cases: [(Edit<'_>, &str); 8] = [
         (
             &|g| g["bufferViews"][0]["byteLength"] = json!(100_000),
             "buffer view 0 ends behind its buffer",
