@@ -265,10 +265,10 @@ fn mesh(
 fn in_frame(direction: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
     let upright = unit(normal, 1e-8);
     let straight = unit(tangent.xyz - dot(tangent.xyz, upright) * upright, 1e-8);
-    if (dot(straight, straight) < 0.5) {
+    let across = select(1.0, -1.0, tangent.w < 0.0) * cross(upright, straight);
+    if (dot(across, across) < 0.5) {
         return vec3f(0.0);
     }
-    let across = select(1.0, -1.0, tangent.w < 0.0) * cross(upright, straight);
     let turn = orientation(uv);
     let along = turn.x * straight + turn.y * across;
     let beside = turn.x * across - turn.y * straight;

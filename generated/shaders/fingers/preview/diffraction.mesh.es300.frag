@@ -253,10 +253,10 @@ vec2 orientation(vec2 uv_1) {
 vec3 in_frame(vec3 direction, vec3 normal_1, vec4 tangent_1, vec2 uv_2) {
     vec3 _e5 = unit(normal_1, 1e-8);
     vec3 _e12 = unit((tangent_1.xyz - (dot(tangent_1.xyz, _e5) * _e5)), 1e-8);
-    if ((dot(_e12, _e12) < 0.5)) {
+    vec3 across = (((tangent_1.w < 0.0) ? -1.0 : 1.0) * cross(_e5, _e12));
+    if ((dot(across, across) < 0.5)) {
         return vec3(0.0);
     }
-    vec3 across = (((tangent_1.w < 0.0) ? -1.0 : 1.0) * cross(_e5, _e12));
     vec2 _e26 = orientation(uv_2);
     vec3 along = ((_e26.x * _e12) + (_e26.y * across));
     vec3 beside = ((_e26.x * across) - (_e26.y * _e12));

@@ -356,10 +356,10 @@ float3 in_frame(float3 direction, float3 normal_3, float4 tangent_2, float2 uv_3
 {
     const float3 _e5 = unit(normal_3, 1e-8);
     const float3 _e12 = unit((tangent_2.xyz - (dot(tangent_2.xyz, _e5) * _e5)), 1e-8);
-    if ((dot(_e12, _e12) < 0.5)) {
+    float3 across = (((tangent_2.w < 0.0) ? -1.0 : 1.0) * cross(_e5, _e12));
+    if ((dot(across, across) < 0.5)) {
         return (0.0).xxx;
     }
-    float3 across = (((tangent_2.w < 0.0) ? -1.0 : 1.0) * cross(_e5, _e12));
     const float2 _e26 = orientation(uv_3);
     float3 along = ((_e26.x * _e12) + (_e26.y * across));
     float3 beside = ((_e26.x * across) - (_e26.y * _e12));

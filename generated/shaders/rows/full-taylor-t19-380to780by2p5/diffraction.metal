@@ -359,10 +359,10 @@ metal::float3 in_frame(
 ) {
     metal::float3 _e5 = unit(normal_3, 0.00000001);
     metal::float3 _e12 = unit(tangent_2.xyz - (metal::dot(tangent_2.xyz, _e5) * _e5), 0.00000001);
-    if (metal::dot(_e12, _e12) < 0.5) {
+    metal::float3 across = ((tangent_2.w < 0.0) ? -1.0 : 1.0) * metal::cross(_e5, _e12);
+    if (metal::dot(across, across) < 0.5) {
         return metal::float3(0.0);
     }
-    metal::float3 across = ((tangent_2.w < 0.0) ? -1.0 : 1.0) * metal::cross(_e5, _e12);
     metal::float2 _e26 = orientation(uv_3, orientation_map);
     metal::float3 along = (_e26.x * _e12) + (_e26.y * across);
     metal::float3 beside = (_e26.x * across) - (_e26.y * _e12);
