@@ -103,7 +103,7 @@ pub fn shader(
     let named = |all: Vec<Diagnostic>| all.into_iter().map(|d| d.variant(name)).collect::<Vec<_>>();
     let specialised = specialise(sources, ROOT, defines).map_err(named)?;
     let filters = defines.flags.get("FILTERED").is_some_and(|on| *on);
-    compile_with(&specialised, sources, name, &Contract::standard(filters))
+    compile_with(&specialised, sources, name, &Contract::package(filters))
 }
 
 /// The tables of a variant in the order of their bindings, unrounded. Time: one two-dimensional transform per two terms.

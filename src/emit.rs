@@ -34,6 +34,9 @@ use crate::{
 /// The entry point that bears no name in its file names, next to the vertex shader.
 const MAIN_FRAGMENT: &str = "map";
 const MAIN_VERTEX: &str = "vert";
+/// The vertex entry point of the fragment entry point `mesh`, which shares its name in file names: in one text they
+/// cannot bear the same.
+const MESH_VERTEX: &str = "mesh_vert";
 
 /// The functions that the function forms offer, the first of them first in `.fn.wgsl`; the second is optional.
 pub const FUNCTIONS: [&str; 2] = ["diffraction", "tristimulus"];
@@ -191,10 +194,11 @@ fn singles(module: &Module, target: Target) -> Result<Vec<Single>> {
     module.entry_points().map(single).collect()
 }
 
-/// `diffraction[.ENTRY].SUFFIX`; the entry is left out for `vert` and `map`.
+/// `diffraction[.ENTRY].SUFFIX`; the entry is left out for `vert` and `map`, and `mesh` for `mesh_vert`.
 fn file_name(entry: &str, suffix: &str) -> String {
     match entry {
         MAIN_VERTEX | MAIN_FRAGMENT => format!("diffraction.{suffix}"),
+        MESH_VERTEX => format!("diffraction.mesh.{suffix}"),
         other => format!("diffraction.{other}.{suffix}"),
     }
 }

@@ -63,7 +63,11 @@ pub mod probe;
 pub mod generate;
 pub mod readme;
 pub mod process;
+#[cfg(feature = "gpu")]
+pub mod scene;
 pub mod runner;
+#[cfg(feature = "gpu")]
+pub mod studio;
 pub mod testbench;
 pub mod bench;
 pub mod tune;

@@ -1,11 +1,11 @@
 //! What a package says about itself, as data.
 
 mod describe;
+mod interface;
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use naga::{AddressSpace, ImageClass, ImageDimension, TypeInner};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -23,6 +23,7 @@ use crate::template::GENERATED;
 use crate::terms::Grid;
 
 pub use describe::describe;
+use interface::{bindings, uniforms, vertex_inputs};
 
 /// Version of the manifests' layout.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -50,8 +51,10 @@ pub struct VariantManifest {
     pub targets: BTreeMap<Target, Vec<FileEntry>>,
     /// Resources by their names in the templates.
     pub bindings: Vec<Binding>,
-    /// Layout of the uniform block.
+    /// Layout of the uniform blocks.
     pub uniforms: Vec<UniformBlock>,
+    /// What the vertex stage of a mesh reads from buffers.
+    pub vertex_inputs: Vec<VertexInput>,
     /// The tables, by binding.
     pub tables: Vec<TableEntry>,
     /// The same for Rust: a file beside the manifest.
@@ -128,7 +131,23 @@ pub struct Binding {
     pub source: String,
 }
 
-/// A uniform block, std140-compatible: `vec4` members only.
+/// An attribute of the vertices of `mesh_vert`.
+#[derive(Clone, Debug, Serialize)]
+pub struct VertexInput {
+    /// Name in the templates.
+    pub name: String,
+    /// Location; in HLSL the semantic `LOC` with this number, in Metal the attribute.
+    pub location: u32,
+    /// WGSL type.
+    #[serde(rename = "type")]
+    pub ty: &'static str,
+    /// WebGPU's name of the format.
+    pub format: &'static str,
+    /// What it holds.
+    pub meaning: &'static str,
+}
+
+/// A uniform block, std140-compatible: `vec4` and `mat4x4` members only.
 #[derive(Clone, Debug, Serialize)]
 pub struct UniformBlock {
     /// Name of the variable in the templates.
@@ -288,6 +307,7 @@ pub fn manifest(subject: Subject<'_>, module: &Module, files: &[EmittedFile]) ->
         targets,
         bindings: bindings(module, &tables),
         uniforms: uniforms(module),
+        vertex_inputs: vertex_inputs(module),
         rust_bindings: "bindings.rs",
         requires: requires(&extents),
         cost: resolved.cost,
@@ -354,14 +374,6 @@ fn core(variant: &Variant, resolved: &Resolved) -> Core {
             "radiance of a unit directional source, relative to the peak of a mirror at normal incidence"
         }
     };
-    let diffuser_scale = match variant.mode {
-        Mode::Gems => None,
-        Mode::Pq => {
-            let sides = [0, 1].map(|i| f64::from(resolved.periods[i]) * resolved.patch_um[i]);
-            Some(optics::replica_diffuser_scale(optics, sides))
-        }
-        Mode::Full | Mode::Adaptive | Mode::Baked => Some(optics::diffuser_scale(optics)),
-    };
     Core {
         function: "fn diffraction(wi: vec3f, wr: vec3f) -> vec3f",
         frame: "tangent frame: x along the tangent, y along the bitangent, z along the normal; right-handed",
@@ -369,8 +381,20 @@ fn core(variant: &Variant, resolved: &Resolved) -> Core {
         colour_space,
         unit,
         clamped: false,
-        diffuser_scale,
+        diffuser_scale: diffuser_scale(variant, resolved),
         tristimulus_function: "fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f",
+    }
+}
+
+/// Radiance relative to a white diffuser per unit of a variant's result; `None` where that has no unit.
+pub fn diffuser_scale(variant: &Variant, resolved: &Resolved) -> Option<f64> {
+    match variant.mode {
+        Mode::Gems => None,
+        Mode::Pq => {
+            let sides = [0, 1].map(|i| f64::from(resolved.periods[i]) * resolved.patch_um[i]);
+            Some(optics::replica_diffuser_scale(&variant.optics, sides))
+        }
+        Mode::Full | Mode::Adaptive | Mode::Baked => Some(optics::diffuser_scale(&variant.optics)),
     }
 }
 
@@ -398,66 +422,4 @@ fn requires(extents: &[Extent]) -> Requires {
         gaps: missing.map(|p| (p.name(), reason(p.limits()))).collect(),
         features: Vec::new(),
     }
-}
-
-fn bindings(module: &Module, tables: &[(&Table, TableEntry)]) -> Vec<Binding> {
-    let ir = module.ir();
-    let mut all: Vec<Binding> = ir
-        .global_variables
-        .iter()
-        .filter_map(|(_, variable)| {
-            let (resource, name) = (variable.binding.as_ref()?, variable.name.clone()?);
-            let table = tables.iter().find(|(table, _)| table.name == name);
-            let (kind, dimension, sample_type) = match ir.types[variable.ty].inner {
-                TypeInner::Image { dim, arrayed, class: ImageClass::Sampled { .. } } => {
-                    let dimension = if arrayed { "2d-array" } else if dim == ImageDimension::D3 { "3d" } else { "2d" };
-                    let filtered = table.is_some_and(|(table, _)| table.filtered);
-                    let sample_type = if filtered { "float" } else { "unfilterable-float" };
-                    ("texture", Some(dimension), Some(sample_type))
-                }
-                TypeInner::Sampler { .. } => ("sampler", None, None),
-                _ => ("uniform", None, None),
-            };
-            let source = match (table, kind) {
-                (Some((_, entry)), _) => format!("table {}", entry.id),
-                (None, "texture") => "rgba32float, two rows per row of the picture: directions to the light and to the viewer, of `probe` only".to_owned(),
-                (None, "sampler") => {
-                    "reads the textures of sample type `float`; where samplers are part of textures, their parameters".to_owned()
-                }
-                _ => "see `uniforms`; of `map` and `probe` only".to_owned(),
-            };
-            let format = table.map(|(table, _)| table.format.name());
-            let sampler = kind == "sampler";
-            let (filter, address) = (sampler.then_some("linear"), sampler.then_some("clamp-to-edge"));
-            Some(Binding { name, group: resource.group, binding: resource.binding, kind, dimension, sample_type, filter, address, format, source })
-        })
-        .collect();
-    all.sort_by_key(|b| (b.group, b.binding));
-    all
-}
-
-fn uniforms(module: &Module) -> Vec<UniformBlock> {
-    let ir = module.ir();
-    let block = |variable: &naga::GlobalVariable| {
-        let ty = &ir.types[variable.ty];
-        let TypeInner::Struct { members, span } = &ty.inner else { return None };
-        let members = members.iter().map(|m| UniformMember {
-            name: m.name.clone().unwrap_or_default(),
-            offset: m.offset,
-            ty: "vec4f",
-            meaning: match m.name.as_deref() {
-                Some("light") => "xyz: unit direction to the light, of `map`; w: unused",
-                Some("size") => "xy: size of the picture in pixels; zw: unused",
-                _ => "",
-            },
-        });
-        Some(UniformBlock {
-            name: variable.name.clone()?,
-            structure: ty.name.clone()?,
-            size: *span,
-            members: members.collect(),
-        })
-    };
-    let uniform = ir.global_variables.iter().filter(|(_, v)| v.space == AddressSpace::Uniform);
-    uniform.filter_map(|(_, v)| block(v)).collect()
 }

@@ -63,7 +63,15 @@ pub struct Contract {
 }
 
 impl Contract {
-    /// The contract of a shipped shader: `vert`, `map` and `probe`, and no sampler but, where it `filters`, the one.
+    /// The contract of a shipped shader: [`Contract::standard`] and the two stages of a mesh.
+    pub fn package(filters: bool) -> Contract {
+        let mut contract = Contract::standard(filters);
+        let mesh = [("mesh_vert", Stage::Vertex), ("mesh", Stage::Fragment)];
+        contract.entry_points.extend(mesh.map(|(name, stage)| (name.to_owned(), stage)));
+        contract
+    }
+
+    /// What can be compared: `vert`, `map` and `probe`, and no sampler but, where it `filters`, the one.
     pub fn standard(filters: bool) -> Contract {
         let entry_points =
             [("vert", Stage::Vertex), ("map", Stage::Fragment), ("probe", Stage::Fragment)];

@@ -38,7 +38,7 @@ pub use passthrough::PassthroughRunner;
 #[cfg(any(feature = "gpu", feature = "routes"))]
 pub use pictures::{BoundTable, Driver, DriverRunner, Prepared, params};
 #[cfg(feature = "gpu")]
-pub use shader::ShaderRunner;
+pub use shader::{ShaderRunner, texture as table_texture};
 
 /// What is evaluated: a variant on a surface.
 #[derive(Clone, Copy, Debug)]

@@ -39,6 +39,7 @@ const BUILTIN: &[(&str, &str)] = &[
     ("colour", include_str!("../templates/colour.wgsl")),
     ("map", include_str!("../templates/map.wgsl")),
     ("probe", include_str!("../templates/probe.wgsl")),
+    ("mesh", include_str!("../templates/mesh.wgsl")),
 ];
 
 /// Templates by name.

@@ -7,6 +7,7 @@ mod adaptive;
 mod baked;
 pub mod full;
 mod gems;
+pub mod mesh;
 mod nodes;
 mod pq;
 mod prefiltered;
@@ -87,6 +88,13 @@ impl<'a> Twin<'a> {
 
     fn optics(&self) -> &Optics {
         &self.variant.optics
+    }
+}
+
+impl mesh::OrientationMap {
+    /// No angle anywhere: for meshes whose vertices have all angles.
+    pub fn none() -> mesh::OrientationMap {
+        mesh::OrientationMap { width: 1, height: 1, angles: vec![0.0] }
     }
 }
 

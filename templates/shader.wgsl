@@ -39,3 +39,4 @@
 #import colour
 #import map
 #import probe
+#import mesh

@@ -58,6 +58,7 @@ const _: () = {
     assert!(PARAMS_GROUP == 0 && PARAMS_BINDING == 0);
     assert!(TERMS_BINDING == 1 && SPECTRUM_BINDING == 2 && DIRECTIONS_BINDING == 3);
     assert!(size_of::<Params>() == 32 && TABLES.len() == 2);
+    assert!(MESH_PARAMS_BINDING == 8 && ORIENTATION_MAP_BINDING == 9 && size_of::<MeshParams>() == 224);
     assert!(TERMS_TABLE.binding == TERMS_BINDING && TERMS_TABLE.layers == LAYERS);
     assert!(SPECTRUM_TABLE.width == 81 && SPECTRUM_TABLE.height == 2);
     assert!(SPECTRUM_TABLE.bytes == 81 * 2 * 16);

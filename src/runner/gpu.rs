@@ -16,12 +16,17 @@
 
 mod adapter;
 mod guard;
+mod mesh;
 mod program;
+mod readback;
 mod render;
 mod spirv;
 mod time;
 
 pub use self::adapter::{AdapterInfo, Backend, MESA_FLOAT_TARGETS};
+pub use self::mesh::{
+    Colours, MeshBuffers, MeshPass, MeshPipeline, MeshProgram, Targets, VERTEX_NUMBERS,
+};
 pub use self::program::{Program, Shader, Texture, TextureFormat, TextureLayout, Uniform};
 pub use self::render::Pipeline;
 pub use self::time::FrameTimes;
@@ -30,6 +35,7 @@ use std::sync::Arc;
 
 use self::guard::Shared;
 use crate::error::Result;
+use crate::twin::mesh::Vertex;
 
 /// An open device of one adapter.
 #[derive(Clone, Debug)]
@@ -64,6 +70,33 @@ impl Gpu {
     pub fn program(&self, program: &Program<'_>) -> Result<Pipeline> {
         program::check(program, &self.shared)?;
         self.shared.guarded(program.name, || program::build(&self.shared, program))
+    }
+
+    /// Uploads a mesh; triangles are drawn in the order given.
+    pub fn mesh(&self, vertices: &[Vertex], triangles: &[[u32; 3]]) -> Result<MeshBuffers> {
+        self.shared.guarded("mesh", || Ok(mesh::buffers(&self.shared, vertices, triangles)))
+    }
+
+    /// Compiles one pass over a mesh and uploads its textures.
+    pub fn mesh_program(
+        &self,
+        program: &MeshProgram<'_>,
+        targets: Targets,
+    ) -> Result<MeshPipeline> {
+        self.shared.guarded(program.name, || mesh::build(&self.shared, program, targets))
+    }
+
+    /// Draws passes over a mesh, one over the other, all for the same targets. Pictures come as `[picture][row][column]`,
+    /// top row first; alpha is 0 where nothing is.
+    pub fn draw_mesh(
+        &self,
+        name: &str,
+        mesh: &MeshBuffers,
+        passes: &[MeshPass<'_>],
+        targets: Targets,
+        size: [u32; 2],
+    ) -> Result<Vec<Vec<[f32; 4]>>> {
+        self.shared.guarded(name, || mesh::draw(&self.shared, name, mesh, passes, targets, size))
     }
 }
 

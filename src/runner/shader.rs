@@ -62,7 +62,7 @@ impl Driver for Gpu {
 }
 
 /// A table as wgpu takes it.
-pub(super) fn texture(table: &Table, binding: u32) -> Texture<'static> {
+pub fn texture(table: &Table, binding: u32) -> Texture<'static> {
     Texture {
         binding,
         layout: if table.layers == 0 { TextureLayout::D2 } else { TextureLayout::D2Array },

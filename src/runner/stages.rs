@@ -7,7 +7,7 @@ use crate::module;
 /// A file and the name of one of its entry points in it.
 pub(super) type StageFile<'a> = (&'a EmittedFile, &'a str);
 
-/// The files with the only vertex entry point and with the fragment entry point `entry`; `name` is the variant's.
+/// The files with the first vertex entry point, that of whole screens, and with the fragment entry point `entry`; `name` is the variant's.
 pub(super) fn stages<'a>(
     name: &str,
     files: &'a [EmittedFile],

@@ -229,7 +229,7 @@ fn hlsl_entries(name: &str) -> Vec<(String, Stage)> {
     if name.starts_with(shell::NAME) {
         return vec![("main".to_owned(), Stage::Fragment)];
     }
-    Contract::standard(true).entry_points
+    Contract::package(true).entry_points
 }
 
 fn words(options: &[&str]) -> Vec<String> {

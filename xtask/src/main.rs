@@ -19,6 +19,7 @@ mod reexec;
 mod render;
 mod report;
 mod runners;
+mod scene;
 mod serve;
 mod test;
 mod testbench;
@@ -67,6 +68,8 @@ enum Command {
     Bench(bench::Args),
     /// Find the cheapest variant of a surface within an error budget.
     Tune(tune::Args),
+    /// Draw a variant on the skin of a body: stills, sweeps, a turntable.
+    Scene(scene::Args),
     /// Show results of compare, bench and testbench on one HTML page.
     Report(report::Args),
     /// Serve the gallery to a browser on this machine.
@@ -107,6 +110,7 @@ fn main() -> ExitCode {
         Command::Testbench(args) => testbench::run(&args, &console).map(ExitCode::from),
         Command::Bench(args) => bench::run(&args, &console).map(ExitCode::from),
         Command::Tune(args) => tune::run(&args, &console).map(ExitCode::from),
+        Command::Scene(args) => scene::run(&args, &console).map(ExitCode::from),
         Command::Report(args) => report::run(&args, &console).map(ExitCode::from),
         Command::Serve(args) => serve::run(&args, &console).map(ExitCode::from),
         Command::Test(args) => test::run(&args),

@@ -212,7 +212,7 @@ pub(super) fn build(shared: &Arc<Shared>, program: &Program<'_>) -> Result<Pipel
         views.push((texture.binding, upload(shared, program.name, texture)?));
     }
     let samplers: Vec<(u32, wgpu::Sampler)> =
-        samplers(program).into_iter().map(|binding| (binding, linear(device))).collect();
+        samplers(&program.textures).into_iter().map(|binding| (binding, linear(device))).collect();
     for (binding, _) in &samplers {
         let ty = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
         layouts.push(layout_entry(*binding, ty));
@@ -321,16 +321,16 @@ fn fillers(program: &Program<'_>) -> Vec<Texture<'static>> {
 fn bindings(program: &Program<'_>) -> impl Iterator<Item = u32> {
     let textures = program.textures.iter().map(|texture| texture.binding);
     let uniform = program.uniform.map(|uniform| uniform.binding);
-    textures.chain(uniform).chain(samplers(program))
+    textures.chain(uniform).chain(samplers(&program.textures))
 }
 
-/// The bindings of its samplers, each once.
-fn samplers(program: &Program<'_>) -> BTreeSet<u32> {
-    program.textures.iter().filter_map(|texture| texture.sampler).collect()
+/// The bindings of the samplers of textures, each once.
+pub(super) fn samplers(textures: &[Texture<'_>]) -> BTreeSet<u32> {
+    textures.iter().filter_map(|texture| texture.sampler).collect()
 }
 
 /// Linear between texels, clamped to the edge.
-fn linear(device: &wgpu::Device) -> wgpu::Sampler {
+pub(super) fn linear(device: &wgpu::Device) -> wgpu::Sampler {
     device.create_sampler(&wgpu::SamplerDescriptor {
         label: Some("linear"),
         mag_filter: wgpu::FilterMode::Linear,
@@ -339,12 +339,12 @@ fn linear(device: &wgpu::Device) -> wgpu::Sampler {
     })
 }
 
-fn layout_entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
+pub(super) fn layout_entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
     let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT;
     wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None }
 }
 
-fn dimension(layout: TextureLayout) -> wgpu::TextureViewDimension {
+pub(super) fn dimension(layout: TextureLayout) -> wgpu::TextureViewDimension {
     match layout {
         TextureLayout::D2 => wgpu::TextureViewDimension::D2,
         TextureLayout::D2Array => wgpu::TextureViewDimension::D2Array,
@@ -352,7 +352,11 @@ fn dimension(layout: TextureLayout) -> wgpu::TextureViewDimension {
 }
 
 /// Copies a texture to the device in pieces, so that the staging memory stays small.
-fn upload(shared: &Shared, name: &str, texture: &Texture<'_>) -> Result<wgpu::TextureView> {
+pub(super) fn upload(
+    shared: &Shared,
+    name: &str,
+    texture: &Texture<'_>,
+) -> Result<wgpu::TextureView> {
     const PIECE: u64 = 32 << 20;
     let Texture { layout, format, width, height, layers, ref bytes, .. } = *texture;
     let misread = layers == 1 || (width == height && layers % 6 == 0);

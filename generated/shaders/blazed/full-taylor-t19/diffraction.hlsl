@@ -9,6 +9,22 @@ struct FullScreen {
     float2 place : LOC0;
 };
 
+struct MeshParams {
+    row_major float4x4 model;
+    row_major float4x4 view;
+    row_major float4x4 projection;
+    float4 light_direction;
+    float4 eye;
+};
+
+struct MeshVertex {
+    float4 position : SV_Position;
+    float3 place : LOC0;
+    float3 normal : LOC1;
+    float4 tangent : LOC2;
+    float2 uv : LOC3;
+};
+
 static const int CENTRE_COLUMN = int(15);
 static const int CENTRE_ROW = int(3);
 static const float COHERENCE_UM = 65.0;
@@ -24,18 +40,35 @@ Texture2D<float4> spectrum : register(t2);
 Texture2DArray<float4> terms : register(t1);
 cbuffer params : register(b0) { Params params; }
 Texture2D<float4> directions : register(t3);
+cbuffer mesh_params : register(b8) { MeshParams mesh_params; }
+Texture2D<float4> orientation_map : register(t9);
 
 struct VertexOutput_vert {
-    float2 place_3 : LOC0;
-    float4 position : SV_Position;
+    float2 place_4 : LOC0;
+    float4 position_1 : SV_Position;
 };
 
 struct FragmentInput_map {
-    float2 place_4 : LOC0;
+    float2 place_5 : LOC0;
 };
 
 struct FragmentInput_probe {
-    float2 place_5 : LOC0;
+    float2 place_6 : LOC0;
+};
+
+struct VertexOutput_mesh_vert {
+    float3 place_7 : LOC0;
+    float3 normal_4 : LOC1;
+    float4 tangent_3 : LOC2;
+    float2 uv_4 : LOC3;
+    float4 position_2 : SV_Position;
+};
+
+struct FragmentInput_mesh {
+    float3 place_8 : LOC0;
+    float3 normal_5 : LOC1;
+    float4 tangent_4 : LOC2;
+    float2 uv_5 : LOC3;
 };
 
 float fresnel_ratio(float cos_half)
@@ -53,15 +86,15 @@ float shadowing(float3 wi, float3 wr)
 
 float gain(float3 wi_1, float3 wr_1)
 {
-    bool local = (bool)0;
+    bool local_1 = (bool)0;
     float factor = (float)0;
 
     if ((wi_1.z > 0.0)) {
-        local = (wr_1.z > 0.0);
+        local_1 = (wr_1.z > 0.0);
     } else {
-        local = false;
+        local_1 = false;
     }
-    bool _e11 = local;
+    bool _e11 = local_1;
     if (!(_e11)) {
         return 0.0;
     }
@@ -103,7 +136,7 @@ float2 bin_amplitude(int2 bin, float tau)
     float4 sum = (0.0).xxxx;
     int layer = int(9);
 
-    int2 texel = asint(asuint(bin) + asuint(int2(int(15), int(3))));
+    int2 texel_1 = asint(asuint(bin) + asuint(int2(int(15), int(3))));
     float tau_squared = (tau * tau);
     bool loop_init = true;
     while(true) {
@@ -120,7 +153,7 @@ float2 bin_amplitude(int2 bin, float tau)
         {
             float4 _e15 = sum;
             int _e16 = layer;
-            float4 _e19 = terms.Load(int4(texel, _e16, int(0)));
+            float4 _e19 = terms.Load(int4(texel_1, _e16, int(0)));
             sum = ((_e15 * tau_squared) + _e19);
         }
     }
@@ -144,8 +177,8 @@ float response(float3 path, float lambda_um_2)
     int s = int(-1);
     int r = (int)0;
 
-    float2 place_6 = ((path.xy / (lambda_um_2).xx) * float2(2.5, 0.1));
-    float2 nearest = floor((place_6 + (0.5).xx));
+    float2 place_9 = ((path.xy / (lambda_um_2).xx) * float2(2.5, 0.1));
+    float2 nearest = floor((place_9 + (0.5).xx));
     const float _e20 = series_argument(path.z, lambda_um_2);
     const float2 _e21 = window_sharpness(lambda_um_2);
     bool loop_init_1 = true;
@@ -179,7 +212,7 @@ float response(float3 path, float lambda_um_2)
                     int _e30 = s;
                     float2 bin_1 = (nearest + float2(float(_e29), float(_e30)));
                     const float2 _e36 = bin_amplitude(naga_f2i32(bin_1), _e20);
-                    const float _e38 = window((place_6 - bin_1), _e21);
+                    const float _e38 = window((place_9 - bin_1), _e21);
                     float2 tap = (_e36 * _e38);
                     float2 _e40 = amplitude;
                     amplitude = (_e40 + tap);
@@ -217,10 +250,10 @@ float3 tristimulus(float3 wi_3, float3 wr_3)
         }
         {
             int _e16 = node;
-            float4 texel_1 = spectrum.Load(int3(int2(_e16, int(0)), int(0)));
+            float4 texel_2 = spectrum.Load(int3(int2(_e16, int(0)), int(0)));
             float3 _e22 = xyz;
-            const float _e24 = response(_e12, texel_1.w);
-            xyz = (_e22 + (texel_1.xyz * _e24));
+            const float _e24 = response(_e12, texel_2.w);
+            xyz = (_e22 + (texel_2.xyz * _e24));
         }
     }
     float3 _e31 = xyz;
@@ -239,10 +272,10 @@ float3 diffraction(float3 wi_4, float3 wr_4)
     return _e3;
 }
 
-float2 pixel_of(float2 place_2)
+float2 pixel_of(float2 place_3)
 {
     float4 _e3 = params.size;
-    return floor((((0.5 * place_2) + (0.5).xx) * _e3.xy));
+    return floor((((0.5 * place_3) + (0.5).xx) * _e3.xy));
 }
 
 float3 view_direction(float2 pixel)
@@ -251,6 +284,88 @@ float3 view_direction(float2 pixel)
     float2 centre = ((((2.0 * pixel) + (1.0).xx) / _e3.xy) - (1.0).xx);
     float squared_2 = dot(centre, centre);
     return float3(centre, ((squared_2 < 1.0) ? sqrt(max(0.0, (1.0 - squared_2))) : -1.0));
+}
+
+float3 unit(float3 vector_, float least)
+{
+    float squared_3 = dot(vector_, vector_);
+    if (!((squared_3 > least))) {
+        return (0.0).xxx;
+    }
+    return (vector_ * rsqrt(squared_3));
+}
+
+float model_volume()
+{
+    float4 _e3 = mesh_params.model[1];
+    float4 _e7 = mesh_params.model[2];
+    float3 top = cross(_e3.xyz, _e7.xyz);
+    float4 _e14 = mesh_params.model[0];
+    return dot(_e14.xyz, top);
+}
+
+float3 world_normal(float3 normal_2)
+{
+    float4 _e4 = mesh_params.model[0];
+    float3 x = _e4.xyz;
+    float4 _e9 = mesh_params.model[1];
+    float3 y = _e9.xyz;
+    float4 _e14 = mesh_params.model[2];
+    float3 z = _e14.xyz;
+    float3 cofactors = (((normal_2.x * cross(y, z)) + (normal_2.y * cross(z, x))) + (normal_2.z * cross(x, y)));
+    const float _e27 = model_volume();
+    return (sign(_e27) * cofactors);
+}
+
+float2 texel_turn(float2 texel, float2 size)
+{
+    float2 repeated = (texel - (size * floor(((texel + (0.5).xx) / size))));
+    float4 _e18 = orientation_map.Load(int3(naga_f2i32(clamp(repeated, (0.0).xx, (size - (1.0).xx))), int(0)));
+    float angle = _e18.x;
+    return float2(cos(angle), sin(angle));
+}
+
+uint2 NagaMipDimensions2D(Texture2D<float4> tex, uint mip_level)
+{
+    uint4 ret;
+    tex.GetDimensions(mip_level, ret.x, ret.y, ret.z);
+    return ret.xy;
+}
+
+float2 orientation(float2 uv_2)
+{
+    float2 size_1 = float2(NagaMipDimensions2D(orientation_map, int(0)));
+    float2 place_10 = (((uv_2 - floor(uv_2)) * size_1) - (0.5).xx);
+    float2 corner = floor(place_10);
+    float2 share = (place_10 - corner);
+    float2 right = (corner + float2(1.0, 0.0));
+    const float2 _e17 = texel_turn(corner, size_1);
+    const float2 _e18 = texel_turn(right, size_1);
+    float2 above = lerp(_e17, _e18, share.x);
+    float2 under = float2(0.0, 1.0);
+    const float2 _e25 = texel_turn((corner + under), size_1);
+    const float2 _e27 = texel_turn((right + under), size_1);
+    float2 below = lerp(_e25, _e27, share.x);
+    float2 turn = lerp(above, below, share.y);
+    float squared_4 = dot(turn, turn);
+    float2 direction_1 = (turn * rsqrt(max(squared_4, 1e-8)));
+    return ((squared_4 > 1e-8) ? direction_1 : float2(1.0, 0.0));
+}
+
+float3 in_frame(float3 direction, float3 normal_3, float4 tangent_2, float2 uv_3)
+{
+    const float3 _e5 = unit(normal_3, 1e-8);
+    const float3 _e12 = unit((tangent_2.xyz - (dot(tangent_2.xyz, _e5) * _e5)), 1e-8);
+    float3 across = (((tangent_2.w < 0.0) ? -1.0 : 1.0) * cross(_e5, _e12));
+    if ((dot(across, across) < 0.5)) {
+        return (0.0).xxx;
+    }
+    const float2 _e26 = orientation(uv_3);
+    float3 along = ((_e26.x * _e12) + (_e26.y * across));
+    float3 beside = ((_e26.x * across) - (_e26.y * _e12));
+    const float3 _e38 = unit(direction, 1e-36);
+    const float3 _e44 = unit(float3(dot(_e38, along), dot(_e38, beside), dot(_e38, _e5)), 1e-8);
+    return _e44;
 }
 
 FullScreen ConstructFullScreen(float4 arg0, float2 arg1) {
@@ -262,15 +377,15 @@ FullScreen ConstructFullScreen(float4 arg0, float2 arg1) {
 
 VertexOutput_vert vert(uint index : SV_VertexID)
 {
-    float2 place_7 = float2(((index == 1u) ? 3.0 : -1.0), ((index == 2u) ? 3.0 : -1.0));
-    const FullScreen fullscreen = ConstructFullScreen(float4(place_7, 0.0, 1.0), place_7);
+    float2 place_11 = float2(((index == 1u) ? 3.0 : -1.0), ((index == 2u) ? 3.0 : -1.0));
+    const FullScreen fullscreen = ConstructFullScreen(float4(place_11, 0.0, 1.0), place_11);
     const VertexOutput_vert fullscreen_1 = { fullscreen.place, fullscreen.position };
     return fullscreen_1;
 }
 
 float4 map(FragmentInput_map fragmentinput_map) : SV_Target0
 {
-    float2 place = fragmentinput_map.place_4;
+    float2 place = fragmentinput_map.place_5;
     const float2 _e1 = pixel_of(place);
     const float3 _e2 = view_direction(_e1);
     if ((_e2.z < 0.0)) {
@@ -287,7 +402,7 @@ int naga_f2i32(float value) {
 
 float4 probe(FragmentInput_probe fragmentinput_probe) : SV_Target0
 {
-    float2 place_1 = fragmentinput_probe.place_5;
+    float2 place_1 = fragmentinput_probe.place_6;
     const float2 _e1 = pixel_of(place_1);
     int column = naga_f2i32(_e1.x);
     float _e7 = params.size.y;
@@ -298,4 +413,60 @@ float4 probe(FragmentInput_probe fragmentinput_probe) : SV_Target0
     float3 wr_5 = _e27.xyz;
     const float3 _e29 = tristimulus(wi_5, wr_5);
     return float4(_e29, 1.0);
+}
+
+MeshVertex ConstructMeshVertex(float4 arg0, float3 arg1, float3 arg2, float4 arg3, float2 arg4) {
+    MeshVertex ret = (MeshVertex)0;
+    ret.position = arg0;
+    ret.place = arg1;
+    ret.normal = arg2;
+    ret.tangent = arg3;
+    ret.uv = arg4;
+    return ret;
+}
+
+VertexOutput_mesh_vert mesh_vert(float3 position : LOC0, float3 normal : LOC1, float4 tangent : LOC2, float2 uv : LOC3, float orientation_angle : LOC4)
+{
+    float4x4 _e7 = mesh_params.model;
+    float4 place_12 = mul(float4(position, 1.0), _e7);
+    const float3 _e11 = world_normal(normal);
+    const float3 _e13 = unit(_e11, 1e-36);
+    float4x4 _e16 = mesh_params.model;
+    const float3 _e23 = unit(mul(float4(tangent.xyz, 0.0), _e16).xyz, 1e-36);
+    const float3 _e28 = unit((_e23 - (dot(_e23, _e13) * _e13)), 1e-8);
+    const float _e29 = model_volume();
+    float handedness = (((tangent.w * _e29) < 0.0) ? -1.0 : 1.0);
+    float3 across_1 = (handedness * cross(_e13, _e28));
+    float3 turned = ((cos(orientation_angle) * _e28) + (sin(orientation_angle) * across_1));
+    float4x4 _e46 = mesh_params.projection;
+    float4x4 _e49 = mesh_params.view;
+    float4 clip_ = mul(mul(place_12, _e49), _e46);
+    const MeshVertex meshvertex = ConstructMeshVertex(clip_, place_12.xyz, _e13, float4(turned, handedness), uv);
+    const VertexOutput_mesh_vert meshvertex_1 = { meshvertex.place, meshvertex.normal, meshvertex.tangent, meshvertex.uv, meshvertex.position };
+    return meshvertex_1;
+}
+
+float4 mesh(FragmentInput_mesh fragmentinput_mesh) : SV_Target0
+{
+    float3 place_2 = fragmentinput_mesh.place_8;
+    float3 normal_1 = fragmentinput_mesh.normal_5;
+    float4 tangent_1 = fragmentinput_mesh.tangent_4;
+    float2 uv_1 = fragmentinput_mesh.uv_5;
+    bool local = (bool)0;
+
+    float4 _e7 = mesh_params.light_direction;
+    const float3 _e9 = in_frame(_e7.xyz, normal_1, tangent_1, uv_1);
+    float4 _e12 = mesh_params.eye;
+    const float3 _e15 = in_frame((_e12.xyz - place_2), normal_1, tangent_1, uv_1);
+    if ((_e9.z > 0.0)) {
+        local = (_e15.z > 0.0);
+    } else {
+        local = false;
+    }
+    bool _e23 = local;
+    if (!(_e23)) {
+        return float4(0.0, 0.0, 0.0, 1.0);
+    }
+    const float3 _e30 = diffraction(_e9, _e15);
+    return float4(_e30, 1.0);
 }

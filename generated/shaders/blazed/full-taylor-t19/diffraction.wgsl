@@ -193,3 +193,132 @@ fn probe(@location(0) place: vec2f) -> @location(0) vec4f {
     let wr = textureLoad(directions, vec2i(column, 2 * row + 1), 0).xyz;
     return vec4f(tristimulus(wi, wr), 1.0);
 }
+// A mesh in a scene: vertices carry their tangent frame, turned by the orientation field; fragments take the directions
+// to the light and to the viewer into it. What faces away, and what has no frame, is black. A square of 1e-8 of what is of
+// unit length is a rounding error; of other vectors, one of 1e-36 is none. (Named constants would stand in every file.)
+
+struct MeshParams {
+    // from the mesh to the world; may scale unevenly and mirror
+    model: mat4x4f,
+    // from the world to the camera
+    view: mat4x4f,
+    // from the camera to clip space
+    projection: mat4x4f,
+    // xyz: direction to the light in the world, of any length; w: unused
+    light_direction: vec4f,
+    // xyz: place of the viewer in the world; w: unused
+    eye: vec4f,
+}
+@group(0) @binding(8) var<uniform> mesh_params: MeshParams;
+// x: angle of the orientation field in radians, from the tangent towards the bitangent, added to that of the vertices;
+// repeats. One texel of 0 where only the vertices have angles.
+@group(0) @binding(9) var orientation_map: texture_2d<f32>;
+
+struct MeshVertex {
+    @builtin(position) position: vec4f,
+    // place in the world
+    @location(0) place: vec3f,
+    @location(1) normal: vec3f,
+    // xyz: tangent, turned by the vertex's angle; w: handedness
+    @location(2) tangent: vec4f,
+    @location(3) uv: vec2f,
+}
+
+// Normal and tangent (MikkTSpace: the bitangent is w times normal times tangent), texture coordinates, and the
+// orientation field's angle in radians.
+@vertex
+fn mesh_vert(
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) tangent: vec4f,
+    @location(3) uv: vec2f,
+    @location(4) orientation_angle: f32,
+) -> MeshVertex {
+    let place = mesh_params.model * vec4f(position, 1.0);
+    let upright = unit(world_normal(normal), 1e-36);
+    let along = unit((mesh_params.model * vec4f(tangent.xyz, 0.0)).xyz, 1e-36);
+    let flat_tangent = unit(along - dot(along, upright) * upright, 1e-8);
+    let handedness = select(1.0, -1.0, tangent.w * model_volume() < 0.0);
+    let across = handedness * cross(upright, flat_tangent);
+    let turned = cos(orientation_angle) * flat_tangent + sin(orientation_angle) * across;
+    let clip = mesh_params.projection * (mesh_params.view * place);
+    return MeshVertex(clip, place.xyz, upright, vec4f(turned, handedness), uv);
+}
+
+// Relative radiance factor of the visible point under the light.
+@fragment
+fn mesh(
+    @location(0) place: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) tangent: vec4f,
+    @location(3) uv: vec2f,
+) -> @location(0) vec4f {
+    let wi = in_frame(mesh_params.light_direction.xyz, normal, tangent, uv);
+    let wr = in_frame(mesh_params.eye.xyz - place, normal, tangent, uv);
+    if (!(wi.z > 0.0 && wr.z > 0.0)) {
+        return vec4f(0.0, 0.0, 0.0, 1.0);
+    }
+    return vec4f(diffraction(wi, wr), 1.0);
+}
+
+// A direction of the world in the frame of a fragment, of unit length; zero where there is no frame.
+fn in_frame(direction: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
+    let upright = unit(normal, 1e-8);
+    let straight = unit(tangent.xyz - dot(tangent.xyz, upright) * upright, 1e-8);
+    let across = select(1.0, -1.0, tangent.w < 0.0) * cross(upright, straight);
+    if (dot(across, across) < 0.5) {
+        return vec3f(0.0);
+    }
+    let turn = orientation(uv);
+    let along = turn.x * straight + turn.y * across;
+    let beside = turn.x * across - turn.y * straight;
+    let ray = unit(direction, 1e-36);
+    return unit(vec3f(dot(ray, along), dot(ray, beside), dot(ray, upright)), 1e-8);
+}
+
+// Cosine and sine of the map's angle. Texels are blended as directions, since an angle jumps by a turn.
+fn orientation(uv: vec2f) -> vec2f {
+    let size = vec2f(textureDimensions(orientation_map, 0));
+    let place = (uv - floor(uv)) * size - 0.5;
+    let corner = floor(place);
+    let share = place - corner;
+    let right = corner + vec2f(1.0, 0.0);
+    let above = mix(texel_turn(corner, size), texel_turn(right, size), share.x);
+    let under = vec2f(0.0, 1.0);
+    let below = mix(texel_turn(corner + under, size), texel_turn(right + under, size), share.x);
+    let turn = mix(above, below, share.y);
+    let squared = dot(turn, turn);
+    let direction = turn * inverseSqrt(max(squared, 1e-8));
+    return select(vec2f(1.0, 0.0), direction, squared > 1e-8);
+}
+
+// Cosine and sine at a texel of the map, which repeats.
+fn texel_turn(texel: vec2f, size: vec2f) -> vec2f {
+    let repeated = texel - size * floor((texel + 0.5) / size);
+    let angle = textureLoad(orientation_map, vec2i(clamp(repeated, vec2f(0.0), size - 1.0)), 0).x;
+    return vec2f(cos(angle), sin(angle));
+}
+
+// A normal in the world, not of unit length: the inverse transpose of the model matrix as its cofactors.
+fn world_normal(normal: vec3f) -> vec3f {
+    let x = mesh_params.model[0].xyz;
+    let y = mesh_params.model[1].xyz;
+    let z = mesh_params.model[2].xyz;
+    let cofactors = normal.x * cross(y, z) + normal.y * cross(z, x) + normal.z * cross(x, y);
+    return sign(model_volume()) * cofactors;
+}
+
+// Volume of the mesh's unit cube in the world, negative where the model matrix mirrors.
+fn model_volume() -> f32 {
+    let top = cross(mesh_params.model[1].xyz, mesh_params.model[2].xyz);
+    return dot(mesh_params.model[0].xyz, top);
+}
+
+// The vector at unit length; zero where its square is not above `least`, which also holds for what is no number.
+fn unit(vector: vec3f, least: f32) -> vec3f {
+    let squared = dot(vector, vector);
+    if (!(squared > least)) {
+        return vec3f(0.0);
+    }
+    return vector * inverseSqrt(squared);
+}

@@ -14,6 +14,21 @@ struct FullScreen {
     metal::float2 place;
     char _pad2[8];
 };
+struct MeshParams {
+    metal::float4x4 model;
+    metal::float4x4 view;
+    metal::float4x4 projection;
+    metal::float4 light_direction;
+    metal::float4 eye;
+};
+struct MeshVertex {
+    metal::float4 position;
+    metal::float3 place;
+    metal::float3 normal;
+    metal::float4 tangent;
+    metal::float2 uv;
+    char _pad5[8];
+};
 constant int CENTRE_COLUMN = 10;
 constant int CENTRE_ROW = 2;
 constant float COHERENCE_UM = 65.0;
@@ -45,14 +60,14 @@ float gain(
     metal::float3 wi_1,
     metal::float3 wr_1
 ) {
-    bool local = {};
+    bool local_1 = {};
     float factor = {};
     if (wi_1.z > 0.0) {
-        local = wr_1.z > 0.0;
+        local_1 = wr_1.z > 0.0;
     } else {
-        local = false;
+        local_1 = false;
     }
-    bool _e11 = local;
+    bool _e11 = local_1;
     if (!(_e11)) {
         return 0.0;
     }
@@ -100,7 +115,7 @@ metal::float2 bin_amplitude(
 ) {
     metal::float4 sum = metal::float4(0.0);
     int layer = 9;
-    metal::int2 texel = as_type<metal::int2>(as_type<metal::uint2>(bin) + as_type<metal::uint2>(metal::int2(10, 2)));
+    metal::int2 texel_1 = as_type<metal::int2>(as_type<metal::uint2>(bin) + as_type<metal::uint2>(metal::int2(10, 2)));
     float tau_squared = tau * tau;
     bool loop_init = true;
     while(true) {
@@ -117,7 +132,7 @@ metal::float2 bin_amplitude(
         {
             metal::float4 _e15 = sum;
             int _e16 = layer;
-            metal::float4 _e19 = terms.read(metal::uint2(texel), _e16, 0);
+            metal::float4 _e19 = terms.read(metal::uint2(texel_1), _e16, 0);
             sum = (_e15 * tau_squared) + _e19;
         }
     }
@@ -145,8 +160,8 @@ float response(
     metal::float2 amplitude = metal::float2(0.0);
     int s = -1;
     int r = {};
-    metal::float2 place_3 = (path.xy / metal::float2(lambda_um_2)) * metal::float2(1.6, 0.064);
-    metal::float2 nearest = metal::floor(place_3 + metal::float2(0.5));
+    metal::float2 place_4 = (path.xy / metal::float2(lambda_um_2)) * metal::float2(1.6, 0.064);
+    metal::float2 nearest = metal::floor(place_4 + metal::float2(0.5));
     float _e20 = series_argument(path.z, lambda_um_2);
     metal::float2 _e21 = window_sharpness(lambda_um_2);
     bool loop_init_1 = true;
@@ -180,7 +195,7 @@ float response(
                     int _e30 = s;
                     metal::float2 bin_1 = nearest + metal::float2(static_cast<float>(_e29), static_cast<float>(_e30));
                     metal::float2 _e36 = bin_amplitude(naga_f2i32(bin_1), _e20, terms);
-                    float _e38 = window(place_3 - bin_1, _e21);
+                    float _e38 = window(place_4 - bin_1, _e21);
                     metal::float2 tap = _e36 * _e38;
                     metal::float2 _e40 = amplitude;
                     amplitude = _e40 + tap;
@@ -221,10 +236,10 @@ metal::float3 tristimulus(
         }
         {
             int _e16 = node;
-            metal::float4 texel_1 = spectrum.read(metal::uint2(metal::int2(_e16, 0)), 0);
+            metal::float4 texel_2 = spectrum.read(metal::uint2(metal::int2(_e16, 0)), 0);
             metal::float3 _e22 = xyz;
-            float _e24 = response(_e12, texel_1.w, terms);
-            xyz = _e22 + (texel_1.xyz * _e24);
+            float _e24 = response(_e12, texel_2.w, terms);
+            xyz = _e22 + (texel_2.xyz * _e24);
         }
     }
     metal::float3 _e31 = xyz;
@@ -249,11 +264,11 @@ metal::float3 diffraction(
 }
 
 metal::float2 pixel_of(
-    metal::float2 place_2,
+    metal::float2 place_3,
     constant Params& params
 ) {
     metal::float4 _e3 = params.size;
-    return metal::floor(((0.5 * place_2) + metal::float2(0.5)) * _e3.xy);
+    return metal::floor(((0.5 * place_3) + metal::float2(0.5)) * _e3.xy);
 }
 
 metal::float3 view_direction(
@@ -266,6 +281,96 @@ metal::float3 view_direction(
     return metal::float3(centre, (squared_2 < 1.0) ? metal::sqrt(metal::max(0.0, 1.0 - squared_2)) : -1.0);
 }
 
+metal::float3 unit(
+    metal::float3 vector,
+    float least
+) {
+    float squared_3 = metal::dot(vector, vector);
+    if (!((squared_3 > least))) {
+        return metal::float3(0.0);
+    }
+    return vector * metal::rsqrt(squared_3);
+}
+
+float model_volume(
+    constant MeshParams& mesh_params
+) {
+    metal::float4 _e3 = mesh_params.model[1];
+    metal::float4 _e7 = mesh_params.model[2];
+    metal::float3 top = metal::cross(_e3.xyz, _e7.xyz);
+    metal::float4 _e14 = mesh_params.model[0];
+    return metal::dot(_e14.xyz, top);
+}
+
+metal::float3 world_normal(
+    metal::float3 normal_2,
+    constant MeshParams& mesh_params
+) {
+    metal::float4 _e4 = mesh_params.model[0];
+    metal::float3 x = _e4.xyz;
+    metal::float4 _e9 = mesh_params.model[1];
+    metal::float3 y = _e9.xyz;
+    metal::float4 _e14 = mesh_params.model[2];
+    metal::float3 z = _e14.xyz;
+    metal::float3 cofactors = ((normal_2.x * metal::cross(y, z)) + (normal_2.y * metal::cross(z, x))) + (normal_2.z * metal::cross(x, y));
+    float _e27 = model_volume(mesh_params);
+    return metal::sign(_e27) * cofactors;
+}
+
+metal::float2 texel_turn(
+    metal::float2 texel,
+    metal::float2 size,
+    metal::texture2d<float, metal::access::sample> orientation_map
+) {
+    metal::float2 repeated = texel - (size * metal::floor((texel + metal::float2(0.5)) / size));
+    metal::float4 _e18 = orientation_map.read(metal::uint2(naga_f2i32(metal::clamp(repeated, metal::float2(0.0), size - metal::float2(1.0)))), 0);
+    float angle = _e18.x;
+    return metal::float2(metal::cos(angle), metal::sin(angle));
+}
+
+metal::float2 orientation(
+    metal::float2 uv_2,
+    metal::texture2d<float, metal::access::sample> orientation_map
+) {
+    metal::float2 size_1 = static_cast<metal::float2>(metal::uint2(orientation_map.get_width(0), orientation_map.get_height(0)));
+    metal::float2 place_5 = ((uv_2 - metal::floor(uv_2)) * size_1) - metal::float2(0.5);
+    metal::float2 corner = metal::floor(place_5);
+    metal::float2 share = place_5 - corner;
+    metal::float2 right = corner + metal::float2(1.0, 0.0);
+    metal::float2 _e17 = texel_turn(corner, size_1, orientation_map);
+    metal::float2 _e18 = texel_turn(right, size_1, orientation_map);
+    metal::float2 above = metal::mix(_e17, _e18, share.x);
+    metal::float2 under = metal::float2(0.0, 1.0);
+    metal::float2 _e25 = texel_turn(corner + under, size_1, orientation_map);
+    metal::float2 _e27 = texel_turn(right + under, size_1, orientation_map);
+    metal::float2 below = metal::mix(_e25, _e27, share.x);
+    metal::float2 turn = metal::mix(above, below, share.y);
+    float squared_4 = metal::dot(turn, turn);
+    metal::float2 direction_1 = turn * metal::rsqrt(metal::max(squared_4, 0.00000001));
+    return (squared_4 > 0.00000001) ? direction_1 : metal::float2(1.0, 0.0);
+}
+
+metal::float3 in_frame(
+    metal::float3 direction,
+    metal::float3 normal_3,
+    metal::float4 tangent_2,
+    metal::float2 uv_3,
+    metal::texture2d<float, metal::access::sample> orientation_map
+) {
+    metal::float3 _e5 = unit(normal_3, 0.00000001);
+    metal::float3 _e12 = unit(tangent_2.xyz - (metal::dot(tangent_2.xyz, _e5) * _e5), 0.00000001);
+    metal::float3 across = ((tangent_2.w < 0.0) ? -1.0 : 1.0) * metal::cross(_e5, _e12);
+    if (metal::dot(across, across) < 0.5) {
+        return metal::float3(0.0);
+    }
+    metal::float2 _e26 = orientation(uv_3, orientation_map);
+    metal::float3 along = (_e26.x * _e12) + (_e26.y * across);
+    metal::float3 beside = (_e26.x * across) - (_e26.y * _e12);
+    metal::float3 _e38 = unit(direction, 0.000000000000000000000000000000000001);
+    metal::float3 _e44 = unit(metal::float3(metal::dot(_e38, along), metal::dot(_e38, beside), metal::dot(_e38, _e5)), 0.00000001);
+    return _e44;
+}
+
 struct vertInput {
 };
 struct vertOutput {
@@ -275,8 +380,8 @@ struct vertOutput {
 vertex vertOutput vert(
   uint index [[vertex_id]]
 ) {
-    metal::float2 place_4 = metal::float2((index == 1u) ? 3.0 : -1.0, (index == 2u) ? 3.0 : -1.0);
-    const auto _tmp = FullScreen {metal::float4(place_4, 0.0, 1.0), place_4};
+    metal::float2 place_6 = metal::float2((index == 1u) ? 3.0 : -1.0, (index == 2u) ? 3.0 : -1.0);
+    const auto _tmp = FullScreen {metal::float4(place_6, 0.0, 1.0), place_6};
     return vertOutput { _tmp.position, _tmp.place };
 }
 
@@ -333,4 +438,85 @@ fragment probeOutput probe(
     metal::float3 wr_5 = _e27.xyz;
     metal::float3 _e29 = tristimulus(wi_5, wr_5, spectrum, terms);
     return probeOutput { metal::float4(_e29, 1.0) };
+}
+
+
+struct mesh_vertInput {
+    metal::float3 position [[attribute(0)]];
+    metal::float3 normal [[attribute(1)]];
+    metal::float4 tangent [[attribute(2)]];
+    metal::float2 uv [[attribute(3)]];
+    float orientation_angle [[attribute(4)]];
+};
+struct mesh_vertOutput {
+    metal::float4 position [[position]];
+    metal::float3 place [[user(loc0), center_perspective]];
+    metal::float3 normal [[user(loc1), center_perspective]];
+    metal::float4 tangent [[user(loc2), center_perspective]];
+    metal::float2 uv [[user(loc3), center_perspective]];
+};
+vertex mesh_vertOutput mesh_vert(
+  mesh_vertInput varyings_3 [[stage_in]]
+, constant MeshParams& mesh_params [[buffer(8)]]
+) {
+    const auto position = varyings_3.position;
+    const auto normal = varyings_3.normal;
+    const auto tangent = varyings_3.tangent;
+    const auto uv = varyings_3.uv;
+    const auto orientation_angle = varyings_3.orientation_angle;
+    metal::float4x4 _e7 = mesh_params.model;
+    metal::float4 place_7 = _e7 * metal::float4(position, 1.0);
+    metal::float3 _e11 = world_normal(normal, mesh_params);
+    metal::float3 _e13 = unit(_e11, 0.000000000000000000000000000000000001);
+    metal::float4x4 _e16 = mesh_params.model;
+    metal::float3 _e23 = unit((_e16 * metal::float4(tangent.xyz, 0.0)).xyz, 0.000000000000000000000000000000000001);
+    metal::float3 _e28 = unit(_e23 - (metal::dot(_e23, _e13) * _e13), 0.00000001);
+    float _e29 = model_volume(mesh_params);
+    float handedness = ((tangent.w * _e29) < 0.0) ? -1.0 : 1.0;
+    metal::float3 across_1 = handedness * metal::cross(_e13, _e28);
+    metal::float3 turned = (metal::cos(orientation_angle) * _e28) + (metal::sin(orientation_angle) * across_1);
+    metal::float4x4 _e46 = mesh_params.projection;
+    metal::float4x4 _e49 = mesh_params.view;
+    metal::float4 clip = _e46 * (_e49 * place_7);
+    const auto _tmp_1 = MeshVertex {clip, place_7.xyz, _e13, metal::float4(turned, handedness), uv};
+    return mesh_vertOutput { _tmp_1.position, _tmp_1.place, _tmp_1.normal, _tmp_1.tangent, _tmp_1.uv };
+}
+
+
+struct meshInput {
+    metal::float3 place_2 [[user(loc0), center_perspective]];
+    metal::float3 normal_1 [[user(loc1), center_perspective]];
+    metal::float4 tangent_1 [[user(loc2), center_perspective]];
+    metal::float2 uv_1 [[user(loc3), center_perspective]];
+};
+struct meshOutput {
+    metal::float4 member_4 [[color(0)]];
+};
+fragment meshOutput mesh(
+  meshInput varyings_4 [[stage_in]]
+, metal::texture2d<float, metal::access::sample> spectrum [[texture(2)]]
+, metal::texture2d_array<float, metal::access::sample> terms [[texture(1)]]
+, constant MeshParams& mesh_params [[buffer(8)]]
+, metal::texture2d<float, metal::access::sample> orientation_map [[texture(9)]]
+) {
+    const auto place_2 = varyings_4.place_2;
+    const auto normal_1 = varyings_4.normal_1;
+    const auto tangent_1 = varyings_4.tangent_1;
+    const auto uv_1 = varyings_4.uv_1;
+    bool local = {};
+    metal::float4 _e7 = mesh_params.light_direction;
+    metal::float3 _e9 = in_frame(_e7.xyz, normal_1, tangent_1, uv_1, orientation_map);
+    metal::float4 _e12 = mesh_params.eye;
+    metal::float3 _e15 = in_frame(_e12.xyz - place_2, normal_1, tangent_1, uv_1, orientation_map);
+    if (_e9.z > 0.0) {
+        local = _e15.z > 0.0;
+    } else {
+        local = false;
+    }
+    bool _e23 = local;
+    if (!(_e23)) {
+        return meshOutput { metal::float4(0.0, 0.0, 0.0, 1.0) };
+    }
+    metal::float3 _e30 = diffraction(_e9, _e15, spectrum, terms);
+    return meshOutput { metal::float4(_e30, 1.0) };
 }

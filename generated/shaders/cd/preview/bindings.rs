@@ -22,6 +22,31 @@ const _: () = assert!(PARAMS_BYTES == 32);
 const _: () = assert!(core::mem::offset_of!(Params, light) == 0);
 const _: () = assert!(core::mem::offset_of!(Params, size) == 16);
 
+/// Uniform block `mesh_params`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshParams {
+    /// from the mesh to the world; may scale unevenly and mirror; column by column
+    pub model: [[f32; 4]; 4],
+    /// from the world to the camera; column by column
+    pub view: [[f32; 4]; 4],
+    /// from the camera to the clip space of the API; column by column
+    pub projection: [[f32; 4]; 4],
+    /// xyz: direction to the light in the world, of any length; w: unused
+    pub light_direction: [f32; 4],
+    /// xyz: place of the viewer in the world; w: unused
+    pub eye: [f32; 4],
+}
+
+/// Bytes of uniform block `mesh_params`.
+pub const MESH_PARAMS_BYTES: usize = core::mem::size_of::<MeshParams>();
+const _: () = assert!(MESH_PARAMS_BYTES == 224);
+const _: () = assert!(core::mem::offset_of!(MeshParams, model) == 0);
+const _: () = assert!(core::mem::offset_of!(MeshParams, view) == 64);
+const _: () = assert!(core::mem::offset_of!(MeshParams, projection) == 128);
+const _: () = assert!(core::mem::offset_of!(MeshParams, light_direction) == 192);
+const _: () = assert!(core::mem::offset_of!(MeshParams, eye) == 208);
+
 /// Bind group of uniform `params`.
 pub const PARAMS_GROUP: u32 = 0;
 
@@ -46,7 +71,19 @@ pub const DIRECTIONS_GROUP: u32 = 0;
 /// Binding of texture `directions`.
 pub const DIRECTIONS_BINDING: u32 = 3;
 
-/// A table that the shader reads as a texture, at level 0.
+/// Bind group of uniform `mesh_params`.
+pub const MESH_PARAMS_GROUP: u32 = 0;
+
+/// Binding of uniform `mesh_params`.
+pub const MESH_PARAMS_BINDING: u32 = 8;
+
+/// Bind group of texture `orientation_map`.
+pub const ORIENTATION_MAP_GROUP: u32 = 0;
+
+/// Binding of texture `orientation_map`.
+pub const ORIENTATION_MAP_BINDING: u32 = 9;
+
+/// A table that the shader reads as a texture, texel by texel, without a sampler.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Table {
     /// Bind group.
@@ -69,8 +106,6 @@ pub struct Table {
     pub height: u32,
     /// Array layers; 1 for a plain texture.
     pub layers: u32,
-    /// Binding of the sampler that it is read through, linear and clamping to the edge; none: texel by texel.
-    pub sampler: Option<u32>,
 }
 
 /// Table `terms`.
@@ -85,7 +120,6 @@ pub const TERMS_TABLE: Table = Table {
     width: 21,
     height: 5,
     layers: 6,
-    sampler: None,
 };
 
 /// Table `spectrum`.
@@ -100,7 +134,6 @@ pub const SPECTRUM_TABLE: Table = Table {
     width: 41,
     height: 2,
     layers: 1,
-    sampler: None,
 };
 
 /// All tables.

@@ -1,0 +1,162 @@
+//! Twin of `templates/mesh.wgsl`: a mesh's tangent frame and the directions in it.
+
+use glam::{DMat4, DVec2, DVec3, DVec4};
+
+use crate::reference::Directions;
+
+use super::Twin;
+
+/// Below this share of its square a direction is a rounding error.
+const LEAST_SHARE: f64 = 1e-8;
+/// Below this square a vector has no direction.
+const LEAST_SQUARE: f64 = 1e-36;
+
+/// The uniform block `MeshParams`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshParams {
+    /// From the mesh to the world.
+    pub model: DMat4,
+    /// From the world to the camera.
+    pub view: DMat4,
+    /// From the camera to clip space: y up, depth 0 … 1.
+    pub projection: DMat4,
+    /// Direction to the light in the world, of any length.
+    pub light_direction: DVec3,
+    /// Place of the viewer in the world.
+    pub eye: DVec3,
+}
+
+/// What a vertex of a mesh carries.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vertex {
+    /// Place in the mesh.
+    pub position: DVec3,
+    /// Normal, of unit length.
+    pub normal: DVec3,
+    /// Tangent, and in `w` the handedness of its bitangent, ±1 (MikkTSpace).
+    pub tangent: DVec4,
+    /// Texture coordinates; (0, 0) is the first texel's corner.
+    pub uv: DVec2,
+    /// Angle of the orientation field, radians, from the tangent towards the bitangent.
+    pub orientation_angle: f64,
+}
+
+/// What is interpolated over a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshVertex {
+    /// Place in clip space.
+    pub position: DVec4,
+    /// Place in the world.
+    pub place: DVec3,
+    /// Normal in the world.
+    pub normal: DVec3,
+    /// Tangent in the world, turned by the vertex's angle; `w`: handedness.
+    pub tangent: DVec4,
+    /// Texture coordinates.
+    pub uv: DVec2,
+}
+
+/// Angles in radians, `[row][column]`; repeats.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OrientationMap {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// The angles.
+    pub angles: Vec<f32>,
+}
+
+/// The vertex stage.
+pub fn mesh_vert(params: &MeshParams, vertex: &Vertex) -> MeshVertex {
+    let place = params.model * vertex.position.extend(1.0);
+    let upright = unit(world_normal(params, vertex.normal), LEAST_SQUARE);
+    let along =
+        unit((params.model * vertex.tangent.truncate().extend(0.0)).truncate(), LEAST_SQUARE);
+    let flat = unit(along - along.dot(upright) * upright, LEAST_SHARE);
+    let handedness = if vertex.tangent.w * model_volume(params) < 0.0 { -1.0 } else { 1.0 };
+    let across = handedness * upright.cross(flat);
+    let (sin, cos) = vertex.orientation_angle.sin_cos();
+    MeshVertex {
+        position: params.projection * (params.view * place),
+        place: place.truncate(),
+        normal: upright,
+        tangent: (cos * flat + sin * across).extend(handedness),
+        uv: vertex.uv,
+    }
+}
+
+/// The fragment stage, as relative tristimulus values.
+pub fn mesh(
+    twin: &Twin<'_>,
+    params: &MeshParams,
+    map: &OrientationMap,
+    at: &MeshVertex,
+) -> [f64; 3] {
+    let wi = in_frame(map, params.light_direction, at);
+    let wr = in_frame(map, params.eye - at.place, at);
+    if !(wi.z > 0.0 && wr.z > 0.0) {
+        return [0.0; 3];
+    }
+    twin.tristimulus(Directions { wi, wr })
+}
+
+/// A direction of the world in the frame of a fragment, of unit length; zero where there is no frame.
+pub fn in_frame(map: &OrientationMap, direction: DVec3, at: &MeshVertex) -> DVec3 {
+    let upright = unit(at.normal, LEAST_SHARE);
+    let tangent = at.tangent.truncate();
+    let straight = unit(tangent - tangent.dot(upright) * upright, LEAST_SHARE);
+    let across = if at.tangent.w < 0.0 { -1.0 } else { 1.0 } * upright.cross(straight);
+    if across.length_squared() < 0.5 {
+        return DVec3::ZERO;
+    }
+    let turn = orientation(map, at.uv);
+    let along = turn.x * straight + turn.y * across;
+    let beside = turn.x * across - turn.y * straight;
+    let ray = unit(direction, LEAST_SQUARE);
+    unit(DVec3::new(ray.dot(along), ray.dot(beside), ray.dot(upright)), LEAST_SHARE)
+}
+
+/// Cosine and sine of the map's angle.
+fn orientation(map: &OrientationMap, uv: DVec2) -> DVec2 {
+    let size = DVec2::new(map.width as f64, map.height as f64);
+    let place = (uv - uv.floor()) * size - 0.5;
+    let corner = place.floor();
+    let share = place - corner;
+    let turn = |x, y| texel_turn(map, corner + DVec2::new(x, y));
+    let above = turn(0.0, 0.0).lerp(turn(1.0, 0.0), share.x);
+    let below = turn(0.0, 1.0).lerp(turn(1.0, 1.0), share.x);
+    let turn = above.lerp(below, share.y);
+    let squared = turn.length_squared();
+    if squared > LEAST_SHARE { turn / squared.sqrt() } else { DVec2::X }
+}
+
+/// Cosine and sine at a texel of the map, which repeats.
+fn texel_turn(map: &OrientationMap, texel: DVec2) -> DVec2 {
+    let size = DVec2::new(map.width as f64, map.height as f64);
+    let repeated = texel - size * ((texel + 0.5) / size).floor();
+    let [x, y] = repeated.clamp(DVec2::ZERO, size - 1.0).to_array();
+    DVec2::from_angle(f64::from(map.angles[y as usize * map.width + x as usize]))
+}
+
+/// A normal in the world, not of unit length.
+fn world_normal(params: &MeshParams, normal: DVec3) -> DVec3 {
+    let [x, y, z] =
+        [params.model.x_axis, params.model.y_axis, params.model.z_axis].map(DVec4::truncate);
+    let cofactors = normal.x * y.cross(z) + normal.y * z.cross(x) + normal.z * x.cross(y);
+    let volume = model_volume(params);
+    if volume == 0.0 { DVec3::ZERO } else { volume.signum() * cofactors }
+}
+
+/// Volume of the mesh's unit cube in the world, negative where the model matrix mirrors.
+fn model_volume(params: &MeshParams) -> f64 {
+    let [x, y, z] =
+        [params.model.x_axis, params.model.y_axis, params.model.z_axis].map(DVec4::truncate);
+    x.dot(y.cross(z))
+}
+
+/// The vector at unit length; zero where its square is not above `least`, which also holds for what is no number.
+fn unit(vector: DVec3, least: f64) -> DVec3 {
+    let squared = vector.length_squared();
+    if squared > least { vector / squared.sqrt() } else { DVec3::ZERO }
+}
