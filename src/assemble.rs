@@ -1,5 +1,7 @@
 //! A variant on a surface: what its template is told, and the tables it reads.
 
+mod lobes;
+
 use std::collections::BTreeMap;
 
 use crate::diagnostic::Diagnostic;
@@ -49,9 +51,13 @@ pub fn defines(
         ("COEFFICIENT_ROWS", count(tables::coefficient_rows(&resolved.expansion))),
         ("COHERENCE_UM", Constant::F32(optics.coherence_um)),
         ("LAYER_COUNT", count(resolved.layers as usize)),
+        ("LOBE_COLUMNS", count(resolved.corridor.columns as usize)),
+        ("LOBE_ROWS", count(resolved.corridor.rows as usize)),
         ("MAJOR_COUNT", count(resolved.corridor.majors as usize)),
         ("MINOR_COUNT", count(resolved.corridor.minors as usize)),
-        ("PANEL_COUNT", count(resolved.corridor.panels as usize)),
+        ("NODE_BINS", count(resolved.corridor.node_bins as usize)),
+        // one wavelength is one node
+        ("NODE_COUNT", count((resolved.corridor.nodes as usize).min(wavelengths))),
         ("PATCH_HEIGHT_UM", Constant::F32(resolved.patch_um[1])),
         ("PATCH_WIDTH_UM", Constant::F32(resolved.patch_um[0])),
         ("PERIOD_COLUMNS", Constant::F32(f64::from(resolved.periods[0]))),
@@ -132,7 +138,13 @@ fn spectrum(variant: &Variant, resolved: &Resolved, rotate_deg: f64) -> Result<T
             Spectrum::new(&variant.optics.illuminant)?.samples(&variant.wavelengths)
         }
         Mode::Adaptive => {
-            Spectrum::new(&variant.optics.illuminant)?.wavenumber_samples(&variant.wavelengths)
+            let samples = Spectrum::new(&variant.optics.illuminant)?
+                .wavenumber_samples(&variant.wavelengths);
+            if samples.len() == 1 {
+                samples
+            } else {
+                return Ok(lobes::lobes_table(&samples, variant, resolved, rotate_deg));
+            }
         }
     };
     Ok(spectrum_table(&samples, rotate_deg, resolved.scale))

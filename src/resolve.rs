@@ -15,8 +15,8 @@ use crate::plan::{Auto, Coherence, Mode, Packing, TableFormat, Variant};
 use crate::tables::Scale;
 use crate::transform::Bins;
 
-pub use corridor::{Corridor, LEAST_SQUARED, Lobes, REACH_SIGMAS, WHOLE_PANELS};
-pub use cost::{Cost, LOBE_NODES};
+pub use corridor::{BROADEST, Corridor, LEAST_SQUARED, Lobes, OUTER_NODES, REACH_SIGMAS};
+pub use cost::Cost;
 
 /// A variant with every number known. What a mode does not read has a neutral value.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,29 +1,36 @@
 //! The bins that the wavelengths of a direction can reach, for the mode `adaptive`.
 
-use std::f64::consts::SQRT_2;
+use std::f64::consts::{PI, SQRT_2};
 
 use crate::optics;
 use crate::plan::{CoherenceScaling, Variant};
 
 /// Lobes end at this many standard deviations of the window in the frequency plane; `exp(-4²)` of the peak is left.
 pub const REACH_SIGMAS: f64 = 4.0;
-/// Panels that the whole range of wavenumbers is cut into for each 0.4 µm of heights: the intensity of a bin is taken
-/// once in a panel. Its curvature over a panel of width `p` errs by `(2π w H p)²/96` of the amplitude's square, 3e-3.
-const PANELS: u32 = 32;
-/// Whole lobes this many panels wide are not cut: their light is within a quarter of their width.
-pub const WHOLE_PANELS: f64 = 2.5;
-/// Height range that one set of panels serves, µm.
-const PANEL_HEIGHT_UM: f64 = 0.4;
+/// Lobes narrower than the broadest narrow one take their colour from a table; that one is `√2` nodes' distances wide.
+pub const BROADEST: f64 = SQRT_2;
+/// Nodes beyond each end of the range: a node's own lobe is as wide as the nodes are apart, `exp(-9)` is left out.
+pub const OUTER_NODES: u32 = 2;
+/// Greatest distance of the nodes, 1/µm: colours change over 25 nm, 0.08 per µm in the middle of the spectrum.
+const GREATEST_PACE: f64 = 0.06;
+/// Greatest error of an intensity taken once in a lobe of width `s`, of the amplitude's square: `(2π w H s)²/8`, `|w| = 2`.
+const CURVATURE: f64 = 0.02;
 
 /// Static bounds of the loops over bins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Corridor {
-    /// Most columns (or rows) along the segment.
+    /// Bound of the outer loop: columns (or rows) along the segment, or those about all nodes.
     pub majors: u32,
-    /// Most bins across it.
+    /// Bound of the inner loop: bins across it, or across a node.
     pub minors: u32,
-    /// Most panels of a lobe.
-    pub panels: u32,
+    /// Nodes of broad lobes.
+    pub nodes: u32,
+    /// Columns (or rows) about a node.
+    pub node_bins: u32,
+    /// Columns of the table of narrow lobes.
+    pub columns: u32,
+    /// Rows of it.
+    pub rows: u32,
     /// Bins beyond the end of the segment, along x and y.
     pub margin: [u32; 2],
 }
@@ -75,11 +82,18 @@ impl Lobes {
         let reach = self.reach_cpum();
         let longest = self.patch_um[0].max(self.patch_um[1]);
         let count = |cpum: f64| (cpum * longest).floor() as u32 + 2;
-        let sets = (height_um / PANEL_HEIGHT_UM).ceil().clamp(1.0, 64.0) as u32;
+        let nodes = self.nodes(height_um);
+        // a strip of that width has at most one bin more than fits
+        let across = |cpum: f64| (cpum * longest).floor() as u32 + 1;
+        let node_bins = across(2.0 * reach);
         Corridor {
-            majors: count(2.0 * (self.range[1] - self.range[0]) + 2.0 * reach),
-            minors: count(2.0 * SQRT_2 * reach),
-            panels: PANELS * sets,
+            majors: count(2.0 * (self.range[1] - self.range[0]) + 2.0 * reach)
+                .max(nodes * node_bins),
+            minors: across(2.0 * SQRT_2 * reach),
+            nodes,
+            node_bins,
+            columns: if nodes == 1 { 1 } else { 512.max(nodes) },
+            rows: if nodes == 1 { 0 } else { 64 },
             // the strip across a slanting segment is wider than the corridor
             margin: self.patch_um.map(|size_um| (SQRT_2 * reach * size_um).floor() as u32 + 1),
         }
@@ -134,14 +148,68 @@ impl Lobes {
         found
     }
 
-    /// Panels of a lobe: evaluations of its bin.
-    pub fn panels(&self, span: [f64; 2], most: u32) -> u32 {
-        let whole = self.range[1] - self.range[0];
-        let share = if whole > 0.0 { (span[1] - span[0]) / whole } else { 0.0 };
-        let panels = share * f64::from(most);
-        if panels < WHOLE_PANELS { 1 } else { panels.ceil().min(f64::from(most)) as u32 }
+    /// Nodes of broad lobes for a surface of a height range, µm; a single one where there is one wavelength.
+    fn nodes(&self, height_um: f64) -> u32 {
+        let range = self.range[1] - self.range[0];
+        if range <= 0.0 {
+            return 1;
+        }
+        // the greatest phase of an intensity per wavenumber
+        let turn = 4.0 * PI * height_um;
+        let mut pace = ((8.0 * CURVATURE).sqrt() / BROADEST / turn).min(GREATEST_PACE);
+        if self.scales {
+            // lobes are broader by this at the other end
+            pace *= self.range[0] / self.range[1];
+        }
+        ((range / pace).ceil() as u32).min(MOST_NODES) + 1 + 2 * OUTER_NODES
+    }
+
+    /// Bins within reach of a node.
+    pub fn node_bins(&self, uv: [f64; 2], node: u32, nodes: u32) -> u64 {
+        let wavenumber = self.node(node, nodes);
+        let reach = REACH_SIGMAS * self.sigma_at(wavenumber);
+        let bounds = |axis: usize| {
+            let (place, size_um) = (uv[axis] * wavenumber, self.patch_um[axis]);
+            ((place - reach) * size_um).ceil() as i64..=((place + reach) * size_um).floor() as i64
+        };
+        let near = |r: i64, s: i64| {
+            let x = r as f64 / self.patch_um[0] - uv[0] * wavenumber;
+            let y = s as f64 / self.patch_um[1] - uv[1] * wavenumber;
+            x * x + y * y < reach * reach
+        };
+        bounds(1).map(|s| bounds(0).filter(|r| near(*r, s)).count() as u64).sum()
+    }
+
+    /// Wavenumber of a node.
+    pub fn node(&self, node: u32, nodes: u32) -> f64 {
+        if nodes == 1 {
+            return self.range[0];
+        }
+        self.range[0] + (f64::from(node) - f64::from(OUTER_NODES)) * self.pace(nodes)
+    }
+
+    /// Least and greatest middle of a narrow lobe that the table of their colours has, 4 nodes' distances (`REACH_SIGMAS
+    /// / √2` of the broadest) beyond the range.
+    pub fn middles(&self, nodes: u32) -> [f64; 2] {
+        let margin = 4.0 * self.pace(nodes);
+        let [low, high] = self.range;
+        [low - margin, high + margin * self.sigma_at(high) / self.sigma_at(low)]
+    }
+
+    /// Distance of the nodes.
+    pub fn pace(&self, nodes: u32) -> f64 {
+        (self.range[1] - self.range[0]) / f64::from(nodes.max(2 + 2 * OUTER_NODES) - 1 - 2 * OUTER_NODES)
+    }
+
+    /// Width of the lobes of a direction over that of the broadest narrow ones; from 1 on they are broad.
+    pub fn breadth(&self, uv: [f64; 2], nodes: u32) -> f64 {
+        let length = (uv[0] * uv[0] + uv[1] * uv[1]).max(LEAST_SQUARED).sqrt();
+        self.sigma_at(self.range[0]) / (BROADEST * self.pace(nodes) * length)
     }
 }
+
+/// Most nodes, but for those beyond the ends.
+const MOST_NODES: u32 = 1024;
 
 /// Squares of lengths are not taken smaller than this, so that nothing is divided by zero.
 pub const LEAST_SQUARED: f64 = 1e-12;

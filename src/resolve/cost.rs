@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::plan::{Mode, Variant};
 
-use super::{Lobes, Resolved};
+use super::{Corridor, Lobes, Resolved};
 
 /// What one lit pixel costs, whatever the driver. The modes with uniform wavelengths cost the same everywhere;
 /// `adaptive` costs what its direction meets, counted over `mean_and_worst`'s directions.
@@ -24,17 +24,11 @@ pub struct Cost {
     pub table_bytes: u64,
 }
 
-/// Nodes of a panel of a lobe.
-pub const LOBE_NODES: u32 = 8;
-
 /// Counts a variant's work.
 pub(super) fn cost(variant: &Variant, resolved: &Resolved, lobes: &Lobes) -> Cost {
     let layers = u64::from(resolved.layers);
     let nodes = match variant.mode {
         Mode::Gems => 1,
-        Mode::Adaptive if variant.wavelengths.max_nm > variant.wavelengths.min_nm => {
-            crate::spectrum::WAVENUMBER_NODES as u64
-        }
         _ => variant.wavelengths.nodes_nm().len() as u64,
     };
     let shape = crate::tables::terms_shape(
@@ -43,7 +37,13 @@ pub(super) fn cost(variant: &Variant, resolved: &Resolved, lobes: &Lobes) -> Cos
         variant.packing,
         variant.table,
     );
-    let spectrum_bytes = 2 * 4 * 4 * nodes;
+    let spectrum_bytes = match variant.mode {
+        Mode::Adaptive => {
+            let Corridor { columns, rows, .. } = resolved.corridor;
+            4 * 4 * u64::from(columns) * u64::from(rows + 2)
+        }
+        _ => 2 * 4 * 4 * nodes,
+    };
     let rows = crate::tables::coefficient_rows(&resolved.expansion) as u64;
     let coefficient_bytes = rows * resolved.expansion.nodes() as u64 * 4 * 4;
     let table_bytes = shape.byte_count() as u64 + spectrum_bytes + coefficient_bytes;
@@ -64,9 +64,9 @@ pub(super) fn cost(variant: &Variant, resolved: &Resolved, lobes: &Lobes) -> Cos
             Cost { fetches: 1, fetches_mean: 1.0, table_bytes: spectrum_bytes, ..Cost::default() }
         }
         Mode::Adaptive => {
-            let (mean, worst) = mean_and_worst(lobes, resolved.corridor.panels);
-            // two neighbouring texels of the spectrum at each node
-            let fetches = layers + coefficients + 2 * u64::from(LOBE_NODES);
+            let (mean, worst) = mean_and_worst(lobes, &resolved.corridor);
+            // two neighbouring texels of colour weights
+            let fetches = layers + coefficients + 2;
             Cost {
                 evaluations: worst,
                 evaluations_mean: mean,
@@ -81,13 +81,15 @@ pub(super) fn cost(variant: &Variant, resolved: &Resolved, lobes: &Lobes) -> Cos
 
 /// Evaluations of the bins, mean over the disc of viewing directions under a light 20° from the normal in the plane of x,
 /// and the most over that disc and its mirror direction.
-fn mean_and_worst(lobes: &Lobes, panels: u32) -> (f64, u64) {
+fn mean_and_worst(lobes: &Lobes, corridor: &Corridor) -> (f64, u64) {
     const SIDE: i32 = 48;
     /// sin 20°, rounded: configured, so that the counts are the same on every processor.
     const SIN_LIGHT: f64 = 0.342;
     let count = |uv: [f64; 2]| {
-        let panels = lobes.bins(uv).into_iter().map(|(_, span)| lobes.panels(span, panels));
-        panels.map(u64::from).sum::<u64>()
+        if lobes.breadth(uv, corridor.nodes) < 1.0 {
+            return lobes.bins(uv).len() as u64;
+        }
+        (0..corridor.nodes).map(|node| lobes.node_bins(uv, node, corridor.nodes)).sum()
     };
     let (mut sum, mut directions) = (0, 0);
     let mut worst = count([0.0, 0.0]);
