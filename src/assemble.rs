@@ -53,7 +53,7 @@ pub fn defines(
         ("LAYER_COUNT", count(resolved.layers as usize)),
         ("LOBE_COLUMNS", count(resolved.corridor.columns as usize)),
         ("LOBE_ROWS", count(resolved.corridor.rows as usize)),
-        ("MAJOR_COUNT", count(resolved.corridor.majors as usize)),
+        ("CANDIDATE_COUNT", count(resolved.corridor.candidates as usize)),
         ("MINOR_COUNT", count(resolved.corridor.minors as usize)),
         ("NODE_BINS", count(resolved.corridor.node_bins as usize)),
         // one wavelength is one node
@@ -138,8 +138,8 @@ fn spectrum(variant: &Variant, resolved: &Resolved, rotate_deg: f64) -> Result<T
             Spectrum::new(&variant.optics.illuminant)?.samples(&variant.wavelengths)
         }
         Mode::Adaptive => {
-            let samples = Spectrum::new(&variant.optics.illuminant)?
-                .wavenumber_samples(&variant.wavelengths);
+            let samples =
+                Spectrum::new(&variant.optics.illuminant)?.wavenumber_samples(&variant.wavelengths);
             if samples.len() == 1 {
                 samples
             } else {

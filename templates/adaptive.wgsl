@@ -15,6 +15,10 @@
 
 // Lobes end at this many standard deviations of the window's spectrum.
 const REACH_SIGMAS: f32 = 4.0;
+#ifndef MONOCHROMATIC
+// The broadest lobe whose bin is evaluated once, in distances of the nodes.
+const BROADEST: f32 = 3.0;
+#endif
 
 // Relative tristimulus values for one pair of directions.
 fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
@@ -26,7 +30,7 @@ fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
 }
 
 // The sum over the bins of a strip along the segment: columns one by one and the few rows across, or the other way where
-// the segment is steep. Where lobes are broad, the bins about each node instead.
+// the segment is steep. Where lobes are broad, over the bins about each node instead.
 fn corridor(path: vec3f) -> vec3f {
     let steep = abs(path.y) > abs(path.x);
     let patch_um = vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM);
@@ -39,39 +43,49 @@ fn corridor(path: vec3f) -> vec3f {
     let ends = uv.x * range;
     let first = ceil((min(ends.x, ends.y) - reach) * size_um.x);
     let last = floor((max(ends.x, ends.y) + reach) * size_um.x);
-    // the broadest lobe over this one: rows of the table
     let breadth = lobe_breadth(sqrt(squared), range);
     let broad = breadth >= 1.0;
-    let count = select(last - first + 1.0, f32(NODE_COUNT * NODE_BINS), broad);
+    let count = select(i32(last - first) + 1, NODE_COUNT * NODE_BINS, broad) * MINOR_COUNT;
     let half_width = select(reach * sqrt(1.0 + slope * slope), reach, broad);
+    let pace = select(0.0, node_pace(range), broad);
     var xyz = vec3f(0.0);
-    for (var i = 0; i < MAJOR_COUNT; i++) {
-        if (f32(i) >= count) {
-            break;
-        }
-        let node = i / NODE_BINS;
-        let fixed = node_wavenumber(node, range);
-        let corner = ceil((fixed * uv.x - reach) * size_um.x) + f32(i - node * NODE_BINS);
-        let major = select(first + f32(i), corner, broad);
-        let centre = select(slope * major / size_um.x, fixed * uv.y, broad);
-        let lowest = ceil((centre - half_width) * size_um.y);
-        let highest = floor((centre + half_width) * size_um.y);
-        for (var j = 0; j < MINOR_COUNT; j++) {
-            let minor = lowest + f32(j);
-            if (minor > highest) {
+    var index = 0;
+    for (var hit = 0; hit < CANDIDATE_COUNT; hit++) {
+        // the next bin within reach is sought first, so that pixels side by side evaluate theirs together
+        var node = 0;
+        var bin = vec2f(0.0);
+        var wavenumber = 0.0;
+        var exponent = REACH_SIGMAS * REACH_SIGMAS;
+        for (var tried = 0; tried < CANDIDATE_COUNT; tried++) {
+            if (index >= count) {
                 break;
             }
-            let place = vec2f(major, minor) / size_um;
-            let wavenumber = select(lobe_centre(place, uv, squared), fixed, broad);
-            let share = window_share(wavenumber * uv - place, uv, wavenumber, broad, range);
-            if (share > 0.0) {
-                let light = lobe_light(wavenumber, node, breadth, range);
-                let bin = select(vec2f(major, minor), vec2f(minor, major), steep);
-                let amplitude = bin_amplitude(vec2i(bin), series_argument(path.z, light.w));
-                xyz += share * dot(amplitude, amplitude) * light.xyz;
+            let line = index / MINOR_COUNT;
+            node = line / NODE_BINS;
+            let fixed = node_wavenumber(node, range);
+            let corner = ceil((fixed * uv.x - reach) * size_um.x) + f32(line - node * NODE_BINS);
+            let major = select(first + f32(line), corner, broad);
+            let centre = select(slope * major, fixed * uv.y * size_um.x, broad) / size_um.x;
+            let lowest = ceil((centre - half_width) * size_um.y);
+            bin = vec2f(major, lowest + f32(index - line * MINOR_COUNT));
+            let place = bin / size_um;
+            wavenumber = select(lobe_centre(place, uv, squared), fixed, broad);
+            exponent = window_exponent(wavenumber * uv - place, uv, window_width(wavenumber), pace);
+            index++;
+            if (exponent < REACH_SIGMAS * REACH_SIGMAS) {
+                break;
             }
         }
+        if (exponent >= REACH_SIGMAS * REACH_SIGMAS) {
+            break;
+        }
+        let share = window_share(exponent, squared, window_width(wavenumber), pace);
+        let light = lobe_light(wavenumber, node, breadth, range);
+        let argument = series_argument(path.z, light.w);
+        let amplitude = bin_amplitude(vec2i(select(bin, bin.yx, steep)), argument);
+        xyz += share * dot(amplitude, amplitude) * light.xyz;
     }
+    // narrow lobes are stored over their width
     let scale = select(window_width(1.0) / sqrt(squared), 1.0, broad);
 #ifdef HALF
     return scale * series_scale() * series_scale() * xyz;
@@ -85,7 +99,7 @@ fn lobe_breadth(length: f32, range: vec2f) -> f32 {
 #ifdef MONOCHROMATIC
     return 1.0;
 #else
-    return window_width(range.x) / (1.4142136 * node_pace(range) * length);
+    return window_width(range.x) / (BROADEST * node_pace(range) * length);
 #endif
 }
 
@@ -107,7 +121,7 @@ fn lobe_light(wavenumber: f32, node: i32, breadth: f32, range: vec2f) -> vec4f {
     if (breadth >= 1.0) {
         return textureLoad(spectrum, vec2i(node, 0), 0);
     }
-    let margin = 4.0 * node_pace(range);
+    let margin = 0.70710678 * REACH_SIGMAS * BROADEST * node_pace(range);
     let low = range.x - margin;
     let high = range.y + margin * window_width(range.y) / window_width(range.x);
     let column = clamp((wavenumber - low) / (high - low), 0.0, 1.0) * f32(LOBE_COLUMNS - 1);
@@ -119,12 +133,14 @@ fn lobe_light(wavenumber: f32, node: i32, breadth: f32, range: vec2f) -> vec4f {
 #endif
 }
 
-#ifndef MONOCHROMATIC
-// Distance of the nodes, two of them beyond each end of the range.
+// Distance of the nodes, two of which lie beyond each end of the range.
 fn node_pace(range: vec2f) -> f32 {
+#ifdef MONOCHROMATIC
+    return 0.0;
+#else
     return (range.y - range.x) / f32(NODE_COUNT - 5);
-}
 #endif
+}
 
 // Wavenumber of a node.
 fn node_wavenumber(node: i32, range: vec2f) -> f32 {
@@ -135,20 +151,17 @@ fn node_wavenumber(node: i32, range: vec2f) -> f32 {
 #endif
 }
 
-// Share of a bin's intensity that the window lets through at an offset from f, where the lobe is broad within the narrower
-// one of a node: a Gaussian is a sum of narrower ones, weighted by what it is narrower than.
-fn window_share(offset: vec2f, uv: vec2f, wavenumber: f32, broad: bool, range: vec2f) -> f32 {
-    let width = window_width(wavenumber);
-    let exponent = dot(offset, offset) / (width * width);
-#ifdef MONOCHROMATIC
-    return select(0.0, exp(-exponent), exponent < REACH_SIGMAS * REACH_SIGMAS);
-#else
-    let pace = select(0.0, node_pace(range), broad);
+// Minus the logarithm of the share of a bin's intensity that the window lets through at an offset from f; where lobes are
+// broad, `pace` above 0, within the lobe of a node: a Gaussian is a sum of narrower ones under one that is narrower too.
+fn window_exponent(offset: vec2f, uv: vec2f, width: f32, pace: f32) -> f32 {
+    let along = pace * dot(offset, uv);
     let rest = width * width - pace * pace * dot(uv, uv);
-    let along = dot(offset, uv) * pace;
-    let whole = exponent + along * along / (rest * width * width);
-    return select(0.0, width * inverseSqrt(rest) * exp(-whole), whole < REACH_SIGMAS * REACH_SIGMAS);
-#endif
+    return (dot(offset, offset) + along * along / rest) / (width * width);
+}
+
+// The share itself.
+fn window_share(exponent: f32, squared: f32, width: f32, pace: f32) -> f32 {
+    return width * inverseSqrt(width * width - pace * pace * squared) * exp(-exponent);
 }
 
 // Standard deviation of the window's spectrum, cycles per µm.

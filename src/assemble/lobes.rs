@@ -24,13 +24,11 @@ pub fn lobes_table(
     let weights = Weights { samples, lobes: &lobes };
     let pace = lobes.pace(corridor.nodes);
     let broad = |node: u32| {
-        let bell = |t: f64, other: u32| {
-            (-((t - lobes.node(other, corridor.nodes)) / pace).powi(2)).exp()
-        };
+        let bell =
+            |t: f64, other: u32| (-((t - lobes.node(other, corridor.nodes)) / pace).powi(2)).exp();
         // together the nodes weigh every wavenumber once
-        let kernel = |t: f64| {
-            bell(t, node) / (0..corridor.nodes).map(|other| bell(t, other)).sum::<f64>()
-        };
+        let kernel =
+            |t: f64| bell(t, node) / (0..corridor.nodes).map(|other| bell(t, other)).sum::<f64>();
         let middle = lobes.node(node, corridor.nodes);
         let reach = REACH_SIGMAS * pace;
         weights.integral([middle - reach, middle + reach], kernel)
@@ -58,7 +56,8 @@ impl Weights<'_> {
     fn narrow(&self, middle: f64, width: f64) -> [f64; 4] {
         let Lobes { range: [low, high], scales, .. } = *self.lobes;
         if width == 0.0 {
-            let [x, y, z] = self.at(middle).map(|c| c * PI.sqrt() * if scales { middle } else { 1.0 });
+            let [x, y, z] =
+                self.at(middle).map(|c| c * PI.sqrt() * if scales { middle } else { 1.0 });
             return [x, y, z, 1.0 / middle.clamp(low, high)];
         }
         let reach = REACH_SIGMAS / SQRT_2;

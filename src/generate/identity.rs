@@ -54,7 +54,8 @@ fn terms_id(surface_hash: &str, variant: &Variant) -> String {
     let radius = match (variant.mode, variant.window_radius) {
         (Mode::Adaptive, _) => {
             let optics = &variant.optics;
-            json!(["adaptive", optics.coherence_um, optics.coherence_scaling])
+            let max_nm = variant.wavelengths.max_nm;
+            json!(["adaptive", optics.coherence_um, optics.coherence_scaling, max_nm])
         }
         (_, Auto::Value(radius)) => json!(radius),
         (Mode::Pq, Auto::Auto) => json!(["pq", variant.periods, variant.optics.coherence_um]),
@@ -96,8 +97,19 @@ fn spectrum_id(spec: &SurfaceSpec, surface_hash: &str, variant: &Variant) -> Str
     let Wavelengths { min_nm, max_nm, .. } = variant.wavelengths;
     let mut inputs = match variant.mode {
         Mode::Full | Mode::Pq => json!([TOOL_VERSION, illuminant, variant.wavelengths, rotate_deg]),
+        // the height range decides about the lobes, the coherence length about the patch only
         Mode::Adaptive => {
-            json!([TOOL_VERSION, "adaptive", illuminant, min_nm, max_nm, rotate_deg])
+            let scaling = variant.optics.coherence_scaling;
+            json!([
+                TOOL_VERSION,
+                "lobes",
+                illuminant,
+                min_nm,
+                max_nm,
+                rotate_deg,
+                surface_hash,
+                scaling
+            ])
         }
         Mode::Gems => json!([TOOL_VERSION, "gems", surface_hash]),
     };

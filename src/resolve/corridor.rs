@@ -7,21 +7,31 @@ use crate::plan::{CoherenceScaling, Variant};
 
 /// Lobes end at this many standard deviations of the window in the frequency plane; `exp(-4²)` of the peak is left.
 pub const REACH_SIGMAS: f64 = 4.0;
-/// Lobes narrower than the broadest narrow one take their colour from a table; that one is `√2` nodes' distances wide.
-pub const BROADEST: f64 = SQRT_2;
-/// Nodes beyond each end of the range: a node's own lobe is as wide as the nodes are apart, `exp(-9)` is left out.
+/// The broadest lobe whose bin is evaluated once, in distances of the nodes that broader ones are taken at.
+pub const BROADEST: f64 = 3.0;
+/// Nodes beyond each end of the range: the lobe of a node is as wide as the nodes are apart, `exp(-9)` is left out.
 pub const OUTER_NODES: u32 = 2;
-/// Greatest distance of the nodes, 1/µm: colours change over 25 nm, 0.08 per µm in the middle of the spectrum.
-const GREATEST_PACE: f64 = 0.06;
+/// Colour weights change by their own size over this wavenumber at the fastest, 1/µm: 15 nm in the middle of the spectrum.
+const FASTEST_CHANGE: f64 = 0.05;
+/// Greatest width of a lobe whose bin is evaluated once, 1/µm, however flat the surface: colours differ within it.
+const GREATEST_WIDTH: f64 = 0.09;
 /// Greatest error of an intensity taken once in a lobe of width `s`, of the amplitude's square: `(2π w H s)²/8`, `|w| = 2`.
 const CURVATURE: f64 = 0.02;
+/// Greatest error of the colours of a lobe between two columns of their table, linear.
+const COLUMN_ERROR: f64 = 1e-3;
+/// Greatest error of the colours of a lobe by the nearest row, where colours change fastest.
+const ROW_ERROR: f64 = 2e-2;
+/// Most columns and rows: a texture that every profile allows.
+const MOST_TEXELS: f64 = 2048.0;
+/// Most nodes, but for those beyond the ends.
+const MOST_NODES: u32 = 1024;
 
 /// Static bounds of the loops over bins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Corridor {
-    /// Bound of the outer loop: columns (or rows) along the segment, or those about all nodes.
-    pub majors: u32,
-    /// Bound of the inner loop: bins across it, or across a node.
+    /// Most bins that are looked at: all of a strip along the segment, or about all nodes.
+    pub candidates: u32,
+    /// Bins across the strip, or across a node.
     pub minors: u32,
     /// Nodes of broad lobes.
     pub nodes: u32,
@@ -81,22 +91,39 @@ impl Lobes {
     pub fn corridor(&self, height_um: f64) -> Corridor {
         let reach = self.reach_cpum();
         let longest = self.patch_um[0].max(self.patch_um[1]);
-        let count = |cpum: f64| (cpum * longest).floor() as u32 + 2;
-        let nodes = self.nodes(height_um);
-        // a strip of that width has at most one bin more than fits
+        // an interval of that length holds at most one bin more than fits
         let across = |cpum: f64| (cpum * longest).floor() as u32 + 1;
+        let nodes = self.nodes(height_um);
+        let (majors, minors) = (
+            across(2.0 * (self.range[1] - self.range[0]) + 2.0 * reach) + 1,
+            across(2.0 * SQRT_2 * reach),
+        );
         let node_bins = across(2.0 * reach);
+        // the strip across a slanting segment is wider than the corridor; nodes beyond the range lie where lobes are broad
+        let outer = f64::from(OUTER_NODES) * (2.0 * self.pace(nodes)).min(reach);
+        let margin = |size_um: f64| ((SQRT_2 * reach + outer) * size_um).floor() as u32 + 1;
+        let [columns, rows] = if nodes == 1 { [1, 0] } else { self.resolution(nodes) };
         Corridor {
-            majors: count(2.0 * (self.range[1] - self.range[0]) + 2.0 * reach)
-                .max(nodes * node_bins),
-            minors: across(2.0 * SQRT_2 * reach),
+            candidates: minors * majors.max(nodes * node_bins),
+            minors,
             nodes,
             node_bins,
-            columns: if nodes == 1 { 1 } else { 512.max(nodes) },
-            rows: if nodes == 1 { 0 } else { 64 },
-            // the strip across a slanting segment is wider than the corridor
-            margin: self.patch_um.map(|size_um| (SQRT_2 * reach * size_um).floor() as u32 + 1),
+            columns,
+            rows,
+            margin: self.patch_um.map(margin),
         }
+    }
+
+    /// Columns and rows of the table of narrow lobes: linear between columns errs by `δ²/8` of the second derivative, the
+    /// nearest row by `s δs/2` of it.
+    fn resolution(&self, nodes: u32) -> [u32; 2] {
+        let [low, high] = self.middles(nodes);
+        let columns = (high - low) / (FASTEST_CHANGE * (8.0 * COLUMN_ERROR).sqrt());
+        let width = BROADEST * self.pace(nodes) * self.sigma_at(self.range[1])
+            / self.sigma_at(self.range[0]);
+        let rows = (width / FASTEST_CHANGE).powi(2) / (4.0 * ROW_ERROR);
+        let count = |most: f64| most.ceil().clamp(8.0, MOST_TEXELS - 3.0) as u32 + 1;
+        [count(columns).max(nodes), count(rows)]
     }
 
     /// Wavenumbers over which the lobe of a frequency is crossed by `f = uv·t`, within the range; none when the first is
@@ -156,11 +183,9 @@ impl Lobes {
         }
         // the greatest phase of an intensity per wavenumber
         let turn = 4.0 * PI * height_um;
-        let mut pace = ((8.0 * CURVATURE).sqrt() / BROADEST / turn).min(GREATEST_PACE);
-        if self.scales {
-            // lobes are broader by this at the other end
-            pace *= self.range[0] / self.range[1];
-        }
+        let width = ((8.0 * CURVATURE).sqrt() / turn).min(GREATEST_WIDTH);
+        // of a window that follows the wavelength, lobes are broader at the other end
+        let pace = width / BROADEST * self.sigma_at(self.range[0]) / self.sigma_at(self.range[1]);
         ((range / pace).ceil() as u32).min(MOST_NODES) + 1 + 2 * OUTER_NODES
     }
 
@@ -188,17 +213,18 @@ impl Lobes {
         self.range[0] + (f64::from(node) - f64::from(OUTER_NODES)) * self.pace(nodes)
     }
 
-    /// Least and greatest middle of a narrow lobe that the table of their colours has, 4 nodes' distances (`REACH_SIGMAS
-    /// / √2` of the broadest) beyond the range.
+    /// Least and greatest middle of a narrow lobe that the table of their colours has: the range, and how far the broadest
+    /// reaches.
     pub fn middles(&self, nodes: u32) -> [f64; 2] {
-        let margin = 4.0 * self.pace(nodes);
+        let margin = REACH_SIGMAS / SQRT_2 * BROADEST * self.pace(nodes);
         let [low, high] = self.range;
         [low - margin, high + margin * self.sigma_at(high) / self.sigma_at(low)]
     }
 
     /// Distance of the nodes.
     pub fn pace(&self, nodes: u32) -> f64 {
-        (self.range[1] - self.range[0]) / f64::from(nodes.max(2 + 2 * OUTER_NODES) - 1 - 2 * OUTER_NODES)
+        (self.range[1] - self.range[0])
+            / f64::from(nodes.max(2 + 2 * OUTER_NODES) - 1 - 2 * OUTER_NODES)
     }
 
     /// Width of the lobes of a direction over that of the broadest narrow ones; from 1 on they are broad.
@@ -207,9 +233,6 @@ impl Lobes {
         self.sigma_at(self.range[0]) / (BROADEST * self.pace(nodes) * length)
     }
 }
-
-/// Most nodes, but for those beyond the ends.
-const MOST_NODES: u32 = 1024;
 
 /// Squares of lengths are not taken smaller than this, so that nothing is divided by zero.
 pub const LEAST_SQUARED: f64 = 1e-12;

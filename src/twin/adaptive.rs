@@ -4,6 +4,8 @@
 //! for an ensemble; for a single coherence patch as far as lobes of different bins do not overlap. `|c_b|²` is taken once
 //! in a narrow lobe, at its mean wavenumber.
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use glam::{DVec2, DVec3};
 
 use crate::optics::{gain, path_difference};
@@ -41,36 +43,32 @@ pub fn corridor(twin: &Twin<'_>, path: DVec3) -> DVec3 {
     let broad = breadth >= 1.0;
     let node_bins = twin.resolved.corridor.node_bins;
     let nodes = if twin.is_monochromatic() { 1 } else { twin.resolved.corridor.nodes };
-    let count = if broad { f64::from(nodes * node_bins) } else { last - first + 1.0 };
+    let minors = twin.resolved.corridor.minors;
+    let count =
+        if broad { nodes * node_bins } else { (last - first).max(-1.0) as u32 + 1 } * minors;
     let half_width = if broad { reach } else { reach * (1.0 + slope * slope).sqrt() };
+    let pace = if broad { node_pace(twin, range) } else { 0.0 };
     let mut xyz = DVec3::ZERO;
-    for i in 0..twin.resolved.corridor.majors {
-        if f64::from(i) >= count {
-            break;
-        }
-        let node = i / node_bins;
+    for index in 0..count.min(twin.resolved.corridor.candidates) {
+        let line = index / minors;
+        let node = line / node_bins;
         let fixed = node_wavenumber(twin, node, range);
-        let corner = ((fixed * uv.x - reach) * size_um.x).ceil() + f64::from(i - node * node_bins);
-        let major = if broad { corner } else { first + f64::from(i) };
+        let corner =
+            ((fixed * uv.x - reach) * size_um.x).ceil() + f64::from(line - node * node_bins);
+        let major = if broad { corner } else { first + f64::from(line) };
         let centre = if broad { fixed * uv.y } else { slope * major / size_um.x };
         let lowest = ((centre - half_width) * size_um.y).ceil();
-        let highest = ((centre + half_width) * size_um.y).floor();
-        for j in 0..twin.resolved.corridor.minors {
-            let minor = lowest + f64::from(j);
-            if minor > highest {
-                break;
-            }
-            let place = DVec2::new(major, minor) / size_um;
-            let wavenumber = if broad { fixed } else { lobe_centre(twin, place, uv, squared) };
-            let share =
-                window_share(twin, wavenumber * uv - place, uv, wavenumber, broad.then_some(range));
-            if share > 0.0 {
-                let light = lobe_light(twin, wavenumber, node, breadth, range);
-                let bin = turn(DVec2::new(major, minor));
-                let argument = series_argument(twin, path.z, light[3]);
-                let amplitude = bin_amplitude(twin, bin, argument);
-                xyz += share * amplitude.norm_sqr() * DVec3::new(light[0], light[1], light[2]);
-            }
+        let bin = DVec2::new(major, lowest + f64::from(index - line * minors));
+        let place = bin / size_um;
+        let wavenumber = if broad { fixed } else { lobe_centre(twin, place, uv, squared) };
+        let width = window_width(twin, wavenumber);
+        let exponent = window_exponent(wavenumber * uv - place, uv, width, pace);
+        if exponent < REACH_SIGMAS * REACH_SIGMAS {
+            let share = window_share(exponent, squared, width, pace);
+            let light = lobe_light(twin, wavenumber, node, breadth, range);
+            let argument = series_argument(twin, path.z, light[3]);
+            let amplitude = bin_amplitude(twin, turn(bin), argument);
+            xyz += share * amplitude.norm_sqr() * DVec3::new(light[0], light[1], light[2]);
         }
     }
     let scale = if broad { 1.0 } else { window_width(twin, 1.0) / squared.sqrt() };
@@ -95,18 +93,12 @@ fn lobe_centre(twin: &Twin<'_>, place: DVec2, uv: DVec2, squared: f64) -> f64 {
 }
 
 /// X, Y, Z of a lobe and the wavelength at which its bin counts.
-fn lobe_light(
-    twin: &Twin<'_>,
-    wavenumber: f64,
-    node: u32,
-    breadth: f64,
-    range: DVec2,
-) -> [f64; 4] {
+fn lobe_light(twin: &Twin<'_>, wavenumber: f64, node: u32, breadth: f64, range: DVec2) -> [f64; 4] {
     if breadth >= 1.0 {
         return twin.spectrum.load(i64::from(node), 0, 0);
     }
     let (columns, rows) = (twin.resolved.corridor.columns, twin.resolved.corridor.rows);
-    let margin = 4.0 * node_pace(twin, range);
+    let margin = FRAC_1_SQRT_2 * REACH_SIGMAS * BROADEST * node_pace(twin, range);
     let low = range.x - margin;
     let high = range.y + margin * window_width(twin, range.y) / window_width(twin, range.x);
     let column = ((wavenumber - low) / (high - low)).clamp(0.0, 1.0) * f64::from(columns - 1);
@@ -120,6 +112,9 @@ fn lobe_light(
 
 /// Distance of the nodes.
 fn node_pace(twin: &Twin<'_>, range: DVec2) -> f64 {
+    if twin.is_monochromatic() {
+        return 0.0;
+    }
     (range.y - range.x) / (f64::from(twin.resolved.corridor.nodes) - 5.0)
 }
 
@@ -131,25 +126,17 @@ fn node_wavenumber(twin: &Twin<'_>, node: u32, range: DVec2) -> f64 {
     range.x + (f64::from(node) - f64::from(OUTER_NODES)) * node_pace(twin, range)
 }
 
-/// Share of a bin's intensity that the window lets through at an offset from f; where the lobe is broad, `broad` the range,
-/// within the narrower one of a node.
-fn window_share(
-    twin: &Twin<'_>,
-    offset: DVec2,
-    uv: DVec2,
-    wavenumber: f64,
-    broad: Option<DVec2>,
-) -> f64 {
-    let width = window_width(twin, wavenumber);
-    let pace = match broad {
-        Some(range) if !twin.is_monochromatic() => node_pace(twin, range),
-        _ => 0.0,
-    };
+/// Minus the logarithm of the share of a bin's intensity that the window lets through at an offset from f, where lobes
+/// are broad within the lobe of a node.
+fn window_exponent(offset: DVec2, uv: DVec2, width: f64, pace: f64) -> f64 {
+    let along = pace * offset.dot(uv);
     let rest = width * width - pace * pace * uv.length_squared();
-    let along = offset.dot(uv) * pace;
-    let whole =
-        offset.length_squared() / (width * width) + along * along / (rest * width * width);
-    if whole < REACH_SIGMAS * REACH_SIGMAS { width / rest.sqrt() * (-whole).exp() } else { 0.0 }
+    (offset.length_squared() + along * along / rest) / (width * width)
+}
+
+/// The share itself.
+fn window_share(exponent: f64, squared: f64, width: f64, pace: f64) -> f64 {
+    width / (width * width - pace * pace * squared).sqrt() * (-exponent).exp()
 }
 
 /// Standard deviation of the window's spectrum, cycles per µm.
