@@ -40,14 +40,21 @@ fn corridor(path: vec3f) -> vec3f {
     let reach = REACH_SIGMAS * window_width(range.y);
     let squared = max(dot(uv, uv), 1e-12);
     let slope = uv.y / select(uv.x, 1.0, uv.x == 0.0);
+    // bins are apart by this
+    let pitch = 1.0 / size_um;
     let ends = uv.x * range;
     let first = ceil((min(ends.x, ends.y) - reach) * size_um.x);
     let last = floor((max(ends.x, ends.y) + reach) * size_um.x);
     let breadth = lobe_breadth(sqrt(squared), range);
     let broad = breadth >= 1.0;
     let count = select(i32(last - first) + 1, NODE_COUNT * NODE_BINS, broad) * MINOR_COUNT;
-    let half_width = select(reach * sqrt(1.0 + slope * slope), reach, broad);
+    let half_width = select(reach * sqrt(1.0 + slope * slope), reach, broad) * size_um.y;
+    let slant = slope * pitch.x * size_um.y;
     let pace = select(0.0, node_pace(range), broad);
+    let nearness = 1.0 / squared;
+#ifndef COHERENCE_SCALES
+    let sharpness = lobe_sharpness(window_width(range.x), squared, pace);
+#endif
     var xyz = vec3f(0.0);
     var index = 0;
     for (var hit = 0; hit < CANDIDATE_COUNT; hit++) {
@@ -65,12 +72,15 @@ fn corridor(path: vec3f) -> vec3f {
             let fixed = node_wavenumber(node, range);
             let corner = ceil((fixed * uv.x - reach) * size_um.x) + f32(line - node * NODE_BINS);
             let major = select(first + f32(line), corner, broad);
-            let centre = select(slope * major, fixed * uv.y * size_um.x, broad) / size_um.x;
-            let lowest = ceil((centre - half_width) * size_um.y);
+            let centre = select(slant * major, fixed * uv.y * size_um.y, broad);
+            let lowest = ceil(centre - half_width);
             bin = vec2f(major, lowest + f32(index - line * MINOR_COUNT));
-            let place = bin / size_um;
-            wavenumber = select(lobe_centre(place, uv, squared), fixed, broad);
-            exponent = window_exponent(wavenumber * uv - place, uv, window_width(wavenumber), pace);
+            let place = bin * pitch;
+            wavenumber = select(lobe_centre(place, uv, nearness), fixed, broad);
+#ifdef COHERENCE_SCALES
+            let sharpness = lobe_sharpness(window_width(wavenumber), squared, pace);
+#endif
+            exponent = window_exponent(wavenumber * uv - place, uv, sharpness);
             index++;
             if (exponent < REACH_SIGMAS * REACH_SIGMAS) {
                 break;
@@ -104,12 +114,12 @@ fn lobe_breadth(length: f32, range: vec2f) -> f32 {
 }
 
 // Wavenumber at which the segment passes a bin.
-fn lobe_centre(place: vec2f, uv: vec2f, squared: f32) -> f32 {
+fn lobe_centre(place: vec2f, uv: vec2f, nearness: f32) -> f32 {
 #ifdef COHERENCE_SCALES
     // where the distance is least over the window's width
     return dot(place, place) / max(dot(uv, place), 1e-12);
 #else
-    return dot(uv, place) / squared;
+    return dot(uv, place) * nearness;
 #endif
 }
 
@@ -151,12 +161,17 @@ fn node_wavenumber(node: i32, range: vec2f) -> f32 {
 #endif
 }
 
-// Minus the logarithm of the share of a bin's intensity that the window lets through at an offset from f; where lobes are
-// broad, `pace` above 0, within the lobe of a node: a Gaussian is a sum of narrower ones under one that is narrower too.
-fn window_exponent(offset: vec2f, uv: vec2f, width: f32, pace: f32) -> f32 {
-    let along = pace * dot(offset, uv);
-    let rest = width * width - pace * pace * dot(uv, uv);
-    return (dot(offset, offset) + along * along / rest) / (width * width);
+// Factors of the exponent: 1/σf², and what is added along the segment where lobes are broad, `pace` above 0. There a
+// Gaussian is a sum of narrower ones, those of the nodes, under one that is narrower too.
+fn lobe_sharpness(width: f32, squared: f32, pace: f32) -> vec2f {
+    let rest = width * width - pace * pace * squared;
+    return vec2f(1.0, pace * pace / rest) / (width * width);
+}
+
+// Minus the logarithm of the share of a bin's intensity that the window lets through at an offset from f.
+fn window_exponent(offset: vec2f, uv: vec2f, sharpness: vec2f) -> f32 {
+    let along = dot(offset, uv);
+    return sharpness.x * dot(offset, offset) + sharpness.y * along * along;
 }
 
 // The share itself.

@@ -18,7 +18,6 @@
 #endif
 #ifdef MODE_ADAPTIVE
 #import series
-#import window
 #import adaptive
 #endif
 #ifdef MODE_GEMS

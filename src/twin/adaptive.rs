@@ -62,7 +62,8 @@ pub fn corridor(twin: &Twin<'_>, path: DVec3) -> DVec3 {
         let place = bin / size_um;
         let wavenumber = if broad { fixed } else { lobe_centre(twin, place, uv, squared) };
         let width = window_width(twin, wavenumber);
-        let exponent = window_exponent(wavenumber * uv - place, uv, width, pace);
+        let sharpness = lobe_sharpness(width, squared, pace);
+        let exponent = window_exponent(wavenumber * uv - place, uv, sharpness);
         if exponent < REACH_SIGMAS * REACH_SIGMAS {
             let share = window_share(exponent, squared, width, pace);
             let light = lobe_light(twin, wavenumber, node, breadth, range);
@@ -126,12 +127,15 @@ fn node_wavenumber(twin: &Twin<'_>, node: u32, range: DVec2) -> f64 {
     range.x + (f64::from(node) - f64::from(OUTER_NODES)) * node_pace(twin, range)
 }
 
-/// Minus the logarithm of the share of a bin's intensity that the window lets through at an offset from f, where lobes
-/// are broad within the lobe of a node.
-fn window_exponent(offset: DVec2, uv: DVec2, width: f64, pace: f64) -> f64 {
-    let along = pace * offset.dot(uv);
-    let rest = width * width - pace * pace * uv.length_squared();
-    (offset.length_squared() + along * along / rest) / (width * width)
+/// Factors of the exponent: `1/σf²`, and what is added along the segment within the lobe of a node.
+fn lobe_sharpness(width: f64, squared: f64, pace: f64) -> DVec2 {
+    let rest = width * width - pace * pace * squared;
+    DVec2::new(1.0, pace * pace / rest) / (width * width)
+}
+
+/// Minus the logarithm of the share of a bin's intensity that the window lets through at an offset from f.
+fn window_exponent(offset: DVec2, uv: DVec2, sharpness: DVec2) -> f64 {
+    sharpness.x * offset.length_squared() + sharpness.y * offset.dot(uv).powi(2)
 }
 
 /// The share itself.
