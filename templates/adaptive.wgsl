@@ -17,7 +17,7 @@
 const REACH_SIGMAS: f32 = 4.0;
 #ifndef MONOCHROMATIC
 // The broadest lobe whose bin is evaluated once, in distances of the nodes.
-const BROADEST: f32 = 3.0;
+const BROADEST: f32 = 2.0;
 #endif
 
 // Relative tristimulus values for one pair of directions.

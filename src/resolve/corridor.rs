@@ -8,15 +8,15 @@ use crate::plan::{CoherenceScaling, Variant};
 /// Lobes end at this many standard deviations of the window in the frequency plane; `exp(-4²)` of the peak is left.
 pub const REACH_SIGMAS: f64 = 4.0;
 /// The broadest lobe whose bin is evaluated once, in distances of the nodes that broader ones are taken at.
-pub const BROADEST: f64 = 3.0;
+pub const BROADEST: f64 = 2.0;
 /// Nodes beyond each end of the range: the lobe of a node is as wide as the nodes are apart, `exp(-9)` is left out.
 pub const OUTER_NODES: u32 = 2;
 /// Colour weights change by their own size over this wavenumber at the fastest, 1/µm: 15 nm in the middle of the spectrum.
 const FASTEST_CHANGE: f64 = 0.05;
 /// Greatest width of a lobe whose bin is evaluated once, 1/µm, however flat the surface: colours differ within it.
-const GREATEST_WIDTH: f64 = 0.09;
+const GREATEST_WIDTH: f64 = 0.05;
 /// Greatest error of an intensity taken once in a lobe of width `s`, of the amplitude's square: `(2π w H s)²/8`, `|w| = 2`.
-const CURVATURE: f64 = 0.02;
+const CURVATURE: f64 = 0.008;
 /// Greatest error of the colours of a lobe between two columns of their table, linear.
 const COLUMN_ERROR: f64 = 1e-3;
 /// Greatest error of the colours of a lobe by the nearest row, where colours change fastest.
