@@ -261,7 +261,7 @@ pub fn grating_table([x_um, y_um]: [f64; 2], rotate_deg: f64) -> Table {
 }
 
 /// The spectrum table of `adaptive`: row 0 one texel per node, X, Y, Z of the lobe about it and the wavelength in µm at
-/// which it counts; row 1 as in [`spectrum_table`]; then the same of narrow lobes, `[row][column]`.
+/// which it counts; row 1 as in [`spectrum_table`]; then the same of narrow lobes, `[half][row][column]`.
 pub fn lobe_table(
     nodes: Vec<[f64; 4]>,
     narrow: Vec<[f64; 4]>,

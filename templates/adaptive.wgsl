@@ -9,14 +9,14 @@
 #else
 // X, Y, Z and the wavelength in µm at which a bin counts. Row 0: of the lobe about each node; row 1: cosine and sine of
 // the surface's rotation, scale of the first term, ratio of the scales; the other rows: of narrow lobes over their
-// width, columns by their middle, rows by their width, from 0 to the broadest.
+// width, columns by their middle, rows by their width, from 0 to the broadest; then the same of second halves.
 #endif
 @group(0) @binding(2) var spectrum: texture_2d<f32>;
 
 // Lobes end at this many standard deviations of the window's spectrum.
 const REACH_SIGMAS: f32 = 4.0;
 #ifndef MONOCHROMATIC
-// The broadest lobe whose bin is evaluated once, in distances of the nodes.
+// The broadest narrow lobe, in distances of the nodes.
 const BROADEST: f32 = 2.0;
 #endif
 
@@ -55,6 +55,8 @@ fn corridor(path: vec3f) -> vec3f {
 #ifndef COHERENCE_SCALES
     let sharpness = lobe_sharpness(window_width(range.x), squared, pace);
 #endif
+    let row = lobe_row(breadth);
+    let halves = lobe_halves(row);
     var xyz = vec3f(0.0);
     var index = 0;
     for (var hit = 0; hit < CANDIDATE_COUNT; hit++) {
@@ -90,10 +92,12 @@ fn corridor(path: vec3f) -> vec3f {
             break;
         }
         let share = window_share(exponent, squared, window_width(wavenumber), pace);
-        let light = lobe_light(wavenumber, node, breadth, range);
-        let argument = series_argument(path.z, light.w);
-        let amplitude = bin_amplitude(vec2i(select(bin, bin.yx, steep)), argument);
-        xyz += share * dot(amplitude, amplitude) * light.xyz;
+        let place = vec2i(select(bin, bin.yx, steep));
+        for (var side = 0; side < halves; side++) {
+            let light = lobe_light(wavenumber, node, row, side, range);
+            let amplitude = bin_amplitude(place, series_argument(path.z, light.w));
+            xyz += share * dot(amplitude, amplitude) * light.xyz;
+        }
     }
     // narrow lobes are stored over their width
     let scale = select(window_width(1.0) / sqrt(squared), 1.0, broad);
@@ -123,22 +127,40 @@ fn lobe_centre(place: vec2f, uv: vec2f, nearness: f32) -> f32 {
 #endif
 }
 
-// X, Y, Z of a lobe and the wavelength at which its bin counts.
-fn lobe_light(wavenumber: f32, node: i32, breadth: f32, range: vec2f) -> vec4f {
+// Row of narrow lobes of a width; none, below 0, of broad ones.
+fn lobe_row(breadth: f32) -> i32 {
+#ifdef MONOCHROMATIC
+    return -1;
+#else
+    return select(i32(breadth * f32(LOBE_ROWS - 1) + 0.5), -1, breadth >= 1.0);
+#endif
+}
+
+// Wavelengths at which a lobe's bin counts: the broader of the narrow ones are two halves.
+fn lobe_halves(row: i32) -> i32 {
+#ifdef MONOCHROMATIC
+    return 1;
+#else
+    return select(1, 2, 4 * row >= LOBE_ROWS);
+#endif
+}
+
+// X, Y, Z of a lobe, or of a half, and the wavelength at which its bin counts.
+fn lobe_light(wavenumber: f32, node: i32, row: i32, side: i32, range: vec2f) -> vec4f {
 #ifdef MONOCHROMATIC
     return textureLoad(spectrum, vec2i(0, 0), 0);
 #else
-    if (breadth >= 1.0) {
+    if (row < 0) {
         return textureLoad(spectrum, vec2i(node, 0), 0);
     }
     let margin = 0.70710678 * REACH_SIGMAS * BROADEST * node_pace(range);
     let low = range.x - margin;
     let high = range.y + margin * window_width(range.y) / window_width(range.x);
     let column = clamp((wavenumber - low) / (high - low), 0.0, 1.0) * f32(LOBE_COLUMNS - 1);
-    let row = 2 + i32(breadth * f32(LOBE_ROWS - 1) + 0.5);
+    let line = 2 + row + side * LOBE_ROWS;
     let index = min(i32(column), LOBE_COLUMNS - 2);
-    let before = textureLoad(spectrum, vec2i(index, row), 0);
-    let after = textureLoad(spectrum, vec2i(index + 1, row), 0);
+    let before = textureLoad(spectrum, vec2i(index, line), 0);
+    let after = textureLoad(spectrum, vec2i(index + 1, line), 0);
     return mix(before, after, column - f32(index));
 #endif
 }

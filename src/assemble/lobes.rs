@@ -31,7 +31,10 @@ pub fn lobes_table(
             |t: f64| bell(t, node) / (0..corridor.nodes).map(|other| bell(t, other)).sum::<f64>();
         let middle = lobes.node(node, corridor.nodes);
         let reach = REACH_SIGMAS * pace;
-        weights.integral([middle - reach, middle + reach], kernel)
+        // at the node itself: the bells reproduce what is linear in the wavenumber, for every colour
+        let Moments { xyz: [x, y, z], .. } =
+            weights.integral([middle - reach, middle + reach], kernel);
+        [x, y, z, 1.0 / middle.clamp(lobes.range[0], lobes.range[1])]
     };
     let nodes = (0..corridor.nodes).into_par_iter().map(broad).collect();
     let [low, high] = lobes.middles(corridor.nodes);
@@ -40,9 +43,12 @@ pub fn lobes_table(
     let narrow = |cell: u32| {
         let (row, column) = (cell / corridor.columns, cell % corridor.columns);
         let middle = low + (high - low) * place(column, corridor.columns);
-        weights.narrow(middle, place(row, corridor.rows) * BROADEST * pace)
+        let moments = weights.narrow(middle, place(row, corridor.rows) * BROADEST * pace);
+        if Lobes::is_halved(row, corridor.rows) { moments.halves() } else { moments.whole() }
     };
-    let narrow = cells.into_par_iter().map(narrow).collect();
+    let (mut narrow, second): (Vec<[f64; 4]>, Vec<[f64; 4]>) =
+        cells.into_par_iter().map(narrow).collect();
+    narrow.extend(second);
     lobe_table(nodes, narrow, corridor.columns as usize, rotate_deg, resolved.scale)
 }
 
@@ -53,12 +59,11 @@ struct Weights<'a> {
 
 impl Weights<'_> {
     /// A narrow lobe that is so wide at the long end of the range, over `σf/|(u, v)|` of 1/µm.
-    fn narrow(&self, middle: f64, width: f64) -> [f64; 4] {
+    fn narrow(&self, middle: f64, width: f64) -> Moments {
         let Lobes { range: [low, high], scales, .. } = *self.lobes;
         if width == 0.0 {
-            let [x, y, z] =
-                self.at(middle).map(|c| c * PI.sqrt() * if scales { middle } else { 1.0 });
-            return [x, y, z, 1.0 / middle.clamp(low, high)];
+            let xyz = self.at(middle).map(|c| c * PI.sqrt() * if scales { middle } else { 1.0 });
+            return Moments { xyz, shift: [0.0; 3], mean: middle.clamp(low, high), deviation: 0.0 };
         }
         let reach = REACH_SIGMAS / SQRT_2;
         let (span, over) = if scales {
@@ -75,24 +80,30 @@ impl Weights<'_> {
         self.integral(span, lobe)
     }
 
-    /// X, Y, Z under a kernel between two wavenumbers, and the wavelength of their mean wavenumber, µm.
-    fn integral(&self, [from, to]: [f64; 2], kernel: impl Fn(f64) -> f64) -> [f64; 4] {
+    /// The light under a kernel between two wavenumbers.
+    fn integral(&self, [from, to]: [f64; 2], kernel: impl Fn(f64) -> f64) -> Moments {
         let [low, high] = self.lobes.range;
         let (from, to) = (from.max(low), to.min(high));
         let step = (to - from).max(0.0) / f64::from(STEPS);
-        let mut sum = [0.0; 3];
-        let (mut total, mut moment) = (0.0, 0.0);
-        for i in 0..STEPS {
+        let nodes = (0..STEPS).map(|i| {
             let t = from + (f64::from(i) + 0.5) * step;
-            let share = step * kernel(t);
-            let xyz = self.at(t).map(|c| c * share);
-            let light: f64 = xyz.iter().sum();
+            (t, self.at(t).map(|c| c * step * kernel(t)))
+        });
+        let (mut xyz, mut total, mut first) = ([0.0; 3], 0.0, 0.0);
+        for (t, part) in nodes.clone() {
+            let light: f64 = part.iter().sum();
+            xyz = std::array::from_fn(|c| xyz[c] + part[c]);
             total += light;
-            moment += t * light;
-            sum.iter_mut().zip(xyz).for_each(|(sum, c)| *sum += c);
+            first += t * light;
         }
-        let mean = if total > 0.0 { moment / total } else { 0.5 * (from + to) };
-        [sum[0], sum[1], sum[2], 1.0 / mean.clamp(low, high)]
+        let mean = if total > 0.0 { first / total } else { 0.5 * (from + to) };
+        let (mut shift, mut second) = ([0.0; 3], 0.0);
+        for (t, part) in nodes {
+            shift = std::array::from_fn(|c| shift[c] + (t - mean) * part[c]);
+            second += (t - mean).powi(2) * part.iter().sum::<f64>();
+        }
+        let deviation = if total > 0.0 { (second / total).sqrt() } else { 0.0 };
+        Moments { xyz, shift, mean: mean.clamp(low, high), deviation }
     }
 
     /// The weights at a wavenumber, linear between the samples, nothing outside.
@@ -107,5 +118,39 @@ impl Weights<'_> {
         let part = place - index as f64;
         let (before, after) = (self.samples[index].xyz, self.samples[index + 1].xyz);
         std::array::from_fn(|c| before[c] + part * (after[c] - before[c]))
+    }
+}
+
+/// What is known of the light of a lobe; wavenumbers in 1/µm.
+struct Moments {
+    /// X, Y, Z.
+    xyz: [f64; 3],
+    /// First moments of X, Y, Z about the mean.
+    shift: [f64; 3],
+    /// Mean wavenumber of all light.
+    mean: f64,
+    /// Standard deviation of it.
+    deviation: f64,
+}
+
+impl Moments {
+    /// All light at the mean, and nothing beside it.
+    fn whole(&self) -> ([f64; 4], [f64; 4]) {
+        let [x, y, z] = self.xyz;
+        let wavelength_um = 1.0 / self.mean;
+        ([x, y, z, wavelength_um], [0.0, 0.0, 0.0, wavelength_um])
+    }
+
+    /// The light at one standard deviation below and above the mean, so that X, Y, Z, their first moments and the second one
+    /// of all light are right: Gauss's rule of two nodes.
+    fn halves(&self) -> ([f64; 4], [f64; 4]) {
+        if self.deviation == 0.0 {
+            return self.whole();
+        }
+        let half = |sign: f64| {
+            let part = |c: usize| 0.5 * (self.xyz[c] + sign * self.shift[c] / self.deviation);
+            [part(0), part(1), part(2), 1.0 / (self.mean + sign * self.deviation)]
+        };
+        (half(-1.0), half(1.0))
     }
 }

@@ -111,7 +111,7 @@ fn spectrum_meaning(
             ["X", "Y", "Z"],
             format!("middle of the lobe, equal steps from {low} to {high} per µm; of row 0, node"),
             format!(
-                "{rows}; from 2: lobes over their width, from 0 to the broadest in equal steps"
+                "{rows}; from 2: lobes over their width, from 0 to the broadest in equal steps, then their second halves"
             ),
         )
     } else {

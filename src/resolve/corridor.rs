@@ -7,20 +7,21 @@ use crate::plan::{CoherenceScaling, Variant};
 
 /// Lobes end at this many standard deviations of the window in the frequency plane; `exp(-4²)` of the peak is left.
 pub const REACH_SIGMAS: f64 = 4.0;
-/// The broadest lobe whose bin is evaluated once, in distances of the nodes that broader ones are taken at.
+/// The broadest of the narrow lobes, in distances of the nodes that broader ones are taken at.
 pub const BROADEST: f64 = 2.0;
 /// Nodes beyond each end of the range: the lobe of a node is as wide as the nodes are apart, `exp(-9)` is left out.
 pub const OUTER_NODES: u32 = 2;
 /// Colour weights change by their own size over this wavenumber at the fastest, 1/µm: 15 nm in the middle of the spectrum.
 const FASTEST_CHANGE: f64 = 0.05;
-/// Greatest width of a lobe whose bin is evaluated once, 1/µm, however flat the surface: colours differ within it.
-const GREATEST_WIDTH: f64 = 0.05;
-/// Greatest error of an intensity taken once in a lobe of width `s`, of the amplitude's square: `(2π w H s)²/8`, `|w| = 2`.
-const CURVATURE: f64 = 0.008;
+/// Greatest width of a narrow lobe, 1/µm, however flat the surface: colours differ within it.
+const GREATEST_WIDTH: f64 = 0.06;
+/// Greatest phase `2π w H s`, `|w| = 2`, of an intensity over a narrow lobe of width `s`. Taken at two wavenumbers it errs by
+/// the phase's fourth power over 48 of the amplitude's square.
+const GREATEST_PHASE: f64 = 0.5;
 /// Greatest error of the colours of a lobe between two columns of their table, linear.
 const COLUMN_ERROR: f64 = 1e-3;
 /// Greatest error of the colours of a lobe by the nearest row, where colours change fastest.
-const ROW_ERROR: f64 = 2e-2;
+const ROW_ERROR: f64 = 1e-2;
 /// Most columns and rows: a texture that every profile allows.
 const MOST_TEXELS: f64 = 2048.0;
 /// Most nodes, but for those beyond the ends.
@@ -39,7 +40,7 @@ pub struct Corridor {
     pub node_bins: u32,
     /// Columns of the table of narrow lobes.
     pub columns: u32,
-    /// Rows of it.
+    /// Rows of each of its two parts.
     pub rows: u32,
     /// Bins beyond the end of the segment, along x and y.
     pub margin: [u32; 2],
@@ -114,6 +115,11 @@ impl Lobes {
         }
     }
 
+    /// Whether the narrow lobes of a row of the table are taken at two wavenumbers. The same as `lobe_halves` of the template.
+    pub fn is_halved(row: u32, rows: u32) -> bool {
+        4 * row >= rows
+    }
+
     /// Columns and rows of the table of narrow lobes: linear between columns errs by `δ²/8` of the second derivative, the
     /// nearest row by `s δs/2` of it.
     fn resolution(&self, nodes: u32) -> [u32; 2] {
@@ -183,7 +189,7 @@ impl Lobes {
         }
         // the greatest phase of an intensity per wavenumber
         let turn = 4.0 * PI * height_um;
-        let width = ((8.0 * CURVATURE).sqrt() / turn).min(GREATEST_WIDTH);
+        let width = (GREATEST_PHASE / turn).min(GREATEST_WIDTH);
         // of a window that follows the wavelength, lobes are broader at the other end
         let pace = width / BROADEST * self.sigma_at(self.range[0]) / self.sigma_at(self.range[1]);
         ((range / pace).ceil() as u32).min(MOST_NODES) + 1 + 2 * OUTER_NODES

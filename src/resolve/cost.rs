@@ -40,7 +40,7 @@ pub(super) fn cost(variant: &Variant, resolved: &Resolved, lobes: &Lobes) -> Cos
     let spectrum_bytes = match variant.mode {
         Mode::Adaptive => {
             let Corridor { columns, rows, .. } = resolved.corridor;
-            4 * 4 * u64::from(columns) * u64::from(rows + 2)
+            4 * 4 * u64::from(columns) * u64::from(2 * rows + 2)
         }
         _ => 2 * 4 * 4 * nodes,
     };
@@ -86,8 +86,11 @@ fn mean_and_worst(lobes: &Lobes, corridor: &Corridor) -> (f64, u64) {
     /// sin 20°, rounded: configured, so that the counts are the same on every processor.
     const SIN_LIGHT: f64 = 0.342;
     let count = |uv: [f64; 2]| {
-        if lobes.breadth(uv, corridor.nodes) < 1.0 {
-            return lobes.bins(uv).len() as u64;
+        let breadth = lobes.breadth(uv, corridor.nodes);
+        if breadth < 1.0 {
+            let row = (breadth * (f64::from(corridor.rows) - 1.0) + 0.5) as u32;
+            let sides = if Lobes::is_halved(row, corridor.rows) { 2 } else { 1 };
+            return sides * lobes.bins(uv).len() as u64;
         }
         (0..corridor.nodes).map(|node| lobes.node_bins(uv, node, corridor.nodes)).sum()
     };

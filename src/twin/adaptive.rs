@@ -2,7 +2,7 @@
 //!
 //! `XYZ = C Σ_b ∫ |c_b(2π w t)|² exp(-|t·uv - f_b|²/σf²) W(t) dt`, `t = 1/λ`, `W` the colour weights with `dλ = λ² dt`. Exact
 //! for an ensemble; for a single coherence patch as far as lobes of different bins do not overlap. `|c_b|²` is taken once
-//! in a narrow lobe, at its mean wavenumber.
+//! in a narrow lobe, at its mean wavenumber, or twice.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -48,6 +48,7 @@ pub fn corridor(twin: &Twin<'_>, path: DVec3) -> DVec3 {
         if broad { nodes * node_bins } else { (last - first).max(-1.0) as u32 + 1 } * minors;
     let half_width = if broad { reach } else { reach * (1.0 + slope * slope).sqrt() };
     let pace = if broad { node_pace(twin, range) } else { 0.0 };
+    let row = lobe_row(twin, breadth);
     let mut xyz = DVec3::ZERO;
     for index in 0..count.min(twin.resolved.corridor.candidates) {
         let line = index / minors;
@@ -66,10 +67,12 @@ pub fn corridor(twin: &Twin<'_>, path: DVec3) -> DVec3 {
         let exponent = window_exponent(wavenumber * uv - place, uv, sharpness);
         if exponent < REACH_SIGMAS * REACH_SIGMAS {
             let share = window_share(exponent, squared, width, pace);
-            let light = lobe_light(twin, wavenumber, node, breadth, range);
-            let argument = series_argument(twin, path.z, light[3]);
-            let amplitude = bin_amplitude(twin, turn(bin), argument);
-            xyz += share * amplitude.norm_sqr() * DVec3::new(light[0], light[1], light[2]);
+            for side in 0..lobe_halves(twin, row) {
+                let light = lobe_light(twin, wavenumber, node, row, side, range);
+                let argument = series_argument(twin, path.z, light[3]);
+                let amplitude = bin_amplitude(twin, turn(bin), argument);
+                xyz += share * amplitude.norm_sqr() * DVec3::new(light[0], light[1], light[2]);
+            }
         }
     }
     let scale = if broad { 1.0 } else { window_width(twin, 1.0) / squared.sqrt() };
@@ -93,20 +96,37 @@ fn lobe_centre(twin: &Twin<'_>, place: DVec2, uv: DVec2, squared: f64) -> f64 {
     }
 }
 
-/// X, Y, Z of a lobe and the wavelength at which its bin counts.
-fn lobe_light(twin: &Twin<'_>, wavenumber: f64, node: u32, breadth: f64, range: DVec2) -> [f64; 4] {
-    if breadth >= 1.0 {
-        return twin.spectrum.load(i64::from(node), 0, 0);
-    }
+/// Row of narrow lobes of a width; none of broad ones.
+fn lobe_row(twin: &Twin<'_>, breadth: f64) -> Option<u32> {
+    let last = f64::from(twin.resolved.corridor.rows) - 1.0;
+    (breadth < 1.0).then_some((breadth * last + 0.5) as u32)
+}
+
+/// Wavelengths at which a lobe's bin counts.
+fn lobe_halves(twin: &Twin<'_>, row: Option<u32>) -> u32 {
+    let halved = row.is_some_and(|row| Lobes::is_halved(row, twin.resolved.corridor.rows));
+    if halved { 2 } else { 1 }
+}
+
+/// X, Y, Z of a lobe, or of a half, and the wavelength at which its bin counts.
+fn lobe_light(
+    twin: &Twin<'_>,
+    wavenumber: f64,
+    node: u32,
+    row: Option<u32>,
+    side: u32,
+    range: DVec2,
+) -> [f64; 4] {
+    let Some(row) = row else { return twin.spectrum.load(i64::from(node), 0, 0) };
     let (columns, rows) = (twin.resolved.corridor.columns, twin.resolved.corridor.rows);
     let margin = FRAC_1_SQRT_2 * REACH_SIGMAS * BROADEST * node_pace(twin, range);
     let low = range.x - margin;
     let high = range.y + margin * window_width(twin, range.y) / window_width(twin, range.x);
     let column = ((wavenumber - low) / (high - low)).clamp(0.0, 1.0) * f64::from(columns - 1);
-    let row = 2 + (breadth * f64::from(rows - 1) + 0.5) as i64;
+    let line = i64::from(2 + row + side * rows);
     let index = (column as i64).min(i64::from(columns) - 2);
-    let before = twin.spectrum.load(index, row, 0);
-    let after = twin.spectrum.load(index + 1, row, 0);
+    let before = twin.spectrum.load(index, line, 0);
+    let after = twin.spectrum.load(index + 1, line, 0);
     let part = column - index as f64;
     std::array::from_fn(|c| before[c] + part * (after[c] - before[c]))
 }
