@@ -59,13 +59,18 @@ fn corridor(path: vec3f) -> vec3f {
     let halves = lobe_halves(row);
     var xyz = vec3f(0.0);
     var index = 0;
-    for (var hit = 0; hit < CANDIDATE_COUNT; hit++) {
-        // the next bin within reach is sought first, so that pixels side by side evaluate theirs together
-        var node = 0;
-        var bin = vec2f(0.0);
-        var wavenumber = 0.0;
-        var exponent = REACH_SIGMAS * REACH_SIGMAS;
-        for (var tried = 0; tried < CANDIDATE_COUNT; tried++) {
+    var node = 0;
+    var bin = vec2f(0.0);
+    var wavenumber = 0.0;
+    var exponent = 0.0;
+    var side = halves - 1;
+    for (var hit = 0; hit < 2 * CANDIDATE_COUNT; hit++) {
+        // when a bin's light is all there, the next one within reach is sought first, so that pixels side by side
+        // evaluate theirs together
+        side = select(side + 1, 0, side + 1 == halves);
+        exponent = select(exponent, REACH_SIGMAS * REACH_SIGMAS, side == 0);
+        let candidates = select(0, CANDIDATE_COUNT, side == 0);
+        for (var tried = 0; tried < candidates; tried++) {
             if (index >= count) {
                 break;
             }
@@ -92,12 +97,10 @@ fn corridor(path: vec3f) -> vec3f {
             break;
         }
         let share = window_share(exponent, squared, window_width(wavenumber), pace);
-        let place = vec2i(select(bin, bin.yx, steep));
-        for (var side = 0; side < halves; side++) {
-            let light = lobe_light(wavenumber, node, row, side, range);
-            let amplitude = bin_amplitude(place, series_argument(path.z, light.w));
-            xyz += share * dot(amplitude, amplitude) * light.xyz;
-        }
+        let light = lobe_light(wavenumber, node, row, side, range);
+        let argument = series_argument(path.z, light.w);
+        let amplitude = bin_amplitude(vec2i(select(bin, bin.yx, steep)), argument);
+        xyz += share * dot(amplitude, amplitude) * light.xyz;
     }
     // narrow lobes are stored over their width
     let scale = select(window_width(1.0) / sqrt(squared), 1.0, broad);
@@ -141,7 +144,7 @@ fn lobe_halves(row: i32) -> i32 {
 #ifdef MONOCHROMATIC
     return 1;
 #else
-    return select(1, 2, 4 * row >= LOBE_ROWS);
+    return select(1, 2, 2 * row >= LOBE_ROWS);
 #endif
 }
 

@@ -21,7 +21,7 @@ const GREATEST_PHASE: f64 = 0.5;
 /// Greatest error of the colours of a lobe between two columns of their table, linear.
 const COLUMN_ERROR: f64 = 1e-3;
 /// Greatest error of the colours of a lobe by the nearest row, where colours change fastest.
-const ROW_ERROR: f64 = 1e-2;
+const ROW_ERROR: f64 = 2e-2;
 /// Most columns and rows: a texture that every profile allows.
 const MOST_TEXELS: f64 = 2048.0;
 /// Most nodes, but for those beyond the ends.
@@ -117,7 +117,7 @@ impl Lobes {
 
     /// Whether the narrow lobes of a row of the table are taken at two wavenumbers. The same as `lobe_halves` of the template.
     pub fn is_halved(row: u32, rows: u32) -> bool {
-        4 * row >= rows
+        2 * row >= rows
     }
 
     /// Columns and rows of the table of narrow lobes: linear between columns errs by `δ²/8` of the second derivative, the
