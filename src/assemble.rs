@@ -1,5 +1,7 @@
 //! A variant on a surface: what its template is told, and the tables it reads.
 
+mod lobes;
+
 use std::collections::BTreeMap;
 
 use crate::bake;
@@ -62,12 +64,16 @@ pub fn defines(
         ("GRID_WIDTH_UM", Constant::F32(grid_um[0])),
         ("LAYER_COUNT", count(resolved.layers as usize)),
         ("LEVEL_COUNT", count(resolved.axes.levels as usize)),
-        ("MAJOR_COUNT", count(resolved.corridor.majors as usize)),
+        ("LOBE_COLUMNS", count(resolved.corridor.columns as usize)),
+        ("LOBE_ROWS", count(resolved.corridor.rows as usize)),
+        ("CANDIDATE_COUNT", count(resolved.corridor.candidates as usize)),
         ("MINOR_COUNT", count(resolved.corridor.minors as usize)),
+        ("NODE_BINS", count(resolved.corridor.node_bins as usize)),
+        // one wavelength is one node
+        ("NODE_COUNT", count((resolved.corridor.nodes as usize).min(wavelengths))),
         ("NODE_LEVELS", count(NODE_LEVELS as usize)),
         ("PAGE_COLUMNS", count(resolved.axes.page_columns() as usize)),
         ("PAGE_COUNT", count(resolved.axes.pages as usize)),
-        ("PANEL_COUNT", count(resolved.corridor.panels as usize)),
         ("PATCH_HEIGHT_UM", Constant::F32(resolved.patch_um[1])),
         ("PATCH_WIDTH_UM", Constant::F32(resolved.patch_um[0])),
         ("PERIOD_COLUMNS", Constant::F32(f64::from(resolved.periods[0]))),
@@ -180,7 +186,13 @@ fn spectrum(variant: &Variant, resolved: &Resolved, rotate_deg: f64) -> Result<T
             return Ok(levels_table(&levels, rotate_deg, resolved.scale));
         }
         Mode::Adaptive => {
-            Spectrum::new(&variant.optics.illuminant)?.wavenumber_samples(&variant.wavelengths)
+            let samples =
+                Spectrum::new(&variant.optics.illuminant)?.wavenumber_samples(&variant.wavelengths);
+            if samples.len() == 1 {
+                samples
+            } else {
+                return Ok(lobes::lobes_table(&samples, variant, resolved, rotate_deg));
+            }
         }
     };
     Ok(spectrum_table(&samples, rotate_deg, resolved.scale))

@@ -12,10 +12,11 @@ use serde_json::Value;
 use crate::emit::{BindingName, EmittedFile, EntryPoint, Function};
 use crate::module::Module;
 use crate::optics;
-use crate::plan::{Colour, Container, Mode, TableFormat, Target, Variant};
+use crate::plan::{Coherence, Colour, Container, Mode, TableFormat, Target, Variant};
 use crate::profile::{Extent, Limits, Profile, fits};
 use crate::resolve::{
-    Cost, NODE_ERROR, REACH_SIGMAS, Resolved, grid_error, replica_tail, window_tail,
+    Cost, ISOLATED, Lobes, NODE_ERROR, REACH_SIGMAS, Resolved, grid_error, replica_tail,
+    window_tail,
 };
 use crate::tables::Table;
 use crate::tables::container::ContainerEntry;
@@ -65,6 +66,20 @@ pub struct VariantManifest {
     pub cost: Cost,
     /// A-priori bounds of the model's approximations; none where no error is claimed, or where only a comparison tells it.
     pub error_bound: Option<ErrorBound>,
+    /// Loops over lobes, of the modes that have them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lobes: Option<LobeBounds>,
+}
+
+/// What bounds a sum over lobes.
+#[derive(Clone, Debug, Serialize)]
+pub struct LobeBounds {
+    /// Greatest number of bins that a pixel looks at: the static bound of the shader's loops, whatever the direction.
+    pub candidates: u32,
+    /// `σf·L`, width of the window's spectrum over the distance of bins, at its greatest.
+    pub overlap: f64,
+    /// Up to which overlap the sum is that of amplitudes; none where intensities add, which is exact at any.
+    pub overlap_limit: Option<f64>,
 }
 
 /// The contract of `diffraction(wi, wr)`.
@@ -312,7 +327,18 @@ pub fn manifest(subject: Subject<'_>, module: &Module, files: &[EmittedFile]) ->
         requires: requires(&extents),
         cost: resolved.cost,
         error_bound: error_bound(variant, resolved),
+        lobes: (variant.mode == Mode::Adaptive).then(|| lobe_bounds(variant, resolved)),
         tables: tables.into_iter().map(|(_, entry)| entry).collect(),
+    }
+}
+
+fn lobe_bounds(variant: &Variant, resolved: &Resolved) -> LobeBounds {
+    let single = variant.optics.coherence == Coherence::Single;
+    let [x, y] = Lobes::new(variant, resolved.patch_um).sigma_bins();
+    LobeBounds {
+        candidates: resolved.corridor.candidates,
+        overlap: x.max(y),
+        overlap_limit: single.then_some(ISOLATED),
     }
 }
 

@@ -19,8 +19,8 @@ use crate::terms::Grid;
 use crate::transform::Bins;
 
 pub use bake::{Axes, octant};
-pub use corridor::{Corridor, LEAST_SQUARED, Lobes, REACH_SIGMAS, WHOLE_PANELS};
-pub use cost::{Cost, LOBE_NODES};
+pub use corridor::{BROADEST, Corridor, LEAST_SQUARED, Lobes, OUTER_NODES, REACH_SIGMAS};
+pub use cost::Cost;
 pub use prefilter::{GRID_ERROR, NODE_ERROR, NODE_LEVELS, grid_error, node_level};
 
 /// A variant with every number known. What a mode does not read has a neutral value.

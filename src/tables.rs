@@ -301,6 +301,23 @@ pub fn rotation_table(rotate_deg: f64) -> Table {
     two_rows(vec![[0.0; 4]], rotate_deg, Scale::NONE)
 }
 
+/// The spectrum table of `adaptive`: row 0 one texel per node, X, Y, Z of the lobe about it and the wavelength in µm at
+/// which it counts; row 1 as in [`spectrum_table`]; then the same of narrow lobes, `[half][row][column]`.
+pub fn lobe_table(
+    nodes: Vec<[f64; 4]>,
+    narrow: Vec<[f64; 4]>,
+    columns: usize,
+    rotate_deg: f64,
+    scale: Scale,
+) -> Table {
+    let mut first = nodes;
+    first.resize(columns, [0.0; 4]);
+    let mut table = two_rows(first, rotate_deg, scale);
+    table.height += narrow.len() / columns;
+    table.texels.extend(narrow.into_iter().flatten());
+    table
+}
+
 fn two_rows(first: Vec<[f64; 4]>, rotate_deg: f64, scale: Scale) -> Table {
     let (sin, cos) = rotate_deg.to_radians().sin_cos();
     let width = first.len();

@@ -15,12 +15,13 @@ mod series;
 mod warped;
 mod window;
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 use crate::plan::{Mode, Optics, Variant};
 use crate::reference::Directions;
 use crate::resolve::Resolved;
-use crate::tables::{TERMS, Table};
+use crate::spectrum::Sample;
+use crate::tables::{TERMS, Table, spectrum_table};
 
 /// Everything that one pixel of a variant reads, and the variant's algorithm on it.
 #[derive(Clone, Copy)]
@@ -78,12 +79,17 @@ impl<'a> Twin<'a> {
             Mode::Pq => Some(pq::response(self, path, lambda_um)),
             // the segment shrinks to a point
             Mode::Adaptive => {
-                let point = DVec2::splat(1.0 / lambda_um);
-                let add = |bin, _| [adaptive::intensity(self, bin, path, lambda_um), 0.0, 0.0];
-                Some(adaptive::corridor(self, path, point, add)[0])
+                let sample = Sample { lambda_nm: 1e3 * lambda_um, xyz: [1.0; 3] };
+                let spectrum = spectrum_table(&[sample], self.rotate_deg, self.resolved.scale);
+                Some(adaptive::corridor(&Twin { spectrum: &spectrum, ..*self }, path).x)
             }
             Mode::Gems | Mode::Baked => None,
         }
+    }
+
+    /// Whether the spectrum is a single wavelength.
+    fn is_monochromatic(&self) -> bool {
+        self.spectrum.width == 1
     }
 
     fn optics(&self) -> &Optics {

@@ -1,16 +1,24 @@
 // The wavelength integral as a sum over bins: as λ runs over its range, f = (u, v)/λ walks a straight segment, and only
-// bins within a few widths of the window's spectrum see it. Wavenumbers 1/λ are in 1/µm, frequencies in cycles per µm.
+// bins within a few widths of the window's spectrum see it, each over a lobe of wavenumbers. Narrow lobes take their
+// colour from a table; broad ones, near the mirror direction, are sums of narrower ones at fixed wavenumbers.
+// Wavenumbers 1/λ are in 1/µm, frequencies in cycles per µm.
 
-// Row 0: at equal steps of 1/λ, from the longest wavelength to the shortest, X, Y, Z per 1/µm and the wavelength in µm;
-// row 1: cosine and sine of the surface's rotation, scale of the first term, ratio of the scales.
+#ifdef MONOCHROMATIC
+// Row 0: X, Y, Z weights and the wavelength in µm; row 1: cosine and sine of the surface's rotation, scale of the first
+// term, ratio of the scales.
+#else
+// X, Y, Z and the wavelength in µm at which a bin counts. Row 0: of the lobe about each node; row 1: cosine and sine of
+// the surface's rotation, scale of the first term, ratio of the scales; the other rows: of narrow lobes over their
+// width, columns by their middle, rows by their width, from 0 to the broadest; then the same of second halves.
+#endif
 @group(0) @binding(2) var spectrum: texture_2d<f32>;
 
 // Lobes end at this many standard deviations of the window's spectrum.
 const REACH_SIGMAS: f32 = 4.0;
-// Whole lobes this many panels wide are not cut.
-const WHOLE_PANELS: f32 = 2.5;
-// Nodes of a panel.
-const NODE_COUNT: i32 = 8;
+#ifndef MONOCHROMATIC
+// The broadest narrow lobe, in distances of the nodes.
+const BROADEST: f32 = 2.0;
+#endif
 
 // Relative tristimulus values for one pair of directions.
 fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
@@ -21,125 +29,179 @@ fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
     return factor * corridor(path_difference(wi, wr));
 }
 
-#ifdef MONOCHROMATIC
-// A bin's intensity under the window at one wavelength.
-fn intensity(bin: vec2f, path: vec3f, lambda_um: f32) -> f32 {
-    let amplitude = bin_amplitude(vec2i(bin), series_argument(path.z, lambda_um));
-    return dot(amplitude, amplitude) * window_share(bin, path.xy, 1.0 / lambda_um);
-}
-#endif
-
 // The sum over the bins of a strip along the segment: columns one by one and the few rows across, or the other way where
-// the segment is steep.
+// the segment is steep. Where lobes are broad, over the bins about each node instead.
 fn corridor(path: vec3f) -> vec3f {
     let steep = abs(path.y) > abs(path.x);
     let patch_um = vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM);
-    let along = select(path.xy, path.yx, steep);
+    let uv = select(path.xy, path.yx, steep);
     let size_um = select(patch_um, patch_um.yx, steep);
-    let slope = along.y / select(along.x, 1.0, along.x == 0.0);
     let range = wavenumbers();
     let reach = REACH_SIGMAS * window_width(range.y);
-    let half_width = reach * sqrt(1.0 + slope * slope);
-    let ends = along.x * range;
+    let squared = max(dot(uv, uv), 1e-12);
+    let slope = uv.y / select(uv.x, 1.0, uv.x == 0.0);
+    // bins are apart by this
+    let pitch = 1.0 / size_um;
+    let ends = uv.x * range;
     let first = ceil((min(ends.x, ends.y) - reach) * size_um.x);
     let last = floor((max(ends.x, ends.y) + reach) * size_um.x);
+    let breadth = lobe_breadth(sqrt(squared), range);
+    let broad = breadth >= 1.0;
+    let count = select(i32(last - first) + 1, NODE_COUNT * NODE_BINS, broad) * MINOR_COUNT;
+    let half_width = select(reach * sqrt(1.0 + slope * slope), reach, broad) * size_um.y;
+    let slant = slope * pitch.x * size_um.y;
+    let pace = select(0.0, node_pace(range), broad);
+    let nearness = 1.0 / squared;
+#ifndef COHERENCE_SCALES
+    let sharpness = lobe_sharpness(window_width(range.x), squared, pace);
+#endif
+    let row = lobe_row(breadth);
+    let halves = lobe_halves(row);
     var xyz = vec3f(0.0);
-    for (var i = 0; i < MAJOR_COUNT; i++) {
-        let major = first + f32(i);
-        if (major > last) {
-            break;
-        }
-        let centre = slope * major / size_um.x;
-        let lowest = ceil((centre - half_width) * size_um.y);
-        let highest = floor((centre + half_width) * size_um.y);
-        for (var j = 0; j < MINOR_COUNT; j++) {
-            let minor = lowest + f32(j);
-            if (minor > highest) {
+    var index = 0;
+    var node = 0;
+    var bin = vec2f(0.0);
+    var wavenumber = 0.0;
+    var exponent = 0.0;
+    var side = halves - 1;
+    for (var hit = 0; hit < 2 * CANDIDATE_COUNT; hit++) {
+        // when a bin's light is all there, the next one within reach is sought first, so that pixels side by side
+        // evaluate theirs together
+        side = select(side + 1, 0, side + 1 == halves);
+        exponent = select(exponent, REACH_SIGMAS * REACH_SIGMAS, side == 0);
+        let candidates = select(0, CANDIDATE_COUNT, side == 0);
+        for (var tried = 0; tried < candidates; tried++) {
+            if (index >= count) {
                 break;
             }
-            xyz += lobe(select(vec2f(major, minor), vec2f(minor, major), steep), path, range);
-        }
-    }
-#ifdef HALF
-    return series_scale() * series_scale() * xyz;
-#else
-    return xyz;
+            let line = index / MINOR_COUNT;
+            node = line / NODE_BINS;
+            let fixed = node_wavenumber(node, range);
+            let corner = ceil((fixed * uv.x - reach) * size_um.x) + f32(line - node * NODE_BINS);
+            let major = select(first + f32(line), corner, broad);
+            let centre = select(slant * major, fixed * uv.y * size_um.y, broad);
+            let lowest = ceil(centre - half_width);
+            bin = vec2f(major, lowest + f32(index - line * MINOR_COUNT));
+            let place = bin * pitch;
+            wavenumber = select(lobe_centre(place, uv, nearness), fixed, broad);
+#ifdef COHERENCE_SCALES
+            let sharpness = lobe_sharpness(window_width(wavenumber), squared, pace);
 #endif
-}
-
-// What one bin adds while the segment crosses its lobe: |c|² times colour weights and window, over 1/λ.
-fn lobe(bin: vec2f, path: vec3f, range: vec2f) -> vec3f {
-#ifdef MONOCHROMATIC
-    let texel = textureLoad(spectrum, vec2i(0, 0), 0);
-    return intensity(bin, path, texel.w) * texel.xyz;
-#else
-    let span = lobe_span(bin / vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM), path.xy, range);
-    if (span.x >= span.y) {
-        return vec3f(0.0);
-    }
-    // a broad lobe is cut into panels: the bin's intensity is taken once in each, where its light is
-    let share = (span.y - span.x) / (range.y - range.x) * f32(PANEL_COUNT);
-    let panels = select(min(ceil(share), f32(PANEL_COUNT)), 1.0, share < WHOLE_PANELS);
-    let pace = (span.y - span.x) / (panels * f32(NODE_COUNT));
-    var xyz = vec3f(0.0);
-    for (var panel = 0; panel < PANEL_COUNT; panel++) {
-        if (f32(panel) >= panels) {
+            exponent = window_exponent(wavenumber * uv - place, uv, sharpness);
+            index++;
+            if (exponent < REACH_SIGMAS * REACH_SIGMAS) {
+                break;
+            }
+        }
+        if (exponent >= REACH_SIGMAS * REACH_SIGMAS) {
             break;
         }
-        var weight = vec3f(0.0);
-        var total = 0.0;
-        var moment = 0.0;
-        for (var node = 0; node < NODE_COUNT; node++) {
-            let wavenumber = span.x + (f32(panel * NODE_COUNT + node) + 0.5) * pace;
-            let light = window_share(bin, path.xy, wavenumber) * colour_weights(wavenumber, range);
-            weight += light;
-            total += light.x + light.y + light.z;
-            moment += wavenumber * (light.x + light.y + light.z);
-        }
-        if (total > 0.0) {
-            let amplitude = bin_amplitude(vec2i(bin), series_argument(path.z, total / moment));
-            xyz += dot(amplitude, amplitude) * weight;
-        }
+        let share = window_share(exponent, squared, window_width(wavenumber), pace);
+        let light = lobe_light(wavenumber, node, row, side, range);
+        let argument = series_argument(path.z, light.w);
+        let amplitude = bin_amplitude(vec2i(select(bin, bin.yx, steep)), argument);
+        xyz += share * dot(amplitude, amplitude) * light.xyz;
     }
-    return pace * xyz;
-#endif
-}
-
-#ifndef MONOCHROMATIC
-// Wavenumbers within reach of a bin, cut to the range.
-fn lobe_span(place: vec2f, uv: vec2f, range: vec2f) -> vec2f {
-    let half_width = 0.70710678 * REACH_SIGMAS * window_width(1.0 / 0.55);
-#ifdef COHERENCE_SCALES
-    // the lobe is a Gaussian in λ
-    let squared = max(dot(place, place), 1e-12);
-    let centre_um = dot(uv, place) / squared;
-    let half_um = 0.55 * half_width / sqrt(squared);
-    let low_um = max(centre_um - half_um, 1.0 / range.y);
-    let high_um = min(centre_um + half_um, 1.0 / range.x);
-    return select(vec2f(1.0, 0.0), 1.0 / vec2f(high_um, low_um), low_um < high_um);
+    // narrow lobes are stored over their width
+    let scale = select(window_width(1.0) / sqrt(squared), 1.0, broad);
+#ifdef HALF
+    return scale * series_scale() * series_scale() * xyz;
 #else
-    let squared = max(dot(uv, uv), 1e-12);
-    let centre = dot(uv, place) / squared;
-    let half_span = half_width / sqrt(squared);
-    return vec2f(max(centre - half_span, range.x), min(centre + half_span, range.y));
+    return scale * xyz;
 #endif
 }
 
-// X, Y, Z per 1/µm at a wavenumber.
-fn colour_weights(wavenumber: f32, range: vec2f) -> vec3f {
-    let place = (wavenumber - range.x) / (range.y - range.x) * f32(WAVELENGTH_COUNT - 1);
-    let index = clamp(i32(place), 0, WAVELENGTH_COUNT - 2);
-    let before = textureLoad(spectrum, vec2i(index, 0), 0).xyz;
-    let after = textureLoad(spectrum, vec2i(index + 1, 0), 0).xyz;
-    return mix(before, after, place - f32(index));
-}
+// Width of the lobes of a direction over that of the broadest narrow ones.
+fn lobe_breadth(length: f32, range: vec2f) -> f32 {
+#ifdef MONOCHROMATIC
+    return 1.0;
+#else
+    return window_width(range.x) / (BROADEST * node_pace(range) * length);
 #endif
+}
 
-// Share of a bin's intensity that the window lets through at f = uv·t.
-fn window_share(bin: vec2f, uv: vec2f, wavenumber: f32) -> f32 {
-    let place = wavenumber * uv * vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM);
-    let weight = window(place - bin, window_sharpness(1.0 / wavenumber));
-    return weight * weight;
+// Wavenumber at which the segment passes a bin.
+fn lobe_centre(place: vec2f, uv: vec2f, nearness: f32) -> f32 {
+#ifdef COHERENCE_SCALES
+    // where the distance is least over the window's width
+    return dot(place, place) / max(dot(uv, place), 1e-12);
+#else
+    return dot(uv, place) * nearness;
+#endif
+}
+
+// Row of narrow lobes of a width; none, below 0, of broad ones.
+fn lobe_row(breadth: f32) -> i32 {
+#ifdef MONOCHROMATIC
+    return -1;
+#else
+    return select(i32(breadth * f32(LOBE_ROWS - 1) + 0.5), -1, breadth >= 1.0);
+#endif
+}
+
+// Wavelengths at which a lobe's bin counts: the broader of the narrow ones are two halves.
+fn lobe_halves(row: i32) -> i32 {
+#ifdef MONOCHROMATIC
+    return 1;
+#else
+    return select(1, 2, 2 * row >= LOBE_ROWS);
+#endif
+}
+
+// X, Y, Z of a lobe, or of a half, and the wavelength at which its bin counts.
+fn lobe_light(wavenumber: f32, node: i32, row: i32, side: i32, range: vec2f) -> vec4f {
+#ifdef MONOCHROMATIC
+    return textureLoad(spectrum, vec2i(0, 0), 0);
+#else
+    if (row < 0) {
+        return textureLoad(spectrum, vec2i(node, 0), 0);
+    }
+    let margin = 0.70710678 * REACH_SIGMAS * BROADEST * node_pace(range);
+    let low = range.x - margin;
+    let high = range.y + margin * window_width(range.y) / window_width(range.x);
+    let column = clamp((wavenumber - low) / (high - low), 0.0, 1.0) * f32(LOBE_COLUMNS - 1);
+    let line = 2 + row + side * LOBE_ROWS;
+    let index = min(i32(column), LOBE_COLUMNS - 2);
+    let before = textureLoad(spectrum, vec2i(index, line), 0);
+    let after = textureLoad(spectrum, vec2i(index + 1, line), 0);
+    return mix(before, after, column - f32(index));
+#endif
+}
+
+// Distance of the nodes, two of which lie beyond each end of the range.
+fn node_pace(range: vec2f) -> f32 {
+#ifdef MONOCHROMATIC
+    return 0.0;
+#else
+    return (range.y - range.x) / f32(NODE_COUNT - 5);
+#endif
+}
+
+// Wavenumber of a node.
+fn node_wavenumber(node: i32, range: vec2f) -> f32 {
+#ifdef MONOCHROMATIC
+    return range.x;
+#else
+    return range.x + f32(node - 2) * node_pace(range);
+#endif
+}
+
+// Factors of the exponent: 1/σf², and what is added along the segment where lobes are broad, `pace` above 0. There a
+// Gaussian is a sum of narrower ones, those of the nodes, under one that is narrower too.
+fn lobe_sharpness(width: f32, squared: f32, pace: f32) -> vec2f {
+    let rest = width * width - pace * pace * squared;
+    return vec2f(1.0, pace * pace / rest) / (width * width);
+}
+
+// Minus the logarithm of the share of a bin's intensity that the window lets through at an offset from f.
+fn window_exponent(offset: vec2f, uv: vec2f, sharpness: vec2f) -> f32 {
+    let along = dot(offset, uv);
+    return sharpness.x * dot(offset, offset) + sharpness.y * along * along;
+}
+
+// The share itself.
+fn window_share(exponent: f32, squared: f32, width: f32, pace: f32) -> f32 {
+    return width * inverseSqrt(width * width - pace * pace * squared) * exp(-exponent);
 }
 
 // Standard deviation of the window's spectrum, cycles per µm.

@@ -26,7 +26,6 @@
 #import prefiltered
 #import warped
 #else
-#import window
 #import adaptive
 #endif
 #endif

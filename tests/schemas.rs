@@ -5,7 +5,10 @@ mod common;
 
 use std::{fs, path::Path};
 
-use diffraction_shaders::{manifest::SCHEMA_VERSION, plan::Target, template::GENERATED};
+use diffraction_shaders::generate::{Request, generate};
+use diffraction_shaders::manifest::SCHEMA_VERSION;
+use diffraction_shaders::plan::{Plan, Target};
+use diffraction_shaders::template::{GENERATED, Sources};
 use jsonschema::Validator;
 use serde_json::{Value, json};
 
@@ -46,6 +49,46 @@ fn generated_files_keep_their_schemas() {
     }
     assert!(counts["package"] == 1 && counts["variant"] == 2 && counts["table"] >= 3, "{counts:?}");
     assert_eq!(counts["probe"], 2);
+}
+
+/// A sum over lobes says what bounds its loops, the same number as in its text.
+#[test]
+fn bounds_of_lobes_are_those_of_the_text() {
+    let text = "schema = 1\n[[surface]]\nname = \"blazed\"\ngrating = { kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 60 }\n[variants]\nmode = \"adaptive\"\nterms = 9\ncoherence = [\"single\", \"ensemble\"]\n[targets]\nemit = [\"wgsl\"]\n";
+    let plan = Plan::parse(text, Path::new("plan.toml")).unwrap();
+    let request = Request {
+        surfaces: &plan.surfaces,
+        variants: &plan.variants,
+        targets: &plan.targets,
+        containers: &plan.containers,
+        sources: &Sources::builtin(),
+        cache: None,
+        keep: &|_, _| false,
+    };
+    let package = generate(&request, &|_| ()).unwrap_or_else(|e| panic!("{e:?}")).package;
+    let schema = schema("variant");
+    for (variant, limit) in
+        [("adaptive-taylor-t9", json!(0.2)), ("adaptive-taylor-t9-ensemble", Value::Null)]
+    {
+        let folder = format!("shaders/blazed/{variant}");
+        let bytes = package.bytes(&format!("{folder}/manifest.json")).unwrap();
+        let manifest: Value = serde_json::from_slice(bytes).unwrap();
+        assert_eq!(errors(&schema, &manifest), Vec::<String>::new(), "{variant}");
+        let lobes = &manifest["lobes"];
+        assert_eq!(lobes["overlap_limit"], limit);
+        // ℓc = 65 µm on a patch of 2.5 µm: 2.5 · 4/(2π · 65)
+        let overlap = 2.5 * 4.0 / (std::f64::consts::TAU * 65.0);
+        assert!((lobes["overlap"].as_f64().unwrap() - overlap).abs() < 1e-12);
+        let shader = package.bytes(&format!("{folder}/diffraction.wgsl")).unwrap();
+        let shader = std::str::from_utf8(shader).unwrap();
+        let bound = format!("const CANDIDATE_COUNT: i32 = {};", lobes["candidates"]);
+        assert!(shader.contains(&bound), "{bound}");
+        let loops = shader.lines().filter(|line| line.contains("< CANDIDATE_COUNT")).count();
+        assert_eq!(loops, 2);
+        let mut wrong = manifest.clone();
+        wrong["lobes"]["candidates"] = json!(0);
+        assert_eq!(errors(&schema, &wrong).len(), 1);
+    }
 }
 
 #[test]

@@ -133,8 +133,10 @@ pub const CONTROLS: [Control; 10] = [
         filtered: false,
         // weights per wavenumber, λ² times too small; 0.55 µm keeps its own
         spoil: |p, _| {
-            let width = p.spectrum.width;
-            for texel in p.spectrum.texels.chunks_mut(4).take(width) {
+            let (width, mut rows) = (p.spectrum.width, p.spectrum.texels.chunks_mut(4));
+            // row 1 holds no weights
+            let first = rows.by_ref().take(width).collect::<Vec<_>>();
+            for texel in first.into_iter().chain(rows.skip(width)).filter(|t| t[3] > 0.0) {
                 let jacobian = (texel[3] / 0.55).powi(2);
                 texel[..3].iter_mut().for_each(|weight| *weight /= jacobian);
             }

@@ -66,7 +66,8 @@ fn terms_id(surface_hash: &str, variant: &Variant) -> String {
         _ if is_prefiltered(variant) => json!(["prefiltered", variant.optics.coherence_um]),
         (Mode::Adaptive, _) => {
             let optics = &variant.optics;
-            json!(["adaptive", optics.coherence_um, optics.coherence_scaling])
+            let max_nm = variant.wavelengths.max_nm;
+            json!(["adaptive", optics.coherence_um, optics.coherence_scaling, max_nm])
         }
         (_, Auto::Value(radius)) => json!(radius),
         (Mode::Pq, Auto::Auto) => json!(["pq", variant.periods, variant.optics.coherence_um]),
@@ -126,8 +127,19 @@ fn spectrum_id(spec: &SurfaceSpec, surface_hash: &str, variant: &Variant) -> Str
             max_nm,
             rotate_deg
         ]),
+        // the height range decides about the lobes, the coherence length about the patch only
         Mode::Adaptive => {
-            json!([TOOL_VERSION, "adaptive", illuminant, min_nm, max_nm, rotate_deg])
+            let scaling = variant.optics.coherence_scaling;
+            json!([
+                TOOL_VERSION,
+                "lobes",
+                illuminant,
+                min_nm,
+                max_nm,
+                rotate_deg,
+                surface_hash,
+                scaling
+            ])
         }
         Mode::Gems => json!([TOOL_VERSION, "gems", surface_hash]),
         Mode::Baked => json!([TOOL_VERSION, "rotation", rotate_deg]),

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::bake::COLOUR_SCALE;
 use crate::plan::{Container, Mode, Variant};
-use crate::resolve::{Axes, NODE_LEVELS, Resolved};
+use crate::resolve::{Axes, Lobes, NODE_LEVELS, Resolved};
 use crate::tables::container::entry;
 use crate::tables::{Scale, TERMS, Table};
 use crate::template::GENERATED;
@@ -28,7 +28,7 @@ pub fn describe(
         _ if variant.mode == Mode::Baked => rotation_meaning(),
         _ if variant.mode == Mode::Gems => grating_meaning(),
         _ if !resolved.node_counts.is_empty() => levels_meaning(variant),
-        _ => spectrum_meaning(variant),
+        _ => spectrum_meaning(variant, resolved),
     };
     let has_scales = table.binding == TERMS && resolved.scale != Scale::NONE;
     let term_scales = if has_scales {
@@ -106,23 +106,32 @@ fn coefficients_meaning(
     (channels.to_vec(), axes)
 }
 
-fn spectrum_meaning(variant: &Variant) -> (Vec<String>, BTreeMap<&'static str, String>) {
+fn spectrum_meaning(
+    variant: &Variant,
+    resolved: &Resolved,
+) -> (Vec<String>, BTreeMap<&'static str, String>) {
     let w = &variant.wavelengths;
     let adaptive = variant.mode == Mode::Adaptive && w.max_nm > w.min_nm;
-    let (weights, column) = if adaptive {
+    let (weights, column, row) = if adaptive {
+        let [low, high] = Lobes::new(variant, resolved.patch_um).middles(resolved.corridor.nodes);
+        let rows = row_meaning("nodes of broad lobes");
         (
-            ["X per 1/µm", "Y per 1/µm", "Z per 1/µm"],
-            format!("equal steps of 1/wavelength, {} to {} nm, linear between", w.max_nm, w.min_nm),
+            ["X", "Y", "Z"],
+            format!("middle of the lobe, equal steps from {low} to {high} per µm; of row 0, node"),
+            format!(
+                "{rows}; from 2: lobes over their width, from 0 to the broadest in equal steps, then their second halves"
+            ),
         )
     } else {
         (
             ["X weight", "Y weight", "Z weight"],
             format!("wavelength node, {} to {} nm", w.min_nm, w.max_nm),
+            row_meaning("nodes"),
         )
     };
     let mut channels = weights.map(str::to_owned).to_vec();
     channels.push("wavelength in µm".to_owned());
-    (channels, BTreeMap::from([("column", column), ("row", row_meaning("nodes"))]))
+    (channels, BTreeMap::from([("column", column), ("row", row)]))
 }
 
 fn levels_meaning(variant: &Variant) -> (Vec<String>, BTreeMap<&'static str, String>) {

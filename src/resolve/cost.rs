@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::plan::{Mode, Variant};
 
-use super::{Lobes, Resolved, node_level};
+use super::{Corridor, Lobes, Resolved, node_level};
 
 /// What one lit pixel costs, whatever the driver. The modes with uniform wavelengths cost the same everywhere;
 /// `adaptive` costs what its direction meets, counted over `mean_and_worst`'s directions.
@@ -24,9 +24,6 @@ pub struct Cost {
     pub table_bytes: u64,
 }
 
-/// Nodes of a panel of a lobe.
-pub const LOBE_NODES: u32 = 8;
-
 /// Counts a variant's work.
 pub(super) fn cost(variant: &Variant, resolved: &Resolved, lobes: &Lobes) -> Cost {
     if variant.mode == Mode::Baked {
@@ -45,9 +42,6 @@ pub(super) fn cost(variant: &Variant, resolved: &Resolved, lobes: &Lobes) -> Cos
     let nodes = match variant.mode {
         Mode::Gems | Mode::Baked => 1,
         Mode::Adaptive if most_nodes.is_some() => most_nodes.unwrap_or(1),
-        Mode::Adaptive if variant.wavelengths.max_nm > variant.wavelengths.min_nm => {
-            crate::spectrum::WAVENUMBER_NODES as u64
-        }
         _ => variant.wavelengths.nodes_nm().len() as u64,
     };
     let shape = crate::tables::terms_shape(
@@ -56,9 +50,14 @@ pub(super) fn cost(variant: &Variant, resolved: &Resolved, lobes: &Lobes) -> Cos
         variant.packing,
         variant.table,
     );
-    // the settings are a row of their own
-    let rows_of_nodes = resolved.node_counts.len().max(1) as u64 + 1;
-    let spectrum_bytes = rows_of_nodes * 4 * 4 * nodes;
+    let spectrum_bytes = match variant.mode {
+        Mode::Adaptive if most_nodes.is_none() => {
+            let Corridor { columns, rows, .. } = resolved.corridor;
+            4 * 4 * u64::from(columns) * u64::from(2 * rows + 2)
+        }
+        // the settings are a row of their own
+        _ => 4 * 4 * nodes * (resolved.node_counts.len().max(1) as u64 + 1),
+    };
     let rows = crate::tables::coefficient_rows(&resolved.expansion) as u64;
     let coefficient_bytes = rows * resolved.coefficient_count as u64 * 4 * 4;
     let table_bytes = shape.byte_count() as u64 + spectrum_bytes + coefficient_bytes;
@@ -101,16 +100,10 @@ pub(super) fn cost(variant: &Variant, resolved: &Resolved, lobes: &Lobes) -> Cos
             Cost { fetches: 1, fetches_mean: 1.0, table_bytes: spectrum_bytes, ..Cost::default() }
         }
         Mode::Adaptive => {
-            let panels = resolved.corridor.panels;
-            let (mean, worst) = mean_and_worst(|uv| {
-                lobes
-                    .bins(uv)
-                    .into_iter()
-                    .map(|(_, span)| u64::from(lobes.panels(span, panels)))
-                    .sum()
-            });
-            // two neighbouring texels of the spectrum at each node
-            let fetches = layers + coefficients + 2 * u64::from(LOBE_NODES);
+            let (mean, worst) =
+                mean_and_worst(|uv| lobe_evaluations(lobes, &resolved.corridor, uv));
+            // two neighbouring texels of colour weights
+            let fetches = layers + coefficients + 2;
             Cost {
                 evaluations: worst,
                 evaluations_mean: mean,
@@ -144,4 +137,15 @@ fn mean_and_worst(count: impl Fn([f64; 2]) -> u64) -> (f64, u64) {
         }
     }
     (sum as f64 / f64::from(directions), worst)
+}
+
+/// Evaluations of the bins that the wavelengths of a direction meet.
+fn lobe_evaluations(lobes: &Lobes, corridor: &Corridor, uv: [f64; 2]) -> u64 {
+    let breadth = lobes.breadth(uv, corridor.nodes);
+    if breadth < 1.0 {
+        let row = (breadth * (f64::from(corridor.rows) - 1.0) + 0.5) as u32;
+        let sides = if Lobes::is_halved(row, corridor.rows) { 2 } else { 1 };
+        return sides * lobes.bins(uv).len() as u64;
+    }
+    (0..corridor.nodes).map(|node| lobes.node_bins(uv, node, corridor.nodes)).sum()
 }

@@ -1,9 +1,8 @@
 //! The wavelength integral as a sum over bins in f64; see `templates/adaptive.wgsl`.
 //!
 //! `XYZ = C Σ_b ∫ |c_b(2π w t)|² exp(-|t·uv - f_b|²/σf²) W(t) dt`, `t = 1/λ`, `W` the colour weights with `dλ = λ² dt`. Exact
-//! for an ensemble; for a single coherence patch as far as lobes of different bins do not overlap. Each lobe is a
-//! midpoint rule over ±4 standard deviations, cut to the range; steps of one standard deviation integrate a whole
-//! Gaussian to 1e-8.
+//! for an ensemble; for a single coherence patch as far as lobes of different bins do not overlap. `|c_b|²` is taken once
+//! in a narrow lobe, at its mean wavenumber, or twice.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -12,11 +11,10 @@ use glam::{DVec2, DVec3};
 use crate::optics::{gain, path_difference};
 use crate::plan::CoherenceScaling;
 use crate::reference::Directions;
-use crate::resolve::{LEAST_SQUARED, LOBE_NODES, Lobes, REACH_SIGMAS, WHOLE_PANELS};
+use crate::resolve::{BROADEST, LEAST_SQUARED, Lobes, OUTER_NODES, REACH_SIGMAS};
 
 use super::Twin;
 use super::series::{bin_amplitude, series_argument, series_scale};
-use super::window::{window, window_sharpness};
 
 /// Relative tristimulus values for one pair of directions.
 pub fn tristimulus(twin: &Twin<'_>, Directions { wi, wr }: Directions) -> [f64; 3] {
@@ -25,129 +23,144 @@ pub fn tristimulus(twin: &Twin<'_>, Directions { wi, wr }: Directions) -> [f64; 
         return [0.0; 3];
     }
     let path = path_difference(wi, wr, twin.rotate_deg);
-    let monochromatic = twin.spectrum.width == 1;
-    corridor(twin, path, wavenumbers(twin), |bin, range| {
-        if monochromatic {
-            let [x, y, z, lambda_um] = twin.spectrum.load(0, 0, 0);
-            (DVec3::new(x, y, z) * intensity(twin, bin, path, lambda_um)).to_array()
-        } else {
-            lobe(twin, bin, path, range)
-        }
-    })
-    .map(|c| c * factor)
+    (corridor(twin, path) * factor).to_array()
 }
 
-/// A bin's intensity under the window at one wavelength.
-pub fn intensity(twin: &Twin<'_>, bin: DVec2, path: DVec3, lambda_um: f64) -> f64 {
-    let amplitude = bin_amplitude(twin, bin, series_argument(twin, path.z, lambda_um));
-    amplitude.norm_sqr() * window_share(twin, bin, path.truncate(), 1.0 / lambda_um)
-}
-
-/// The sum over the bins of a strip along the segment, whichever axis it is steeper to inside.
-pub fn corridor(
-    twin: &Twin<'_>,
-    path: DVec3,
-    range: DVec2,
-    lobe: impl Fn(DVec2, DVec2) -> [f64; 3],
-) -> [f64; 3] {
+/// The sum over the bins of a strip along the segment, or over those about each node.
+pub fn corridor(twin: &Twin<'_>, path: DVec3) -> DVec3 {
     let steep = path.y.abs() > path.x.abs();
     let turn = |v: DVec2| if steep { DVec2::new(v.y, v.x) } else { v };
-    let along = turn(path.truncate());
+    let uv = turn(path.truncate());
     let size_um = turn(DVec2::from(twin.resolved.patch_um));
-    let slope = along.y / if along.x == 0.0 { 1.0 } else { along.x };
+    let range = wavenumbers(twin);
     let reach = REACH_SIGMAS * window_width(twin, range.y);
-    let half_width = reach * (1.0 + slope * slope).sqrt();
-    let ends = along.x * range;
+    let squared = uv.length_squared().max(LEAST_SQUARED);
+    let slope = uv.y / if uv.x == 0.0 { 1.0 } else { uv.x };
+    let ends = uv.x * range;
     let first = ((ends.min_element() - reach) * size_um.x).ceil();
     let last = ((ends.max_element() + reach) * size_um.x).floor();
+    let breadth = lobe_breadth(twin, squared.sqrt(), range);
+    let broad = breadth >= 1.0;
+    let node_bins = twin.resolved.corridor.node_bins;
+    let nodes = if twin.is_monochromatic() { 1 } else { twin.resolved.corridor.nodes };
+    let minors = twin.resolved.corridor.minors;
+    let count =
+        if broad { nodes * node_bins } else { (last - first).max(-1.0) as u32 + 1 } * minors;
+    let half_width = if broad { reach } else { reach * (1.0 + slope * slope).sqrt() };
+    let pace = if broad { node_pace(twin, range) } else { 0.0 };
+    let row = lobe_row(twin, breadth);
     let mut xyz = DVec3::ZERO;
-    for i in 0..twin.resolved.corridor.majors {
-        let major = first + f64::from(i);
-        if major > last {
-            break;
-        }
-        let centre = slope * major / size_um.x;
+    for index in 0..count.min(twin.resolved.corridor.candidates) {
+        let line = index / minors;
+        let node = line / node_bins;
+        let fixed = node_wavenumber(twin, node, range);
+        let corner =
+            ((fixed * uv.x - reach) * size_um.x).ceil() + f64::from(line - node * node_bins);
+        let major = if broad { corner } else { first + f64::from(line) };
+        let centre = if broad { fixed * uv.y } else { slope * major / size_um.x };
         let lowest = ((centre - half_width) * size_um.y).ceil();
-        let highest = ((centre + half_width) * size_um.y).floor();
-        for j in 0..twin.resolved.corridor.minors {
-            let minor = lowest + f64::from(j);
-            if minor > highest {
-                break;
+        let bin = DVec2::new(major, lowest + f64::from(index - line * minors));
+        let place = bin / size_um;
+        let wavenumber = if broad { fixed } else { lobe_centre(twin, place, uv, squared) };
+        let width = window_width(twin, wavenumber);
+        let sharpness = lobe_sharpness(width, squared, pace);
+        let exponent = window_exponent(wavenumber * uv - place, uv, sharpness);
+        if exponent < REACH_SIGMAS * REACH_SIGMAS {
+            let share = window_share(exponent, squared, width, pace);
+            for side in 0..lobe_halves(twin, row) {
+                let light = lobe_light(twin, wavenumber, node, row, side, range);
+                let argument = series_argument(twin, path.z, light[3]);
+                let amplitude = bin_amplitude(twin, turn(bin), argument);
+                xyz += share * amplitude.norm_sqr() * DVec3::new(light[0], light[1], light[2]);
             }
-            xyz += DVec3::from(lobe(turn(DVec2::new(major, minor)), range));
         }
     }
-    (xyz * series_scale(twin).powi(2)).to_array()
+    let scale = if broad { 1.0 } else { window_width(twin, 1.0) / squared.sqrt() };
+    scale * series_scale(twin).powi(2) * xyz
 }
 
-/// What one bin adds while the segment crosses its lobe.
-fn lobe(twin: &Twin<'_>, bin: DVec2, path: DVec3, range: DVec2) -> [f64; 3] {
-    let uv = path.truncate();
-    let span = lobe_span(twin, bin / DVec2::from(twin.resolved.patch_um), uv, range);
-    if span.x >= span.y {
-        return [0.0; 3];
+/// Width of the lobes of a direction over that of the broadest narrow ones.
+fn lobe_breadth(twin: &Twin<'_>, length: f64, range: DVec2) -> f64 {
+    if twin.is_monochromatic() {
+        return 1.0;
     }
-    let most = f64::from(twin.resolved.corridor.panels);
-    let share = (span.y - span.x) / (range.y - range.x) * most;
-    let panels = if share < WHOLE_PANELS { 1.0 } else { share.ceil().min(most) };
-    let pace = (span.y - span.x) / (panels * f64::from(LOBE_NODES));
-    let mut xyz = DVec3::ZERO;
-    for panel in 0..panels as u32 {
-        let mut weight = DVec3::ZERO;
-        let mut moment = 0.0;
-        for node in 0..LOBE_NODES {
-            let wavenumber = span.x + (f64::from(panel * LOBE_NODES + node) + 0.5) * pace;
-            let light =
-                window_share(twin, bin, uv, wavenumber) * colour_weights(twin, wavenumber, range);
-            weight += light;
-            moment += wavenumber * light.element_sum();
-        }
-        let total = weight.element_sum();
-        if total > 0.0 {
-            let argument = series_argument(twin, path.z, total / moment);
-            xyz += bin_amplitude(twin, bin, argument).norm_sqr() * weight;
-        }
-    }
-    (pace * xyz).to_array()
+    window_width(twin, range.x) / (BROADEST * node_pace(twin, range) * length)
 }
 
-/// Wavenumbers within reach of a bin, cut to the range.
-fn lobe_span(twin: &Twin<'_>, place: DVec2, uv: DVec2, range: DVec2) -> DVec2 {
-    let half_width = FRAC_1_SQRT_2 * REACH_SIGMAS * window_width(twin, 1.0 / 0.55);
+/// Wavenumber at which the segment passes a bin.
+fn lobe_centre(twin: &Twin<'_>, place: DVec2, uv: DVec2, squared: f64) -> f64 {
     if twin.optics().coherence_scaling == CoherenceScaling::Wavelength {
-        let squared = place.length_squared().max(LEAST_SQUARED);
-        let centre_um = uv.dot(place) / squared;
-        let half_um = 0.55 * half_width / squared.sqrt();
-        let low_um = (centre_um - half_um).max(1.0 / range.y);
-        let high_um = (centre_um + half_um).min(1.0 / range.x);
-        return if low_um < high_um {
-            DVec2::new(1.0 / high_um, 1.0 / low_um)
-        } else {
-            DVec2::new(1.0, 0.0)
-        };
+        place.length_squared() / uv.dot(place).max(LEAST_SQUARED)
+    } else {
+        uv.dot(place) / squared
     }
-    let squared = uv.length_squared().max(LEAST_SQUARED);
-    let centre = uv.dot(place) / squared;
-    let half_span = half_width / squared.sqrt();
-    DVec2::new((centre - half_span).max(range.x), (centre + half_span).min(range.y))
 }
 
-/// X, Y, Z per 1/µm at a wavenumber.
-fn colour_weights(twin: &Twin<'_>, wavenumber: f64, range: DVec2) -> DVec3 {
-    let last = twin.spectrum.width as i64 - 1;
-    let place = (wavenumber - range.x) / (range.y - range.x) * last as f64;
-    let index = (place as i64).clamp(0, last - 1);
-    let texel = |i: i64| {
-        let [x, y, z, _] = twin.spectrum.load(i, 0, 0);
-        DVec3::new(x, y, z)
-    };
-    texel(index).lerp(texel(index + 1), place - index as f64)
+/// Row of narrow lobes of a width; none of broad ones.
+fn lobe_row(twin: &Twin<'_>, breadth: f64) -> Option<u32> {
+    let last = f64::from(twin.resolved.corridor.rows) - 1.0;
+    (breadth < 1.0).then_some((breadth * last + 0.5) as u32)
 }
 
-/// Share of a bin's intensity that the window lets through at `f = uv·t`.
-fn window_share(twin: &Twin<'_>, bin: DVec2, uv: DVec2, wavenumber: f64) -> f64 {
-    let place = wavenumber * uv * DVec2::from(twin.resolved.patch_um);
-    window(place - bin, window_sharpness(twin, 1.0 / wavenumber)).powi(2)
+/// Wavelengths at which a lobe's bin counts.
+fn lobe_halves(twin: &Twin<'_>, row: Option<u32>) -> u32 {
+    let halved = row.is_some_and(|row| Lobes::is_halved(row, twin.resolved.corridor.rows));
+    if halved { 2 } else { 1 }
+}
+
+/// X, Y, Z of a lobe, or of a half, and the wavelength at which its bin counts.
+fn lobe_light(
+    twin: &Twin<'_>,
+    wavenumber: f64,
+    node: u32,
+    row: Option<u32>,
+    side: u32,
+    range: DVec2,
+) -> [f64; 4] {
+    let Some(row) = row else { return twin.spectrum.load(i64::from(node), 0, 0) };
+    let (columns, rows) = (twin.resolved.corridor.columns, twin.resolved.corridor.rows);
+    let margin = FRAC_1_SQRT_2 * REACH_SIGMAS * BROADEST * node_pace(twin, range);
+    let low = range.x - margin;
+    let high = range.y + margin * window_width(twin, range.y) / window_width(twin, range.x);
+    let column = ((wavenumber - low) / (high - low)).clamp(0.0, 1.0) * f64::from(columns - 1);
+    let line = i64::from(2 + row + side * rows);
+    let index = (column as i64).min(i64::from(columns) - 2);
+    let before = twin.spectrum.load(index, line, 0);
+    let after = twin.spectrum.load(index + 1, line, 0);
+    let part = column - index as f64;
+    std::array::from_fn(|c| before[c] + part * (after[c] - before[c]))
+}
+
+/// Distance of the nodes.
+fn node_pace(twin: &Twin<'_>, range: DVec2) -> f64 {
+    if twin.is_monochromatic() {
+        return 0.0;
+    }
+    (range.y - range.x) / (f64::from(twin.resolved.corridor.nodes) - 5.0)
+}
+
+/// Wavenumber of a node.
+fn node_wavenumber(twin: &Twin<'_>, node: u32, range: DVec2) -> f64 {
+    if twin.is_monochromatic() {
+        return range.x;
+    }
+    range.x + (f64::from(node) - f64::from(OUTER_NODES)) * node_pace(twin, range)
+}
+
+/// Factors of the exponent: `1/σf²`, and what is added along the segment within the lobe of a node.
+fn lobe_sharpness(width: f64, squared: f64, pace: f64) -> DVec2 {
+    let rest = width * width - pace * pace * squared;
+    DVec2::new(1.0, pace * pace / rest) / (width * width)
+}
+
+/// Minus the logarithm of the share of a bin's intensity that the window lets through at an offset from f.
+fn window_exponent(offset: DVec2, uv: DVec2, sharpness: DVec2) -> f64 {
+    sharpness.x * offset.length_squared() + sharpness.y * offset.dot(uv).powi(2)
+}
+
+/// The share itself.
+fn window_share(exponent: f64, squared: f64, width: f64, pace: f64) -> f64 {
+    width / (width * width - pace * pace * squared).sqrt() * (-exponent).exp()
 }
 
 /// Standard deviation of the window's spectrum, cycles per µm.
@@ -157,7 +170,7 @@ fn window_width(twin: &Twin<'_>, wavenumber: f64) -> f64 {
 
 /// Least and greatest wavenumber.
 fn wavenumbers(twin: &Twin<'_>) -> DVec2 {
-    if twin.spectrum.width == 1 {
+    if twin.is_monochromatic() {
         return DVec2::splat(1.0 / twin.spectrum.load(0, 0, 0)[3]);
     }
     let waves = &twin.variant.wavelengths;
