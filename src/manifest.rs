@@ -327,7 +327,8 @@ pub fn manifest(subject: Subject<'_>, module: &Module, files: &[EmittedFile]) ->
         requires: requires(&extents),
         cost: resolved.cost,
         error_bound: error_bound(variant, resolved),
-        lobes: (variant.mode == Mode::Adaptive).then(|| lobe_bounds(variant, resolved)),
+        lobes: (variant.mode == Mode::Adaptive && resolved.grid.is_none())
+            .then(|| lobe_bounds(variant, resolved)),
         tables: tables.into_iter().map(|(_, entry)| entry).collect(),
     }
 }

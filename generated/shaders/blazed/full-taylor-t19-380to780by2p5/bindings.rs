@@ -83,7 +83,7 @@ pub const ORIENTATION_MAP_GROUP: u32 = 0;
 /// Binding of texture `orientation_map`.
 pub const ORIENTATION_MAP_BINDING: u32 = 9;
 
-/// A table that the shader reads as a texture, texel by texel, without a sampler.
+/// A table that the shader reads as a texture, at level 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Table {
     /// Bind group.
@@ -106,6 +106,8 @@ pub struct Table {
     pub height: u32,
     /// Array layers; 1 for a plain texture.
     pub layers: u32,
+    /// Binding of the sampler that it is read through, linear and clamping to the edge; none: texel by texel.
+    pub sampler: Option<u32>,
 }
 
 /// Table `terms`.
@@ -120,6 +122,7 @@ pub const TERMS_TABLE: Table = Table {
     width: 31,
     height: 7,
     layers: 10,
+    sampler: None,
 };
 
 /// Table `spectrum`.
@@ -134,6 +137,7 @@ pub const SPECTRUM_TABLE: Table = Table {
     width: 161,
     height: 2,
     layers: 1,
+    sampler: None,
 };
 
 /// All tables.
