@@ -17,7 +17,7 @@
 const REACH_SIGMAS: f32 = 4.0;
 #ifndef MONOCHROMATIC
 // The broadest narrow lobe, in distances of the nodes.
-const BROADEST: f32 = 2.0;
+const BROADEST: f32 = 4.0;
 #endif
 
 // Relative tristimulus values for one pair of directions.
@@ -144,7 +144,7 @@ fn lobe_halves(row: i32) -> i32 {
 #ifdef MONOCHROMATIC
     return 1;
 #else
-    return select(1, 2, 2 * row >= LOBE_ROWS);
+    return select(1, 2, 4 * row >= LOBE_ROWS);
 #endif
 }
 

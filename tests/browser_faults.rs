@@ -53,8 +53,8 @@ fn what_the_browser_refuses_is_an_error_and_the_next_job_works() {
             assert!(error.starts_with("v: "), "{error}");
             assert!(words.iter().all(|word| error.contains(word)), "{error}: {words:?}");
         }
-        let error = web.compile("v", &files, "mesh", &tables).unwrap_err().to_string();
-        assert!(error.contains("no emitted file has mesh"), "{error}");
+        let error = web.compile("v", &files, "other", &tables).unwrap_err().to_string();
+        assert!(error.contains("no emitted file has other"), "{error}");
         let pipeline = compile("x", "x", &tables).unwrap();
         let error = web.draw(&pipeline, [1 << 20, 1], &params(1), &|_| ()).unwrap_err();
         println!("{api}: {error}");

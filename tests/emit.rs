@@ -235,9 +235,23 @@ fn targets_that_are_kept_write_nothing_but_what_another_shares() {
     };
     assert_eq!(names(&[]), Vec::<String>::new());
     assert_eq!(names(&[Target::Hlsl]), ["fn.hlsl", "hlsl"]);
-    let desktop = ["fn.glsl", "frag.glsl", "probe.frag.glsl", "vert.glsl"];
+    let desktop = [
+        "fn.glsl",
+        "frag.glsl",
+        "mesh.frag.glsl",
+        "mesh.vert.glsl",
+        "probe.frag.glsl",
+        "vert.glsl",
+    ];
     assert_eq!(names(&[Target::Glsl450]), desktop);
-    let embedded = ["es300.frag", "es300.vert", "fn.glsl", "probe.es300.frag"];
+    let embedded = [
+        "es300.frag",
+        "es300.vert",
+        "fn.glsl",
+        "mesh.es300.frag",
+        "mesh.es300.vert",
+        "probe.es300.frag",
+    ];
     assert_eq!(names(&[Target::GlslEs300]), embedded);
     assert_eq!(names(&[Target::Msl, Target::Wgsl]), ["fn.wgsl", "metal", "wgsl"]);
 }

@@ -145,8 +145,9 @@ fn the_other_modes_and_formats_agree_with_their_twins() {
                 let c = difference(&gpu, height, variant, rotate_deg, 20.0, 64);
                 let what = format!("{:?} {:?}", variant.mode, variant.table);
                 // the last bit of a direction is a small part of a column of the table
-                let most = if variant.mode == Mode::Baked { 5.0 * CENTRED } else { CENTRED };
-                assert!(c.max_abs <= most && c.de2000.p99 <= 0.01, "{what}: {c:?}");
+                let baked = variant.mode == Mode::Baked;
+                let (most, p99) = if baked { (5.0 * CENTRED, 0.02) } else { (CENTRED, 0.01) };
+                assert!(c.max_abs <= most && c.de2000.p99 <= p99, "{what}: {c:?}");
             }
         }
     }

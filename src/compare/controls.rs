@@ -158,10 +158,10 @@ pub const CONTROLS: [Control; 10] = [
         },
     },
     Control {
-        name: "baked and turned the wrong way",
+        name: "baked and mirrored",
         mode: Mode::Baked,
         filtered: false,
-        spoil: |p, _| replace(p, "baked", "uv.y < 0.0", "uv.y > 0.0"),
+        spoil: |p, _| replace(p, "baked", "uv.x < 0.0", "uv.x > 0.0"),
     },
 ];
 

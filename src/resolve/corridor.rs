@@ -8,7 +8,7 @@ use crate::plan::{CoherenceScaling, Variant};
 /// Lobes end at this many standard deviations of the window in the frequency plane; `exp(-4²)` of the peak is left.
 pub const REACH_SIGMAS: f64 = 4.0;
 /// The broadest of the narrow lobes, in distances of the nodes that broader ones are taken at.
-pub const BROADEST: f64 = 2.0;
+pub const BROADEST: f64 = 4.0;
 /// Nodes beyond each end of the range: the lobe of a node is as wide as the nodes are apart, `exp(-9)` is left out.
 pub const OUTER_NODES: u32 = 2;
 /// Colour weights change by their own size over this wavenumber at the fastest, 1/µm: 15 nm in the middle of the spectrum.
@@ -117,7 +117,7 @@ impl Lobes {
 
     /// Whether the narrow lobes of a row of the table are taken at two wavenumbers. The same as `lobe_halves` of the template.
     pub fn is_halved(row: u32, rows: u32) -> bool {
-        2 * row >= rows
+        4 * row >= rows
     }
 
     /// Columns and rows of the table of narrow lobes: linear between columns errs by `δ²/8` of the second derivative, the

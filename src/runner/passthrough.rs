@@ -18,6 +18,7 @@ use crate::plan::Target;
 use crate::process::{GLSLANG, GLSLANG_PACKAGE, on_path};
 
 use super::gpu::{Backend, Gpu, Pipeline, Program, Shader, Texture, Uniform};
+use super::pictures::PARAMS;
 use super::pictures::{BoundTable, Driver, DriverRunner};
 use super::{Progress, shader};
 
@@ -101,7 +102,7 @@ impl Passthrough {
             let place = binding.emitted_binding.unwrap_or(binding.binding);
             let table = tables.iter().find(|(at, _)| *at == binding.binding);
             match (binding.kind, table) {
-                (BindingKind::UniformBlock, _) => {
+                (BindingKind::UniformBlock, _) if binding.binding == PARAMS => {
                     uniform = Some(Uniform { binding: place, size: size_of::<[f32; 8]>() as u32 });
                 }
                 // a file of several entry points names the tables of all; what this one lacks is found in its words

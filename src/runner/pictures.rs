@@ -228,6 +228,9 @@ fn directions_table(directions: &[Directions]) -> Table {
     }
 }
 
+/// Binding of the uniform block `Params`; that of meshes is another.
+pub(super) const PARAMS: u32 = 0;
+
 /// The uniform block `Params`: direction to the light, and width and height in pixels.
 pub fn params(light: DVec3, [width, height]: [u32; 2]) -> [f32; 8] {
     let light = light.as_vec3();

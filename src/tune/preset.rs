@@ -1,8 +1,8 @@
 //! A variant as the preset of a plan.
 
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 
-use crate::plan::{Optics, Variant};
+use crate::plan::{Mode, Optics, Variant};
 
 use super::grid;
 
@@ -22,6 +22,12 @@ pub fn preset(variant: &Variant, optics: &Optics) -> String {
             key => keys.push((key, value.to_string())),
         }
     }
+    if variant.mode == Mode::Pq {
+        // what this mode does not read may still contradict it, where the plan says so for all
+        let neutral = [("coherence", "single"), ("coherence_scaling", "fixed")];
+        let said = neutral.into_iter().filter(|(key, word)| plain[*key] != json!(word));
+        keys.extend(said.map(|(key, word)| (key, format!("\"{word}\""))));
+    }
     let place = |key: &str| ORDER.iter().position(|known| *known == key).unwrap_or(ORDER.len());
     keys.sort_by_key(|(key, _)| place(key));
     let nm = ["min_nm", "max_nm", "step_nm"].into_iter();
@@ -30,7 +36,19 @@ pub fn preset(variant: &Variant, optics: &Optics) -> String {
     if !nm.is_empty() {
         keys.push(("wavelengths", format!("{{ {} }}", nm.join(", "))));
     }
-    text(&variant.name, &keys)
+    text(&short(variant), &keys)
+}
+
+/// Longest name of a preset.
+const LONGEST: usize = 64;
+
+/// The variant's name; the beginning of one that is too long for a preset, and of the hash.
+fn short(variant: &Variant) -> String {
+    if variant.name.len() <= LONGEST {
+        return variant.name.clone();
+    }
+    let begin: String = variant.name.chars().take(LONGEST - 9).collect();
+    format!("{begin}-{}", &variant.hash()[..8])
 }
 
 /// Keys that come first; others follow.
@@ -101,9 +119,11 @@ mode = "gems"
         for variant in &plan.variants {
             let text = preset(variant, &plan.optics);
             let read = plan.preset(&text).unwrap_or_else(|e| panic!("{text}{e:?}"));
-            assert_eq!((&read.name, read.hash()), (&variant.name, variant.hash()), "{text}");
+            assert_eq!((&read.name, read.hash()), (&short(variant), variant.hash()), "{text}");
             // what is configured for the whole plan is not said again
-            let own = ["ensemble", "coherence_um"].iter().all(|word| !text.contains(word));
+            let settings = text.lines().filter(|line| !line.starts_with("name"));
+            let said = settings.collect::<Vec<_>>().join("\n");
+            let own = ["ensemble", "coherence_um"].iter().all(|word| !said.contains(word));
             assert!(own || variant.mode.as_str() == "pq", "{text}");
         }
     }

@@ -214,7 +214,12 @@ impl Tool for HlslSpirv {
         let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
         let spirv = folder.path().join("shader.spv");
         for Input { name, file } in shell::inputs(file)?.files {
-            for (entry, stage) in hlsl_entries(&name) {
+            let text = fs::read_to_string(&file).map_err(|error| error.to_string())?;
+            let mesh = Contract::package(true).entry_points.into_iter();
+            let known = hlsl_entries(&name);
+            let more = mesh
+                .filter(|point| !known.contains(point) && text.contains(&format!(" {}(", point.0)));
+            for (entry, stage) in known.iter().cloned().chain(more) {
                 hlsl_to_spirv(compiler, &file, (&entry, stage), &spirv, TIME_LIMIT)?;
                 let mut validate = Command::new(validator);
                 accepted(validate.args(["--target-env", "vulkan1.0"]).arg(&spirv), TIME_LIMIT)?;
@@ -224,12 +229,12 @@ impl Tool for HlslSpirv {
     }
 }
 
-/// Entry points of a HLSL file: those of every whole shader, or the one of a shell.
+/// Entry points of a HLSL file: those that every whole shader has, or the one of a shell.
 fn hlsl_entries(name: &str) -> Vec<(String, Stage)> {
     if name.starts_with(shell::NAME) {
         return vec![("main".to_owned(), Stage::Fragment)];
     }
-    Contract::package(true).entry_points
+    Contract::standard(true).entry_points
 }
 
 fn words(options: &[&str]) -> Vec<String> {

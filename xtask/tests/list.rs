@@ -10,7 +10,8 @@ const PLAN: &str = r#"schema = 1
 name = "a"
 grating = { kind = "blazed", period_um = 2.5, height_um = 0.3, pixels = 100 }
 [variants]
-mode = ["full", "baked"]
+mode = ["full", "pq"]
+coherence_scaling = "wavelength"
 [[preset]]
 name = "as-printed"
 basis = "taylor-zero"
@@ -34,7 +35,7 @@ fn json_has_everything_in_the_order_of_the_plan() {
     assert_eq!((done.status.code(), done.stderr.len()), (Some(0), 0));
     let list: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
     assert_eq!(list["surfaces"][0]["name"], "a");
-    assert_eq!(list["variants"][0]["name"], "full-taylor-t31");
+    assert_eq!(list["variants"][0]["name"], "full-taylor-t31-lcwave");
     assert_eq!(list["variants"][0]["mode"], "full");
     assert_eq!(list["variants"][0]["cost"][0]["term_fetches"], 81 * 16 * 9);
     assert_eq!(list["variants"][1]["name"], "as-printed");
@@ -44,8 +45,9 @@ fn json_has_everything_in_the_order_of_the_plan() {
         list["targets"],
         serde_json::json!(["wgsl", "glsl450", "glsl-es300", "spirv", "hlsl", "msl"])
     );
-    assert_eq!(list["rejected"][0]["name"], "baked-taylor-t31");
-    assert_eq!(list["rejected"][0]["reason"], "mode \"baked\" is not available in this version");
+    assert_eq!(list["rejected"][0]["name"], "pq-taylor-t31-lcwave");
+    let reason = "pq repeats the patch a whole number of times, the same for all wavelengths";
+    assert_eq!(list["rejected"][0]["reason"], reason);
 }
 
 #[test]
@@ -56,8 +58,8 @@ fn the_table_tells_costs_and_rejections() {
         "blazed, 2.5 µm",
         "as-printed",
         "22599",
-        "baked-taylor-t31",
-        "not available",
+        "pq-taylor-t31-lcwave",
+        "a whole number of times",
         "targets: wgsl",
     ] {
         assert!(text.contains(part), "{part} is not in\n{text}");
@@ -66,7 +68,7 @@ fn the_table_tells_costs_and_rejections() {
 
 #[test]
 fn every_fault_of_a_plan_is_one_line_and_the_exit_code_is_two() {
-    let broken = PLAN.replace("0.3", "-1").replace("\"full\", \"baked\"", "\"fool\"");
+    let broken = PLAN.replace("0.3", "-1").replace("\"full\", \"pq\"", "\"fool\"");
     let folder = folder(&broken);
     let done = xtask(folder.path(), &["list"]);
     let told = String::from_utf8(done.stderr).unwrap();

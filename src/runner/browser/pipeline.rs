@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use super::{Api, BoundTable, Browser, Web, lock};
 use crate::emit::{BindingKind, EmittedFile};
 use crate::error::{Error, Result, Stage};
+use crate::runner::pictures::PARAMS;
 use crate::runner::stages::StageFile;
 use crate::tables::{SAMPLER, Table};
 
@@ -133,6 +134,7 @@ fn resources(
         let emitted = &binding.emitted_name;
         let entry = json!({ "name": emitted, "file": file.name, "unit": binding.binding });
         match binding.kind {
+            BindingKind::UniformBlock if binding.binding != PARAMS => {}
             BindingKind::UniformBlock => {
                 job["block"] = json!(binding.binding);
                 blocks.push(entry);
