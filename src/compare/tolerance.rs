@@ -102,7 +102,8 @@ fn terms_sum(resolved: &Resolved) -> f64 {
 
 /// 95th percentiles of CIEDE2000 against the exact reference.
 ///
-/// * `adaptive` sees every lobe; what is left is the width of the corridor (0.25 on a grating, 0.2 on scans, 0.08 of their maps).
+/// * `adaptive` sees every lobe; what is left is that its intensity is taken once or twice in it (0.3 on a grating, 0.03 on scans,
+///   0.13 of their maps).
 /// * `full` depends on how much of the window it sees and how finely it samples. A step of 5 nm, the texts', misses narrow
 ///   lobes far from the mirror direction (3.8 on rows of pits; 10 on a map under a low light), 2.5 nm hardly any (0.09; 0.13);
 ///   one bin to each side cuts 2 % of the window off a scan of 65 µm (2.8).
@@ -132,14 +133,14 @@ fn model(variant: &Variant, resolved: &Resolved) -> Option<Tolerance> {
     Some(Tolerance { max_abs: None, de2000_p95: Some(p95), map_p95 })
 }
 
-/// `baked`: what its sizes aim at, twice, where they were not cut by the most bytes.
+/// `baked`: what its sizes aim at, twice, where they were not cut by the most bytes. Maps of isolated lobes show more, since an
+/// eye that is adapted to dim orders sees the flanks between texels (2.0 on fingers under a low light; 0.6 on a scan).
 fn baked(variant: &Variant, resolved: &Resolved) -> Option<Tolerance> {
     let free = Variant { bake_mib: f64::INFINITY, ..variant.clone() };
     let wanted = Axes::new(&free, 2.0 * resolved.expansion.reach_um);
-    let most = 2.0 * variant.bake_error;
     (wanted == resolved.axes).then_some(Tolerance {
         max_abs: None,
-        de2000_p95: Some(most),
-        map_p95: Some(most),
+        de2000_p95: Some(2.0 * variant.bake_error),
+        map_p95: Some(5.0 * variant.bake_error),
     })
 }
