@@ -1,7 +1,7 @@
 //! A scene to draw a variant in: meshes with tangents, an orbiting camera, directional lights, a body's colour.
 //!
 //! World: right-handed, `y` up in the picture; a camera at azimuth and elevation 0 stands on `+z`. Lengths have no unit.
-//! Everything here is data or f64 arithmetic; drawing is [`crate::runner::gpu`]'s and [`draw`]'s.
+//! Everything here is data or f64 arithmetic; drawing is [`crate::runner::gpu`]'s and [`crate::studio`]'s.
 
 mod camera;
 mod gltf;
