@@ -74,7 +74,8 @@ pub struct VariantManifest {
 /// What bounds a sum over lobes.
 #[derive(Clone, Debug, Serialize)]
 pub struct LobeBounds {
-    /// Greatest number of bins that a pixel looks at: the static bound of the shader's loops, whatever the direction.
+    /// Greatest number of bins that a pixel looks at, each of which counts at most twice: the static bound of the shader's loops,
+    /// whatever the direction.
     pub candidates: u32,
     /// `σf·L`, width of the window's spectrum over the distance of bins, at its greatest.
     pub overlap: f64,
