@@ -172,14 +172,14 @@ fn package() -> &'static Path {
     static PACKAGE: OnceLock<PathBuf> = OnceLock::new();
     PACKAGE.get_or_init(|| {
         let plan = Plan::read_all(&Path::new(ROOT).join("plans/gallery.toml")).unwrap();
-        let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("gallery-cache");
         let request = Request {
             surfaces: &plan.surfaces,
             variants: &plan.variants,
             targets: &plan.targets,
             containers: &[],
             sources: &Sources::builtin(),
-            cache: Some(&cache),
+            // another build's numbers prove nothing
+            cache: None,
             keep: &|_, _| false,
         };
         let mut package = generate(&request, &|_| {}).unwrap_or_else(|e| panic!("{e:?}")).package;

@@ -19,6 +19,7 @@ mod link;
 mod page_check;
 mod pipeline;
 mod profile;
+mod server;
 
 use std::fmt;
 use std::path::{Path, PathBuf};

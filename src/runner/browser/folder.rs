@@ -4,8 +4,7 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 use std::time::Duration;
 
-use tiny_http::{Header, Method, Request, Response, Server};
-
+use super::server::{Method, Request, Server, StatusCode};
 use crate::error::{Error, Result, Stage};
 
 /// Types by the ends of names; browsers want them of scripts and styles.
@@ -33,7 +32,7 @@ impl FolderServer {
         if !root.is_dir() {
             return Err(about("is no folder"));
         }
-        let server = Server::http(("127.0.0.1", port)).map_err(|e| {
+        let server = Server::open(port).map_err(|e| {
             Error::new(Stage::Run, format!("port {port}"), "cannot be opened")
                 .remedy("another program may have it: take another, or 0 for any")
                 .source(e)
@@ -43,45 +42,30 @@ impl FolderServer {
 
     /// The address of the folder, with a slash at its end.
     pub fn address(&self) -> String {
-        format!("http://{}/", self.server.server_addr())
+        format!("http://{}/", self.server.address())
     }
 
     /// Answers the next request, if one comes in time. What a page posts is returned; else, only files are handed out.
     pub fn answer(&self, wait: Duration) -> Result<Option<Vec<u8>>> {
         let failed = |e| Error::new(Stage::Run, "the local port", "fails").source(e);
-        match self.server.recv_timeout(wait).map_err(failed)? {
-            Some(request) => Ok(self.respond(request)),
-            None => Ok(None),
-        }
+        let Some(request) = self.server.next(wait).map_err(failed)? else { return Ok(None) };
+        Ok(self.respond(request))
     }
 
     fn respond(&self, mut request: Request) -> Option<Vec<u8>> {
-        let mut posted = None;
-        let status = match request.method() {
-            Method::Post => {
-                let mut bytes = Vec::new();
-                // a message that broke off is none
-                posted = request.as_reader().read_to_end(&mut bytes).is_ok().then_some(bytes);
-                204
+        match request.method {
+            Method::POST => {
+                let posted = std::mem::take(&mut request.body);
+                request.finish(StatusCode::NO_CONTENT);
+                return Some(posted);
             }
-            Method::Get | Method::Head => match self.file(request.url()) {
-                Some((bytes, kind)) => {
-                    let mut response = Response::from_data(bytes);
-                    for (name, value) in [("content-type", kind), ("cache-control", "no-cache")] {
-                        if let Ok(header) = Header::from_bytes(name, value) {
-                            response.add_header(header);
-                        }
-                    }
-                    // a browser that went away needs no answer
-                    let _ = request.respond(response);
-                    return None;
-                }
-                None => 404,
+            Method::GET | Method::HEAD => match self.file(&request.url) {
+                Some((bytes, kind)) => request.send(kind, bytes),
+                None => request.finish(StatusCode::NOT_FOUND),
             },
-            _ => 405,
-        };
-        let _ = request.respond(Response::empty(status));
-        posted
+            _ => request.finish(StatusCode::METHOD_NOT_ALLOWED),
+        }
+        None
     }
 
     /// The bytes of a file below the folder, and their type.
@@ -183,12 +167,40 @@ mod tests {
         }
     }
 
+    /// A browser opens several connections at once and keeps them: each is answered while all others stay open.
+    #[test]
+    fn connections_that_stay_open_starve_no_other() {
+        const AT_ONCE: usize = 24;
+        let place = tempfile::tempdir().expect("a folder");
+        fs::write(place.path().join("x"), "body").expect("writes");
+        for round in 0..20 {
+            let server = FolderServer::open(place.path(), 0).expect("opens");
+            let address = server.address().replace("http://", "").replace('/', "");
+            let open = || TcpStream::connect(&address).expect("the port is open");
+            let mut streams: Vec<TcpStream> = (0..AT_ONCE).map(|_| open()).collect();
+            for stream in &mut streams {
+                stream.write_all(b"GET /x HTTP/1.1\r\nhost: x\r\n\r\n").expect("writes");
+            }
+            for _ in 0..AT_ONCE {
+                server.answer(Duration::from_secs(5)).expect("answers");
+            }
+            for (i, stream) in streams.iter_mut().enumerate() {
+                stream.set_read_timeout(Some(Duration::from_secs(5))).expect("sets");
+                let mut first = [0; 15];
+                let read = stream.read_exact(&mut first);
+                assert!(read.is_ok(), "round {round}: connection {i} gets no answer");
+                assert_eq!(&first, b"HTTP/1.1 200 OK", "round {round}, connection {i}");
+            }
+        }
+    }
+
     #[test]
     fn no_folder_and_no_port_are_errors() {
         let place = tempfile::tempdir().expect("a folder");
         assert!(FolderServer::open(&place.path().join("none"), 0).is_err());
         let server = FolderServer::open(place.path(), 0).expect("opens");
-        let port = server.server.server_addr().to_ip().expect("an address").port();
+        let address = server.address().replace('/', "");
+        let port = address.rsplit(':').next().expect("a port").parse().expect("a number");
         assert!(FolderServer::open(place.path(), port).is_err());
     }
 }

@@ -8,18 +8,18 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
-use tiny_http::{Header, Method, Request, Response, Server};
 
 use super::chromium::{Chromium, failure};
+use super::server::{Method, Request, Server, StatusCode};
 use crate::error::{Error, Result};
 
 /// The page: names under its address, types, texts.
 const FILES: [(&str, &str, &str); 5] = [
-    ("", "text/html", include_str!("page/page.html")),
-    ("page.js", "text/javascript", include_str!("page/page.js")),
-    ("alive.js", "text/javascript", include_str!("page/alive.js")),
-    ("webgpu.js", "text/javascript", include_str!("page/webgpu.js")),
-    ("webgl2.js", "text/javascript", include_str!("page/webgl2.js")),
+    ("", "text/html; charset=utf-8", include_str!("page/page.html")),
+    ("page.js", "text/javascript; charset=utf-8", include_str!("page/page.js")),
+    ("alive.js", "text/javascript; charset=utf-8", include_str!("page/alive.js")),
+    ("webgpu.js", "text/javascript; charset=utf-8", include_str!("page/webgpu.js")),
+    ("webgl2.js", "text/javascript; charset=utf-8", include_str!("page/webgl2.js")),
 ];
 
 /// How long the program may take until its page speaks; loaded machines are slow.
@@ -55,11 +55,11 @@ pub(super) struct Message {
 impl Link {
     /// Starts the browser and waits for the page's first words.
     pub(super) fn start(program: Option<&Path>, flags: &[&str]) -> Result<(Link, Message)> {
-        let server = Server::http(("127.0.0.1", 0));
-        let server = server.map_err(|e| failure("no local port can be opened").source(e))?;
+        let server =
+            Server::open(0).map_err(|e| failure("no local port can be opened").source(e))?;
         let random = || RandomState::new().build_hasher().finish();
         let root = format!("/{:016x}{:016x}/", random(), random());
-        let address = format!("http://{}{root}", server.server_addr());
+        let address = format!("http://{}{root}", server.address());
         let chromium = Chromium::start(program, flags, &address)?;
         let mut link = Link { chromium, server, root, waiting: None, broken: None };
         let first = link.receive(START, START)?;
@@ -74,8 +74,7 @@ impl Link {
         let Some(request) = self.waiting.take() else {
             return Err(self.fail(failure("its page does not answer")));
         };
-        // a page that is gone is noticed below
-        let _ = request.respond(Response::from_data(pack(head, payload)));
+        request.send("application/octet-stream", pack(head, payload));
         self.receive(SILENCE, JOB)
     }
 
@@ -94,7 +93,7 @@ impl Link {
         let begun = Instant::now();
         let mut heard = begun;
         loop {
-            match self.server.recv_timeout(TICK) {
+            match self.server.next(TICK) {
                 Ok(Some(request)) => {
                     heard = Instant::now();
                     match self.answer(request) {
@@ -129,36 +128,20 @@ impl Link {
     }
 
     /// Answers a request; that for the next job stays open, and its message is returned.
-    fn answer(&mut self, mut request: Request) -> Result<Option<Message>> {
-        let name = request.url().strip_prefix(self.root.as_str());
+    fn answer(&mut self, request: Request) -> Result<Option<Message>> {
+        let name = request.url.strip_prefix(self.root.as_str());
         let file = name.and_then(|name| FILES.iter().find(|(file, ..)| *file == name));
-        if let (Method::Get, Some((_, kind, text))) = (request.method(), file) {
-            let mut response = Response::from_string(*text);
-            if let Ok(header) = Header::from_bytes("content-type", format!("{kind}; charset=utf-8"))
-            {
-                response.add_header(header);
-            }
-            // the browser's own business
-            let _ = request.respond(response);
-            return Ok(None);
-        }
-        match (request.method(), name) {
-            (Method::Post, Some("next")) => {
-                let mut bytes = Vec::new();
-                let read = request.as_reader().read_to_end(&mut bytes);
-                read.map_err(|e| failure("its page broke off").source(e))?;
+        match (&request.method, name, file) {
+            (&Method::GET, _, Some((_, kind, text))) => request.send(kind, *text),
+            (&Method::POST, Some("next"), _) => {
+                let message = unpack(&request.body);
                 self.waiting = Some(request);
-                unpack(&bytes).map(Some).ok_or_else(|| failure("its page sent no message"))
+                return message.map(Some).ok_or_else(|| failure("its page sent no message"));
             }
-            (Method::Post, Some("alive")) => {
-                let _ = request.respond(Response::empty(204));
-                Ok(None)
-            }
-            _ => {
-                let _ = request.respond(Response::empty(404));
-                Ok(None)
-            }
+            (&Method::POST, Some("alive"), _) => request.finish(StatusCode::NO_CONTENT),
+            _ => request.finish(StatusCode::NOT_FOUND),
         }
+        Ok(None)
     }
 }
 
