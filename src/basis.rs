@@ -34,6 +34,8 @@ pub struct Expansion {
     pub reach_um: f64,
     /// Greatest `|z|`, 1/µm: `2·2π/λmin`.
     pub z_max: f64,
+    /// Greatest `|z|` that an optimal basis is best for, 1/µm; up to `z_max`, its error grows.
+    pub best_z: f64,
     /// The terms of a basis with functions of its own; of a power series none. Those beyond the last are zero.
     pub curves: Vec<Curve>,
     /// Error after 0, 1, 2 … of these terms.
@@ -41,27 +43,42 @@ pub struct Expansion {
 }
 
 impl Expansion {
-    /// Lays a basis on a surface for wavelengths from `min_nm` up.
+    /// Lays a basis on a surface for wavelengths from `min_nm` up, all alike: what a bound asks for.
     pub fn new(basis: Basis, terms: u32, height: &HeightField, min_nm: f64) -> Expansion {
+        Expansion::best_from(min_nm, basis, terms, height, min_nm)
+    }
+
+    /// Lays a basis whose optimum is sought for wavelengths from `best_nm` up, and which holds from `min_nm` up: what
+    /// colours ask for, since a range up to the shortest wavelength makes every term serve light that is hardly seen as much
+    /// as all other. Only the basis `optimal` makes a difference.
+    pub fn best_from(
+        best_nm: f64,
+        basis: Basis,
+        terms: u32,
+        height: &HeightField,
+        min_nm: f64,
+    ) -> Expansion {
         let (low_um, high_um) = height.range_um();
         let (origin_um, reach_um) = match basis {
             Basis::TaylorZero => (low_um, high_um - low_um),
             _ => (0.5 * (low_um + high_um), 0.5 * (high_um - low_um)),
         };
         let z_max = greatest_z(min_nm);
+        let best_z = greatest_z(best_nm.max(min_nm));
         let (curves, truncation) = match basis {
             Basis::Taylor | Basis::TaylorZero => (Vec::new(), Vec::new()),
             Basis::Chebyshev => chebyshev(z_max * reach_um),
             Basis::Optimal => {
                 let part = |h: &f64| if reach_um > 0.0 { (h - origin_um) / reach_um } else { 0.0 };
                 let levels = levels(height.heights_um().iter().map(part));
-                let phase = 0.5 * z_max * reach_um;
-                let curves = optimal(phase, &levels);
+                let half = z_max - 0.5 * best_z;
+                let phase = half * reach_um;
+                let curves = optimal(phase, 0.5 * best_z / half, &levels);
                 let truncation = measured(&curves, phase, &levels);
                 (curves, truncation)
             }
         };
-        Expansion { basis, terms, origin_um, reach_um, z_max, curves, truncation }
+        Expansion { basis, terms, origin_um, reach_um, z_max, best_z, curves, truncation }
     }
 
     /// Whether the coefficients are a table; otherwise they are powers of `z/z_max`.
@@ -103,13 +120,16 @@ impl Expansion {
 
     /// Middle of the z range that the tables are turned to, 1/µm: only half of it is left to the coefficients.
     pub fn centre_z(&self) -> f64 {
-        if self.basis == Basis::Optimal { -0.5 * self.z_max } else { 0.0 }
+        if self.basis == Basis::Optimal { -0.5 * self.best_z } else { 0.0 }
     }
 
     /// Coefficient of a term at `z = τ·z_max`, `τ` in `[-1, 0]`.
     pub fn coefficient(&self, term: usize, tau: f64) -> f64 {
         match self.curves.get(term) {
-            Some(curve) if self.basis == Basis::Optimal => curve.coefficient(2.0 * tau + 1.0),
+            Some(curve) if self.basis == Basis::Optimal => {
+                let half = self.z_max - 0.5 * self.best_z;
+                curve.coefficient((tau * self.z_max + 0.5 * self.best_z) / half)
+            }
             Some(curve) => curve.coefficient(tau),
             None if self.is_tabulated() => 0.0,
             None => tau.powi(term as i32),

@@ -13,7 +13,8 @@ use crate::basis::Expansion;
 use crate::error::{Error, Result, Stage};
 use crate::height::HeightField;
 use crate::optics;
-use crate::plan::{Auto, Coherence, Mode, Packing, Reconstruction, TableFormat, Variant};
+use crate::plan::{Auto, Basis, Coherence, Mode, Packing, Reconstruction, TableFormat, Variant};
+use crate::spectrum::Spectrum;
 use crate::tables::Scale;
 use crate::terms::Grid;
 use crate::transform::Bins;
@@ -101,6 +102,12 @@ pub fn resolve(variant: &Variant, height: &HeightField) -> Result<Resolved> {
     let expansion = match variant.terms {
         // the table of colours has terms of its own
         _ if variant.mode == Mode::Baked => Expansion::new(variant.basis, 1, height, min_nm),
+        // with so many terms, the best colours
+        Auto::Value(terms) if variant.basis == Basis::Optimal => {
+            let best_nm =
+                Spectrum::new(&variant.optics.illuminant)?.faint_below_nm(&variant.wavelengths);
+            Expansion::best_from(best_nm, variant.basis, terms, height, min_nm)
+        }
         Auto::Value(terms) => Expansion::new(variant.basis, terms, height, min_nm),
         Auto::Auto => {
             Expansion::new(variant.basis, 1, height, min_nm).with_error(variant.term_error)

@@ -97,6 +97,21 @@ impl Spectrum {
         std::array::from_fn(|c| self.per_nm[index][c] * (1.0 - t) + self.per_nm[index + 1][c] * t)
     }
 
+    /// The wavelength in nm below which a small part of the light in a range lies, of X, Y and Z together.
+    pub fn faint_below_nm(&self, range: &Wavelengths) -> f64 {
+        const PART: f64 = 0.05;
+        let fine = Wavelengths { step_nm: 1.0, ..*range };
+        let light: Vec<(f64, f64)> =
+            self.samples(&fine).iter().map(|s| (s.lambda_nm, s.xyz.iter().sum())).collect();
+        let all: f64 = light.iter().map(|(_, one)| one).sum();
+        let mut below = 0.0;
+        let bright = light.iter().find(|(_, one)| {
+            below += one;
+            below > PART * all
+        });
+        bright.map_or(range.min_nm, |(lambda_nm, _)| *lambda_nm)
+    }
+
     /// Trapezoid nodes of a wavelength range: `min`, `min + step`, …, and `max`; the last interval is shorter where the
     /// step does not divide the range. A range of one wavelength is one node of 1 nm.
     pub fn samples(&self, range: &Wavelengths) -> Vec<Sample> {

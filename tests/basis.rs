@@ -13,10 +13,13 @@ use diffraction_shaders::frame::view_directions;
 use diffraction_shaders::height::{HeightField, load};
 use diffraction_shaders::measure::{Comparison, compare, on_orders};
 use diffraction_shaders::optics::direction;
-use diffraction_shaders::plan::{Basis, Mode, Plan, Reconstruction, Sampling, Variant};
+use diffraction_shaders::plan::{
+    Basis, Mode, Plan, Reconstruction, Sampling, Variant, Wavelengths,
+};
 use diffraction_shaders::reference::Directions;
 use diffraction_shaders::resolve::resolve;
 use diffraction_shaders::runner::{Runner, Subject, TwinRunner};
+use diffraction_shaders::spectrum::Spectrum;
 use diffraction_shaders::tables::{Table, coefficients_table};
 use diffraction_shaders::template::Sources;
 use diffraction_shaders::terms::Terms;
@@ -109,6 +112,36 @@ fn fewer_terms_than_a_power_series() {
     let height = height(BLAZED);
     let terms = |basis| Expansion::new(basis, 1, &height, 380.0).with_error(1e-2).terms;
     assert_eq!([Basis::Taylor, Basis::Chebyshev, Basis::Optimal].map(terms), [19, 11, 6]);
+}
+
+/// Faint light at the blue end may err more, so that all other errs less; the bound stays one for all.
+#[test]
+fn an_optimum_for_the_light_that_is_seen_errs_less_there() {
+    let height = height(BLAZED);
+    let seen_nm = Spectrum::new("D65").unwrap().faint_below_nm(&Wavelengths {
+        min_nm: 380.0,
+        max_nm: 780.0,
+        step_nm: 5.0,
+    });
+    // a twentieth of X + Y + Z lies below
+    assert!((425.0..435.0).contains(&seen_nm), "{seen_nm}");
+    let greatest = |expansion: &Expansion, beyond: bool| {
+        let seen_tau = 380.0 / seen_nm;
+        let taus = (0..=400).map(|i| f64::from(i) / 400.0);
+        let table = coefficients_table(expansion, expansion.nodes());
+        taus.filter(|tau| (*tau > seen_tau) == beyond)
+            .flat_map(|tau| height.heights_um().iter().map(move |h| (-tau, *h)))
+            .map(|(tau, h)| {
+                let want = Complex64::cis(tau * expansion.z_max * (h - expansion.origin_um));
+                (phase_function(expansion, &table, tau, h) - want).norm()
+            })
+            .fold(0.0, f64::max)
+    };
+    let alike = Expansion::new(Basis::Optimal, 5, &height, 380.0);
+    let best = Expansion::best_from(seen_nm, Basis::Optimal, 5, &height, 380.0);
+    assert!(greatest(&best, false) < 0.5 * greatest(&alike, false));
+    assert!(greatest(&best, true) > greatest(&alike, true));
+    assert!(greatest(&best, true) <= best.bound());
 }
 
 #[test]

@@ -33,52 +33,93 @@ pub fn levels(x: impl Iterator<Item = f64>) -> Vec<Level> {
 }
 
 /// Terms of `exp(i phase s x)` for `s` in `[-1, 1]` and `x` among the levels, the most important first; terms below rounding
-/// are left out. The cosine and the sine are decomposed apart: that keeps all coefficients real.
-pub fn optimal(phase: f64, levels: &[Level]) -> Vec<Curve> {
-    let count = enough_nodes(phase);
-    let places = nodes(count);
+/// are left out. They are the best for `|s|` up to `part`; beyond, each coefficient is the projection on what they are there.
+/// The cosine and the sine are decomposed apart: that keeps all coefficients real.
+pub fn optimal(phase: f64, part: f64, levels: &[Level]) -> Vec<Curve> {
+    let within = nodes(enough_nodes(phase * part));
     // the nodes, which are dense towards the ends where errors are greatest, are the weights along z
-    let half = &places[..count / 2];
+    let half: Vec<f64> = within[..within.len() / 2].iter().map(|s| part * s).collect();
+    let places = nodes(enough_nodes(phase));
     // rare heights count a little more than their share, so that none is given up
     let floor = FLOOR / levels.len() as f64;
     let weights: Vec<f64> =
-        levels.iter().map(|level| (floor + (1.0 - FLOOR) * level.share).sqrt()).collect();
-    let part = |odd: bool| -> Vec<(f64, Curve)> {
-        let wave = |argument: f64| if odd { argument.sin() } else { argument.cos() };
+        levels.iter().map(|level| floor + (1.0 - FLOOR) * level.share).collect();
+    let terms = |odd: bool| -> Vec<(f64, Curve)> {
+        let wave = |s: f64, x: f64| if odd { (phase * s * x).sin() } else { (phase * s * x).cos() };
         let column = |s: &f64| {
-            let value =
-                |(level, weight): (&Level, &f64)| weight * wave(phase * s * level.places[1]);
+            let value = |(level, weight): (&Level, &f64)| weight.sqrt() * wave(*s, level.places[1]);
             levels.iter().zip(&weights).map(value).collect()
         };
         let found = singular(half.iter().map(column).collect());
-        let curve = |vector: &[f64]| curve(vector, half, &places, phase, odd);
-        found.iter().map(|(size, vector)| (*size, curve(vector))).collect()
+        let mut known: Vec<Along> = Vec::new();
+        let curve = |(size, vector): &(f64, Vec<f64>)| {
+            let sum = |x: f64| vector.iter().zip(&half).map(|(v, s)| v * wave(*s, x)).sum();
+            let along = Along::new(sum, levels, &weights, &places).apart_from(&known);
+            let coefficient = |s: &f64| {
+                let waves = levels.iter().map(|level| wave(*s, level.places[1]));
+                along.weighted.iter().zip(waves).map(|(b, wave)| b * wave).sum::<f64>() / along.norm
+            };
+            let values: Vec<f64> = places.iter().map(coefficient).collect();
+            let heights = series(&along.at_nodes);
+            known.push(along);
+            (*size, Curve { along_z: series(&values), along_h: heights, turns: u32::from(odd) })
+        };
+        found.iter().map(curve).collect()
     };
-    let mut terms = part(false);
-    terms.extend(part(true));
-    terms.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let most = terms.first().map_or(0.0, |(size, _)| *size);
-    terms.into_iter().take_while(|(size, _)| *size > 1e-13 * most).map(|(_, curve)| curve).collect()
+    let mut all = terms(false);
+    all.extend(terms(true));
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let most = all.first().map_or(0.0, |(size, _)| *size);
+    all.into_iter().take_while(|(size, _)| *size > 1e-13 * most).map(|(_, curve)| curve).collect()
 }
 
 /// Share of the weight along h that is the same for all heights that occur.
 const FLOOR: f64 = 0.2;
 
-/// A singular vector as a function of s, and the projection of the wave on it as a function of x, whose greatest value
-/// goes over to the former.
-fn curve(vector: &[f64], half: &[f64], places: &[f64], phase: f64, odd: bool) -> Curve {
-    let project = |x: &f64| -> f64 {
-        let wave = |s: f64| if odd { (phase * s * x).sin() } else { (phase * s * x).cos() };
-        vector.iter().zip(half).map(|(v, s)| v * wave(*s)).sum()
-    };
-    let mirrored = vector.iter().rev().map(|v| if odd { -v } else { *v });
-    let values: Vec<f64> = vector.iter().copied().chain(mirrored).collect();
-    let heights: Vec<f64> = places.iter().map(project).collect();
-    let fine = (0..=4 * places.len()).map(|i| project(&(i as f64 / (4 * places.len()) as f64)));
-    let most = fine.fold(f64::MIN_POSITIVE, |most, v| most.max(v.abs()));
-    Curve {
-        along_z: series(&values).iter().map(|c| c * most).collect(),
-        along_h: series(&heights).iter().map(|c| c / most).collect(),
-        turns: u32::from(odd),
+/// A height function whose greatest value is 1.
+struct Along {
+    at_nodes: Vec<f64>,
+    at_levels: Vec<f64>,
+    /// Those at the levels times the levels' weights.
+    weighted: Vec<f64>,
+    /// Its weighted square, summed over the levels.
+    norm: f64,
+}
+
+impl Along {
+    fn new(value: impl Fn(f64) -> f64, levels: &[Level], weights: &[f64], places: &[f64]) -> Along {
+        let at_nodes = places.iter().map(|x| value(*x)).collect();
+        let at_levels: Vec<f64> = levels.iter().map(|level| value(level.places[1])).collect();
+        let weighted = at_levels.iter().zip(weights).map(|(b, weight)| b * weight).collect();
+        Along { at_nodes, at_levels, weighted, norm: 1.0 }.scaled()
     }
+
+    /// Small terms are as large as rounding leaves of great ones: without those in them, each keeps all its digits.
+    fn apart_from(mut self, known: &[Along]) -> Along {
+        for other in known {
+            let part = dot(&self.at_levels, &other.weighted) / other.norm;
+            for (own, its) in [
+                (&mut self.at_nodes, &other.at_nodes),
+                (&mut self.at_levels, &other.at_levels),
+                (&mut self.weighted, &other.weighted),
+            ] {
+                own.iter_mut().zip(its).for_each(|(own, its)| *own -= part * its);
+            }
+        }
+        self.scaled()
+    }
+
+    fn scaled(mut self) -> Along {
+        let all = self.at_nodes.iter().chain(&self.at_levels);
+        let most = all.fold(f64::MIN_POSITIVE, |most, v| most.max(v.abs()));
+        for values in [&mut self.at_nodes, &mut self.at_levels, &mut self.weighted] {
+            values.iter_mut().for_each(|v| *v /= most);
+        }
+        self.norm = dot(&self.at_levels, &self.weighted);
+        self
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

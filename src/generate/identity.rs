@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use crate::error::{Error, Stage};
 use crate::package::sha256;
 use crate::plan::{
-    Auto, Mode, Optics, Reconstruction, SurfaceSource, SurfaceSpec, TableFormat, Variant,
+    Auto, Basis, Mode, Optics, Reconstruction, SurfaceSource, SurfaceSpec, TableFormat, Variant,
     Wavelengths,
 };
 use crate::tables::{COEFFICIENTS, TERMS, Table};
@@ -106,6 +106,10 @@ fn is_prefiltered(variant: &Variant) -> bool {
 
 fn term_count(variant: &Variant) -> Value {
     match variant.terms {
+        // what counts as faint light
+        Auto::Value(terms) if variant.basis == Basis::Optimal => {
+            json!([terms, illuminant(&variant.optics), variant.wavelengths.max_nm])
+        }
         Auto::Value(terms) => json!(terms),
         Auto::Auto => json!({ "error": variant.term_error }),
     }
