@@ -1,0 +1,126 @@
+// A snake in the manner of a corn snake: a tube along a coil, covered with overlapping keeled scales.
+import { Vector3 } from "three";
+
+/** Vertices along and around it, rows of scales around it, height of a scale's free end over the next in radii of the body. */
+const [RINGS, SIDES] = [576, 120];
+const ROWS = 24;
+const RELIEF = 0.055;
+/** Greatest angle of the microstructure across a scale, radians: it fans out. */
+const FAN = 0.2;
+const RADIUS = 0.2;
+/** Length of a scale over its width. */
+const SLENDER = 1.5;
+
+/** `{ columns, rows, point }` for a grid over (s, t): from head to tail, and around from the belly over the back. */
+export function snake() {
+  const spots = spine();
+  const places = spots.map((spot) => Array.from({ length: SIDES + 1 }, (_, side) => skin(spot, side / SIDES)));
+  const point = (s, t) => {
+    const [ring, side] = [Math.round(s * RINGS), Math.round(t * SIDES)];
+    const place = places[ring][side];
+    // the seam's two columns see the same neighbours
+    const [before, after] = [side === 0 ? SIDES - 1 : side - 1, side === SIDES ? 1 : side + 1];
+    const along = places[Math.min(ring + 1, RINGS)][side].clone().sub(places[Math.max(ring - 1, 0)][side]);
+    const around = places[ring][after].clone().sub(places[ring][before]);
+    const normal = along.clone().cross(around).normalize();
+    const tangent = along.addScaledVector(normal, -along.dot(normal)).normalize();
+    const { beside } = scale(spots[ring].scales, t);
+    tangent.applyAxisAngle(normal, 2 * beside * FAN);
+    return { place, normal, tangent, body: colour(spots[ring].girths, 2 * t - 1) };
+  };
+  return { columns: RINGS, rows: SIDES, point };
+}
+
+/** A coil that begins outside; with what is passed from the head to there: scales, and girths of the body. */
+function spine() {
+  const centre = (s) => {
+    const angle = 3.3 * Math.PI * s - 0.9;
+    const radius = 1.13 - 0.86 * s;
+    return new Vector3(radius * Math.cos(angle), radius * Math.sin(angle), 0);
+  };
+  let [scales, girths] = [0, 0];
+  return Array.from({ length: RINGS + 1 }, (_, ring) => {
+    const s = ring / RINGS;
+    const ahead = centre(s + 1e-4).sub(centre(s - 1e-4)).normalize();
+    const radius = RADIUS * girth(s);
+    const spot = { centre: centre(s), side: new Vector3(-ahead.y, ahead.x, 0), radius, scales, girths };
+    const step = centre(s + 1 / RINGS).sub(centre(s)).length();
+    // scales keep their shape while the body is thick and do not shrink without end
+    scales += step / ((SLENDER * 2 * Math.PI * Math.max(radius, 0.3 * RADIUS)) / ROWS);
+    girths += step / (2 * Math.PI * RADIUS);
+    return spot;
+  });
+}
+
+/** Radius over the greatest one: a blunt snout, a head, a neck, a body, a pointed tail. */
+function girth(s) {
+  const snout = Math.sqrt(Math.max(0, 1 - Math.max(0, 1 - s / 0.03) ** 2));
+  const head = 0.66 - 0.18 * smooth(0.05, 0.085, s);
+  const body = head + 0.52 * smooth(0.09, 0.34, s);
+  return Math.max(1e-3, snout * body * Math.min(1, (1 - s) / 0.55) ** 0.8);
+}
+
+/** A point of the skin: `t` from 0 on the belly over 0.5 on the back. */
+function skin({ centre, side, radius, scales }, t) {
+  const angle = 2 * Math.PI * (t - 0.5);
+  const out = radius * (1 + RELIEF * scale(scales, t).height);
+  // the belly is flat
+  const up = Math.cos(angle) < 0 ? 0.6 : 0.9;
+  return centre.clone().addScaledVector(side, out * Math.sin(angle)).add(new Vector3(0, 0, out * up * Math.cos(angle)));
+}
+
+/**
+ * Height of the scales over the skin, 0 to 1, and the distance from the keel, -0.5 to 0.5 of a scale's width. Scales lie in rows
+ * that are staggered by half a scale, each a tilted plate with its free end towards the tail; the highest plate shows.
+ */
+function scale(along, t) {
+  const column = t * ROWS;
+  let best = { height: 0, beside: 0 };
+  for (let neighbour = -1; neighbour <= 1; neighbour++) {
+    const row = Math.round(column) + neighbour;
+    const beside = column - row;
+    const stagger = row % 2 === 0 ? 0 : 0.5;
+    const nearest = Math.round(along - stagger) + stagger;
+    for (let number = -1; number <= 1; number++) {
+      const behind = along - nearest - number;
+      // pointed at the free end, 1.6 scales long and 1.5 wide
+      const outline = Math.abs(behind / 0.8) ** 2.2 + (beside / 0.75) ** 2;
+      if (outline > 1) continue;
+      const plate = 0.5 + 0.6 * behind - 0.5 * beside * beside;
+      const keel = 0.12 * Math.exp(-((beside / 0.07) ** 2)) * (1 - (behind / 0.8) ** 2);
+      const height = (plate + keel) * (1 - outline ** 6);
+      if (height > best.height) best = { height, beside: Math.min(0.5, Math.max(-0.5, beside)) };
+    }
+  }
+  return best;
+}
+
+/** Saddles with dark rims on orange, a pale belly; linear. `along` in girths, `around` from -1 to 1, 0 on the back. */
+function colour(along, around) {
+  const red = [0.1, 0.014, 0.006];
+  const black = [0.006, 0.004, 0.003];
+  const orange = [0.21, 0.075, 0.022];
+  const pale = [0.25, 0.21, 0.16];
+  const saddle = blotch(along, around, 0, [0.3, 0.4]);
+  // smaller ones on the sides, between them
+  const inside = Math.min(saddle, blotch(along, Math.abs(around) - 0.58, 0.5, [0.17, 0.13]));
+  const back = mix(mix(red, black, smooth(-0.24, -0.12, inside)), orange, smooth(-0.02, 0.07, inside));
+  return mix(back, pale, smooth(0.74, 0.8, Math.abs(around)));
+}
+
+/** Below 0 inside of a row of squarish blotches with uneven outlines. */
+function blotch(along, around, offset, [half, wide]) {
+  const place = along / 0.5 + offset;
+  const x = (place - Math.round(place)) / (half * (1 + 0.12 * Math.sin(7.3 * Math.round(place))));
+  const uneven = 0.08 * Math.sin(31 * along + 3 * Math.sin(9 * around));
+  return (x ** 4 + (around / wide) ** 4) ** 0.25 - 1 + uneven;
+}
+
+function smooth(from, to, x) {
+  const t = Math.min(1, Math.max(0, (x - from) / (to - from)));
+  return t * t * (3 - 2 * t);
+}
+
+function mix(a, b, t) {
+  return a.map((value, i) => value + (b[i] - value) * t);
+}
