@@ -17,14 +17,16 @@ function errors({ configuration, error_bound: bound }) {
     const aim = configuration.bake_error;
     if (aim === undefined) return [["bound", "none is stated"]];
     return [
-      ["aimed at", `ΔE ${round(aim)} (CIEDE2000) or less in 95 % of directions`],
+      ["aimed at", `ΔE ${round(aim)} (CIEDE2000) or less in 95\u00a0% of directions`],
       ["bound", "none is stated"],
     ];
   }
   const rows = [
     [`series, ${bound.terms} terms`, bound.phase_function, "of the phase factor"],
     [`rounding to ${configuration.table}`, bound.packing, "of an amplitude"],
-    ["cut-off window", bound.window_tail, "of its energy"],
+    configuration.mode === "pq"
+      ? ["between replicas", bound.window_tail, "of the light"]
+      : ["cut-off window", bound.window_tail, "of its energy"],
     ["between texels", bound.interpolation, "of an amplitude, rms"],
     ["wavelength nodes", bound.node_alias, "taken for others"],
   ];
@@ -63,9 +65,9 @@ export function short(number) {
 /** A share in per cent, or as a power of ten where that has too many zeros. */
 function atMost(share) {
   if (share === 0) return "none";
-  if (share >= 1e-4) return `≤ ${short(100 * share)} %`;
+  if (share >= 1e-4) return `≤\u00a0${short(100 * share)}\u00a0%`;
   const [digits, power] = share.toExponential(1).split("e");
-  return `≤ ${digits}·10${[...power.replace("+", "")].map((c) => SUPERSCRIPTS[c]).join("")}`;
+  return `≤\u00a0${digits}·10${[...power.replace("+", "")].map((c) => SUPERSCRIPTS[c]).join("")}`;
 }
 
 const SUPERSCRIPTS = Object.fromEntries([..."-0123456789"].map((c, i) => [c, "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"[i]]));

@@ -36,7 +36,8 @@ function spine() {
   const centre = (s) => {
     const angle = 3.3 * Math.PI * s - 0.9;
     const radius = 1.13 - 0.86 * s;
-    return new Vector3(radius * Math.cos(angle), radius * Math.sin(angle), 0);
+    // about the middle of what is seen
+    return new Vector3(radius * Math.cos(angle) - 0.09, radius * Math.sin(angle) - 0.12, 0);
   };
   let [scales, girths] = [0, 0];
   return Array.from({ length: RINGS + 1 }, (_, ring) => {
