@@ -2,9 +2,9 @@
 import { Vector3 } from "three";
 
 /** Vertices along and around it, rows of scales around it, height of a scale's free end over the next in radii of the body. */
-const [RINGS, SIDES] = [576, 120];
-const ROWS = 24;
-const RELIEF = 0.055;
+const [RINGS, SIDES] = [480, 108];
+const ROWS = 18;
+const RELIEF = 0.06;
 /** Greatest angle of the microstructure across a scale, radians: it fans out. */
 const FAN = 0.2;
 const RADIUS = 0.2;
@@ -14,21 +14,34 @@ const SLENDER = 1.5;
 /** `{ columns, rows, point }` for a grid over (s, t): from head to tail, and around from the belly over the back. */
 export function snake() {
   const spots = spine();
-  const places = spots.map((spot) => Array.from({ length: SIDES + 1 }, (_, side) => skin(spot, side / SIDES)));
+  const tube = spots.map((spot) => Array.from({ length: SIDES + 1 }, (_, side) => skin(spot, side / SIDES, 0)));
   const point = (s, t) => {
     const [ring, side] = [Math.round(s * RINGS), Math.round(t * SIDES)];
-    const place = places[ring][side];
     // the seam's two columns see the same neighbours
     const [before, after] = [side === 0 ? SIDES - 1 : side - 1, side === SIDES ? 1 : side + 1];
-    const along = places[Math.min(ring + 1, RINGS)][side].clone().sub(places[Math.max(ring - 1, 0)][side]);
-    const around = places[ring][after].clone().sub(places[ring][before]);
-    const normal = along.clone().cross(around).normalize();
-    const tangent = along.addScaledVector(normal, -along.dot(normal)).normalize();
-    const { beside } = scale(spots[ring].scales, t);
-    tangent.applyAxisAngle(normal, 2 * beside * FAN);
-    return { place, normal, tangent, body: colour(spots[ring].girths, 2 * t - 1) };
+    const tangent = tube[Math.min(ring + 1, RINGS)][side].clone().sub(tube[Math.max(ring - 1, 0)][side]).normalize();
+    const around = tube[ring][after].clone().sub(tube[ring][before]).normalize();
+    const normal = tangent.clone().cross(around).normalize();
+    const { scales, girths } = spots[ring];
+    const [height, along, across, beside] = relief(scales, t);
+    normal.addScaledVector(tangent, -along).addScaledVector(around, -across).normalize();
+    tangent.addScaledVector(normal, -tangent.dot(normal)).normalize().applyAxisAngle(normal, 2 * beside * FAN);
+    return { place: skin(spots[ring], t, height), normal, tangent, body: colour(girths, 2 * t - 1) };
   };
   return { columns: RINGS, rows: SIDES, point };
+}
+
+/** Height over the skin in radii, its slopes along and around the body, and the distance from the keel. */
+function relief(scales, t) {
+  const step = 0.02;
+  const [column, steepest] = [t * ROWS, 1];
+  const [height, beside] = scale(scales, column);
+  const slope = (ahead, width) => {
+    // a scale's width is a part of the girth; at its edge there is a step
+    const rise = ((RELIEF * ROWS) / (2 * Math.PI * width)) * ((scale(...ahead)[0] - height) / step);
+    return Math.min(steepest, Math.max(-steepest, rise));
+  };
+  return [RELIEF * height, slope([scales + step, column], SLENDER), slope([scales, column + step], 1), beside];
 }
 
 /** A coil that begins outside; with what is passed from the head to there: scales, and girths of the body. */
@@ -61,10 +74,10 @@ function girth(s) {
   return Math.max(1e-3, snout * body * Math.min(1, (1 - s) / 0.55) ** 0.8);
 }
 
-/** A point of the skin: `t` from 0 on the belly over 0.5 on the back. */
-function skin({ centre, side, radius, scales }, t) {
+/** A point of the skin: `t` from 0 on the belly over 0.5 on the back, `height` over it in radii. */
+function skin({ centre, side, radius }, t, height) {
   const angle = 2 * Math.PI * (t - 0.5);
-  const out = radius * (1 + RELIEF * scale(scales, t).height);
+  const out = radius * (1 + height);
   // the belly is flat
   const up = Math.cos(angle) < 0 ? 0.6 : 0.9;
   return centre.clone().addScaledVector(side, out * Math.sin(angle)).add(new Vector3(0, 0, out * up * Math.cos(angle)));
@@ -74,26 +87,26 @@ function skin({ centre, side, radius, scales }, t) {
  * Height of the scales over the skin, 0 to 1, and the distance from the keel, -0.5 to 0.5 of a scale's width. Scales lie in rows
  * that are staggered by half a scale, each a tilted plate with its free end towards the tail; the highest plate shows.
  */
-function scale(along, t) {
-  const column = t * ROWS;
-  let best = { height: 0, beside: 0 };
+function scale(along, column) {
+  let [best, keel] = [0, 0];
   for (let neighbour = -1; neighbour <= 1; neighbour++) {
     const row = Math.round(column) + neighbour;
     const beside = column - row;
+    if (Math.abs(beside) > 0.75) continue;
     const stagger = row % 2 === 0 ? 0 : 0.5;
     const nearest = Math.round(along - stagger) + stagger;
     for (let number = -1; number <= 1; number++) {
       const behind = along - nearest - number;
       // pointed at the free end, 1.6 scales long and 1.5 wide
-      const outline = Math.abs(behind / 0.8) ** 2.2 + (beside / 0.75) ** 2;
+      const outline = (behind / 0.8) ** 2 + (beside / 0.75) ** 2;
       if (outline > 1) continue;
       const plate = 0.5 + 0.6 * behind - 0.5 * beside * beside;
-      const keel = 0.12 * Math.exp(-((beside / 0.07) ** 2)) * (1 - (behind / 0.8) ** 2);
-      const height = (plate + keel) * (1 - outline ** 6);
-      if (height > best.height) best = { height, beside: Math.min(0.5, Math.max(-0.5, beside)) };
+      const ridge = 0.12 * Math.exp(-((beside / 0.1) ** 2)) * (1 - (behind / 0.8) ** 2);
+      const height = (plate + ridge) * (1 - outline ** 6);
+      if (height > best) [best, keel] = [height, Math.min(0.5, Math.max(-0.5, beside))];
     }
   }
-  return best;
+  return [best, keel];
 }
 
 /** Saddles with dark rims on orange, a pale belly; linear. `along` in girths, `around` from -1 to 1, 0 on the back. */

@@ -1,5 +1,5 @@
 // One body, one light, one camera: draws when something changed, coarsely while things move and finely at rest.
-import { DoubleSide, Mesh, OrthographicCamera, PerspectiveCamera, Scene, Vector3 } from "three";
+import { DoubleSide, FrontSide, Mesh, OrthographicCamera, PerspectiveCamera, Scene, Vector3 } from "three";
 import { BODIES } from "./bodies.js";
 
 /** Longest picture while things move, and at rest, milliseconds. */
@@ -76,6 +76,8 @@ export function createStage(state, onFrame) {
     renderer.setSize(canvas.clientWidth, canvas.clientHeight, false);
     const name = state.body;
     mesh.geometry = geometries[name] ??= BODIES[name]();
+    // of closed bodies nobody sees the inside
+    made.material.side = ["snake", "sphere"].includes(name) ? FrontSide : DoubleSide;
     const view = camera();
     made.set({ eye: view.position, light: state.light, exposure: 2 ** state.stops, is_map: name === "map", samples });
     const begun = performance.now();
@@ -150,7 +152,6 @@ export function createStage(state, onFrame) {
       const next = engine.material(variant);
       // arithmetic counts, too
       next.fetches = 50 + variant.manifest.cost.fetches;
-      next.material.side = DoubleSide;
       next.set({ diffuser: variant.manifest.core.diffuser_scale ?? 1 });
       lastMs = 0;
       scene.clear();
