@@ -2,20 +2,21 @@
 import { BufferAttribute, BufferGeometry, Vector3 } from "three";
 import { snake } from "./snake.js";
 
-/** Bodies by name; `map` is the square on which the BRDF map is drawn. */
-export const BODIES = {
-  snake: () => {
-    const { columns, rows, point } = snake();
-    return grid(columns, rows, point);
-  },
-  sphere,
-  disc,
-  map,
-};
+/**
+ * Bodies by name, coarse ones for pictures of few pixels; `map` is the square on which the BRDF map is drawn. A triangle costs at
+ * least four pixels, however small it is.
+ */
+export const BODIES = { snake: wholeSnake, sphere, disc, map };
 
-function sphere() {
+function wholeSnake(isCoarse) {
+  const [rings, sides] = isCoarse ? [140, 20] : [480, 108];
+  return grid(rings, sides, snake(rings, sides, !isCoarse));
+}
+
+function sphere(isCoarse) {
   const grey = [0.02, 0.02, 0.024];
-  return grid(96, 48, (s, t) => {
+  const rows = isCoarse ? 16 : 48;
+  return grid(2 * rows, rows, (s, t) => {
     const [east, north] = [2 * Math.PI * s, Math.PI * (t - 0.5)];
     const normal = new Vector3(Math.cos(north) * Math.sin(east), Math.sin(north), Math.cos(north) * Math.cos(east));
     const tangent = new Vector3(Math.cos(east), 0, -Math.sin(east));
@@ -24,9 +25,9 @@ function sphere() {
 }
 
 /** A compact disc: its track is nearly a circle, so the tangent is radial. */
-function disc() {
+function disc(isCoarse) {
   const grey = [0.011, 0.011, 0.013];
-  return grid(160, 8, (s, t) => {
+  return grid(isCoarse ? 64 : 160, isCoarse ? 1 : 8, (s, t) => {
     const angle = 2 * Math.PI * s;
     const tangent = new Vector3(Math.cos(angle), Math.sin(angle), 0);
     return { place: tangent.clone().multiplyScalar(1.05 - 0.8 * t), normal: new Vector3(0, 0, 1), tangent, body: grey };

@@ -73,10 +73,14 @@ function connect() {
 }
 
 function changed() {
+  label();
+  stage.touch().catch(fail);
+}
+
+function label() {
   const sign = state.stops > 0 ? "+" : state.stops < 0 ? "−" : "";
   $("stops-shown").textContent = `${sign}${Math.abs(state.stops)} ${Math.abs(state.stops) === 1 ? "stop" : "stops"}`;
   drawDot();
-  stage.touch().catch(fail);
 }
 
 /** One after another: engines and variants are not changed while others are being made. */
@@ -96,10 +100,8 @@ async function show() {
     stage.show(next, next.canvas, variant);
     [engine, manifest] = [next, variant.manifest];
   } finally {
-    drawDot();
-    const shown = stage.resume();
-    changed();
-    await shown;
+    label();
+    await stage.resume();
   }
 }
 

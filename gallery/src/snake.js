@@ -1,8 +1,7 @@
 // A snake in the manner of a corn snake: a tube along a coil, covered with overlapping keeled scales.
 import { Vector3 } from "three";
 
-/** Vertices along and around it, rows of scales around it, height of a scale's free end over the next in radii of the body. */
-const [RINGS, SIDES] = [480, 108];
+/** Rows of scales around it, and the height of a scale's free end over the next in radii of the body. */
 const ROWS = 18;
 const RELIEF = 0.06;
 /** Greatest angle of the microstructure across a scale, radians: it fans out. */
@@ -11,24 +10,26 @@ const RADIUS = 0.2;
 /** Length of a scale over its width. */
 const SLENDER = 1.5;
 
-/** `{ columns, rows, point }` for a grid over (s, t): from head to tail, and around from the belly over the back. */
-export function snake() {
-  const spots = spine();
-  const tube = spots.map((spot) => Array.from({ length: SIDES + 1 }, (_, side) => skin(spot, side / SIDES, 0)));
-  const point = (s, t) => {
-    const [ring, side] = [Math.round(s * RINGS), Math.round(t * SIDES)];
+/**
+ * Its skin over (s, t): from head to tail, and around from the belly over the back. `rings` and `sides` are the vertices along
+ * and around; without scales it is smooth.
+ */
+export function snake(rings, sides, hasScales) {
+  const spots = spine(rings);
+  const tube = spots.map((spot) => Array.from({ length: sides + 1 }, (_, side) => skin(spot, side / sides, 0)));
+  return (s, t) => {
+    const [ring, side] = [Math.round(s * rings), Math.round(t * sides)];
     // the seam's two columns see the same neighbours
-    const [before, after] = [side === 0 ? SIDES - 1 : side - 1, side === SIDES ? 1 : side + 1];
-    const tangent = tube[Math.min(ring + 1, RINGS)][side].clone().sub(tube[Math.max(ring - 1, 0)][side]).normalize();
+    const [before, after] = [side === 0 ? sides - 1 : side - 1, side === sides ? 1 : side + 1];
+    const tangent = tube[Math.min(ring + 1, rings)][side].clone().sub(tube[Math.max(ring - 1, 0)][side]).normalize();
     const around = tube[ring][after].clone().sub(tube[ring][before]).normalize();
     const normal = tangent.clone().cross(around).normalize();
     const { scales, girths } = spots[ring];
-    const [height, along, across, beside] = relief(scales, t);
+    const [height, along, across, beside] = hasScales ? relief(scales, t) : [0, 0, 0, 0];
     normal.addScaledVector(tangent, -along).addScaledVector(around, -across).normalize();
     tangent.addScaledVector(normal, -tangent.dot(normal)).normalize().applyAxisAngle(normal, 2 * beside * FAN);
     return { place: skin(spots[ring], t, height), normal, tangent, body: colour(girths, 2 * t - 1) };
   };
-  return { columns: RINGS, rows: SIDES, point };
 }
 
 /** Height over the skin in radii, its slopes along and around the body, and the distance from the keel. */
@@ -45,7 +46,7 @@ function relief(scales, t) {
 }
 
 /** A coil that begins outside; with what is passed from the head to there: scales, and girths of the body. */
-function spine() {
+function spine(rings) {
   const centre = (s) => {
     const angle = 3.3 * Math.PI * s - 0.9;
     const radius = 1.13 - 0.86 * s;
@@ -53,12 +54,12 @@ function spine() {
     return new Vector3(radius * Math.cos(angle) - 0.09, radius * Math.sin(angle) - 0.12, 0);
   };
   let [scales, girths] = [0, 0];
-  return Array.from({ length: RINGS + 1 }, (_, ring) => {
-    const s = ring / RINGS;
+  return Array.from({ length: rings + 1 }, (_, ring) => {
+    const s = ring / rings;
     const ahead = centre(s + 1e-4).sub(centre(s - 1e-4)).normalize();
     const radius = RADIUS * girth(s);
     const spot = { centre: centre(s), side: new Vector3(-ahead.y, ahead.x, 0), radius, scales, girths };
-    const step = centre(s + 1 / RINGS).sub(centre(s)).length();
+    const step = centre(s + 1 / rings).sub(centre(s)).length();
     // scales keep their shape while the body is thick and do not shrink without end
     scales += step / ((SLENDER * 2 * Math.PI * Math.max(radius, 0.3 * RADIUS)) / ROWS);
     girths += step / (2 * Math.PI * RADIUS);

@@ -10,6 +10,8 @@ const MOVING_SAMPLES = 4;
 const RESTING_SAMPLES = 16;
 /** Least ratio of drawn to CSS pixels. */
 const COARSEST = 0.12;
+/** Pixels of a picture below which bodies are coarse. */
+const FEW_PIXELS = 40000;
 /** Time without a change after which things are at rest, milliseconds. */
 const REST_MS = 250;
 /** What a slow driver does in a moving picture's time: texels fetched. The first picture of a variant trusts nothing else. */
@@ -70,12 +72,16 @@ export function createStage(state, onFrame) {
     return ratio >= finest && samples === mostSamples;
   }
 
+  function geometry(name, isCoarse) {
+    return (geometries[`${name} ${isCoarse}`] ??= BODIES[name](isCoarse));
+  }
+
   async function draw() {
     const { renderer } = engine;
     renderer.setPixelRatio(ratio);
     renderer.setSize(canvas.clientWidth, canvas.clientHeight, false);
     const name = state.body;
-    mesh.geometry = geometries[name] ??= BODIES[name]();
+    mesh.geometry = geometry(name, canvas.width * canvas.height < FEW_PIXELS);
     // of closed bodies nobody sees the inside
     made.material.side = ["snake", "sphere"].includes(name) ? FrontSide : DoubleSide;
     const view = camera();
@@ -155,7 +161,7 @@ export function createStage(state, onFrame) {
       next.set({ diffuser: variant.manifest.core.diffuser_scale ?? 1 });
       lastMs = 0;
       scene.clear();
-      mesh = new Mesh(geometries[state.body] ??= BODIES[state.body](), next.material);
+      mesh = new Mesh(undefined, next.material);
       mesh.frustumCulled = false;
       scene.add(mesh);
       made = next;

@@ -101,7 +101,7 @@ const CORNERS = "in vec3 position;\nvoid main() { gl_Position = vec4(position, 1
 export async function open(canvas, onLost) {
   const renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
   const gl = renderer.getContext();
-  canvas.addEventListener("webglcontextlost", () => onLost("the context of WebGL2 was lost"));
+  canvas.addEventListener("webglcontextlost", () => onLost("The context of WebGL2 was lost"));
   const unmasked = gl.getExtension("WEBGL_debug_renderer_info");
   return {
     renderer,

@@ -60,7 +60,7 @@ const probeText = (parameters, tables) => `fn engine_probe(place: vec2f, engine_
 }`;
 
 /** What a driver may take to answer, milliseconds. */
-const PATIENCE_MS = 30000;
+const PATIENCE_MS = 20000;
 
 /** The engine on a canvas; `onLost` gets words when the driver gives up. */
 export async function open(canvas, onLost) {
@@ -79,7 +79,7 @@ export async function open(canvas, onLost) {
     isLost = true;
   });
   renderer.onDeviceLost = ({ reason, message }) => {
-    if (reason !== "destroyed") onLost(`the device of WebGPU was lost: ${message}`);
+    if (reason !== "destroyed") onLost(`The device of WebGPU was lost: ${message.replace(/\.$/, "")}`);
   };
   const { vendor, architecture, description } = adapter.info;
   return {
