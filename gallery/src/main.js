@@ -25,7 +25,7 @@ const drawDot = lightPad($("pad"), $("dot"), () => stage.toView(state.light), (v
 });
 // an engine with its canvas for each interface: browsers allow few contexts, and free them late
 const engines = {};
-let files, places, engine, queue = Promise.resolve(), manifest, firstPicture;
+let files, places, engine, queue = Promise.resolve(), manifest, firstPicture, doing = "starting";
 
 /** For tests and the curious: what is under way, and the probes of all variants. */
 window.gallery = {
@@ -34,12 +34,15 @@ window.gallery = {
   probe: () => queue.then(() => probePackage(files, engine, APIS[$("api").value].target)),
   /** Milliseconds from the page's beginning to its first picture. */
   firstPicture: () => firstPicture,
+  /** What it does, or did last. */
+  doing: () => doing,
   driver: () => engine.driver,
-  canvas: () => engine.canvas,
+  canvas: () => engine?.canvas,
 };
 
 async function start() {
   try {
+    doing = "reading the package's manifests";
     files = await openPackage();
     places = await listVariants(files);
     fill($("surface"), unique(places.map((place) => place.surface)), asked.get("surface") ?? $("surface").dataset.first);
@@ -92,9 +95,13 @@ function later(work) {
 async function show() {
   say("");
   $("checked").textContent = "";
+  doing = "opening the renderer";
   const next = await chosenEngine();
+  doing = "reading the variant";
   const variant = await loadVariant(files, here(), APIS[next.api].target);
+  doing = "ending the last picture";
   await stage.halt();
+  doing = "drawing";
   try {
     if ($("view").firstElementChild !== next.canvas) $("view").replaceChildren(next.canvas);
     stage.show(next, next.canvas, variant);

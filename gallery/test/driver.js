@@ -9,26 +9,32 @@ const RESULT = new URL("result", location.href).href;
 
 // a worker has the clock: also where this page stands still within a call, it posts the step that it stands in
 const WATCH = `
-let step = "the beginning", begun = Date.now(), isOver = false;
+let step = "the beginning", doing = "", begun = Date.now(), isOver = false;
 const first = begun;
 onmessage = ({ data }) => {
   if (data === null) return close();
-  [step, begun] = [data, Date.now()];
+  if (data.step !== step) begun = Date.now();
+  [step, doing] = [data.step, data.doing];
 };
 setInterval(() => {
   const now = Date.now();
-  const late = now - begun > ${1000 * STEP_S} ? "step " + step + " took longer than ${STEP_S} s"
-    : now - first > ${1000 * ALL_S} ? "all took longer than ${ALL_S} s, the last step was " + step : null;
+  const late = now - begun > ${1000 * STEP_S} ? "step " + step + doing + " took longer than ${STEP_S} s"
+    : now - first > ${1000 * ALL_S} ? "all took longer than ${ALL_S} s, the last step was " + step + doing : null;
   if (late === null || isOver) return;
   isOver = true;
   fetch(${JSON.stringify(RESULT)}, { method: "POST", body: JSON.stringify({ failed: late }) });
 }, 250);`;
 const watch = new Worker(URL.createObjectURL(new Blob([WATCH], { type: "text/javascript" })));
 
+let current = "the beginning";
+
 /** Says what is being done from now on. */
 function step(name) {
-  watch.postMessage(name);
+  current = name;
+  const { gallery } = frame.contentWindow;
+  watch.postMessage({ step: current, doing: gallery ? ` (the page: ${gallery.doing()})` : "" });
 }
+const saying = setInterval(() => step(current), 250);
 
 /** The page, when its first picture is there. */
 async function open(query) {
@@ -44,6 +50,8 @@ async function open(query) {
   const { gallery } = page;
   step("the first picture");
   await gallery.ready;
+  // a page without an engine says why
+  if (!gallery.canvas()) throw new Error(page.document.getElementById("message").textContent);
   step("the first picture at rest");
   await gallery.idle();
   return { page, gallery, errors, $: (id) => page.document.getElementById(id) };
@@ -152,6 +160,7 @@ async function run() {
 run()
   .catch((error) => ({ failed: error.stack }))
   .then((result) => {
+    clearInterval(saying);
     watch.postMessage(null);
     return fetch(RESULT, { method: "POST", body: JSON.stringify(result) });
   });
