@@ -1,25 +1,60 @@
-// What a manifest says of a variant, for readers.
+// What a manifest says of a variant, in words, for readers.
 
-/** Pairs of names and texts. */
-export function facts({ configuration, cost, error_bound: bound, requires, core }) {
-  const { coherence, coherence_um, table } = configuration;
-  const list = [["coherence", `${coherence ?? "—"}, ${coherence_um} µm`]];
-  if (bound) {
-    const parts = [bound.phase_function, bound.packing, bound.window_tail].filter(Number.isFinite);
-    list.push(["error bound", `${short(Math.max(...parts))} of the peak`]);
-    if (Number.isFinite(bound.phase_function)) list.push(["– series", short(bound.phase_function)]);
-    if (Number.isFinite(bound.packing)) list.push([`– ${table} tables`, short(bound.packing)]);
-    if (Number.isFinite(bound.window_tail)) list.push(["– window", short(bound.window_tail)]);
-  } else {
-    list.push(["error bound", "none is claimed"]);
+const PROFILES = { webgl2: "WebGL2", webgpu: "WebGPU", vulkan: "Vulkan" };
+
+/** Groups of `{ title, rows }`; a row is a pair of texts, what and how much. */
+export function facts(manifest) {
+  return [
+    { title: "Stated error", rows: errors(manifest) },
+    { title: "Stated cost of a pixel", rows: costs(manifest) },
+    { title: "Light and table", rows: others(manifest) },
+  ];
+}
+
+/** Bounds that hold for every direction; where there are none, what the tables were made for. */
+function errors({ configuration, error_bound: bound }) {
+  if (!bound) {
+    const aim = configuration.bake_error;
+    if (aim === undefined) return [["bound", "none is stated"]];
+    return [
+      ["aimed at", `ΔE ${round(aim)} (CIEDE2000) or less in 95\u00a0% of directions`],
+      ["bound", "none is stated"],
+    ];
   }
-  const range = (mean, worst) => (mean === worst ? round(worst) : `${round(mean)} on average, at most ${round(worst)}`);
-  list.push(["texels per pixel", range(cost.fetches_mean, cost.fetches)]);
-  list.push(["evaluations", range(cost.evaluations_mean, cost.evaluations)]);
-  list.push(["tables", `${round(cost.table_bytes / 1024)} KiB`]);
-  list.push(["fits", requires.profiles.join(", ") || "no profile"]);
-  if (core.diffuser_scale) list.push(["diffuser scale", round(core.diffuser_scale)]);
-  return list;
+  const rows = [
+    [`series, ${bound.terms} terms`, bound.phase_function, "of the phase factor"],
+    [`rounding to ${configuration.table}`, bound.packing, "of an amplitude"],
+    configuration.mode === "pq"
+      ? ["between replicas", bound.window_tail, "of the light"]
+      : ["cut-off window", bound.window_tail, "of its energy"],
+    ["between texels", bound.interpolation, "of an amplitude, rms"],
+    ["wavelength nodes", bound.node_alias, "taken for others"],
+  ];
+  return rows.filter(([, value]) => Number.isFinite(value)).map(([name, value, of]) => [name, `${atMost(value)} ${of}`]);
+}
+
+function costs({ cost, lobes, configuration }) {
+  const evaluations = range(cost.evaluations_mean, cost.evaluations);
+  const rows = [
+    ["texels read", range(cost.fetches_mean, cost.fetches)],
+    ["amplitudes", configuration.mode === "baked" ? "none, the table holds colours" : evaluations],
+  ];
+  if (lobes) {
+    rows.push(["loops end after", `${round(lobes.candidates)} bins`]);
+    const limit = lobes.overlap_limit === null ? "" : ` of at most ${round(lobes.overlap_limit)}`;
+    rows.push(["overlap of lobes", `${short(lobes.overlap)}${limit}`]);
+  }
+  return rows;
+}
+
+function others({ configuration, cost, requires, core }) {
+  const { coherence, coherence_um, table } = configuration;
+  const kinds = { single: "one coherent patch", ensemble: "mean of many patches" };
+  const rows = [["coherence", `${round(coherence_um)} µm, ${kinds[coherence] ?? "replicas of the patch"}`]];
+  rows.push(["tables", `${round(cost.table_bytes / 2 ** 20)} MiB${table ? `, ${table}` : ""}`]);
+  rows.push(["fits", requires.profiles.map((name) => PROFILES[name] ?? name).join(", ") || "no profile"]);
+  if (core.diffuser_scale) rows.push(["diffuser scale", round(core.diffuser_scale)]);
+  return rows;
 }
 
 /** Two digits. */
@@ -27,6 +62,21 @@ export function short(number) {
   return number === 0 ? "0" : Number(number.toPrecision(2)).toString();
 }
 
+/** A share in per cent, or as a power of ten where that has too many zeros. */
+function atMost(share) {
+  if (share === 0) return "none";
+  if (share >= 1e-4) return `≤\u00a0${short(100 * share)}\u00a0%`;
+  const [digits, power] = share.toExponential(1).split("e");
+  return `≤\u00a0${digits}·10${[...power.replace("+", "")].map((c) => SUPERSCRIPTS[c]).join("")}`;
+}
+
+const SUPERSCRIPTS = Object.fromEntries([..."-0123456789"].map((c, i) => [c, "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"[i]]));
+
+function range(mean, worst) {
+  return mean === worst ? round(worst) : `${round(mean)} on average, at most ${round(worst)}`;
+}
+
 function round(number) {
-  return Number(number.toPrecision(number >= 100 ? 8 : 3)).toLocaleString("en", { maximumFractionDigits: number >= 100 ? 0 : 2 });
+  const maximumFractionDigits = number >= 100 ? 0 : number >= 10 ? 1 : 2;
+  return number.toLocaleString("en", { maximumFractionDigits });
 }

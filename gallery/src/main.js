@@ -15,15 +15,17 @@ const API_NAMES = { webgl2: "WebGL2", webgpu: "WebGPU" };
 const $ = (id) => document.getElementById(id);
 const asked = new URLSearchParams(location.search);
 const state = {
-  body: "snake", azimuth: 0.35, elevation: 0.45, distance: 4.4, light: FIRST_LIGHT.clone(), stops: -1,
-  ratio: Number(asked.get("ratio")) || 0,
+  body: "snake", azimuth: 0.1, elevation: 0.2, distance: 4, light: FIRST_LIGHT.clone(), stops: numberAsked("stops") ?? 0.5,
+  ratio: numberAsked("ratio") ?? 0,
 };
 const stage = createStage(state, showFrame);
 const drawDot = lightPad($("pad"), $("dot"), () => stage.toView(state.light), (v) => {
   state.light.copy(stage.toWorld(v));
   changed();
 });
-let files, places, engine, queue = Promise.resolve(), frame = {}, manifest, firstPicture;
+// an engine with its canvas for each interface: browsers allow few contexts, and free them late
+const engines = {};
+let files, places, engine, queue = Promise.resolve(), manifest, firstPicture, doing = "starting";
 
 /** For tests and the curious: what is under way, and the probes of all variants. */
 window.gallery = {
@@ -32,23 +34,25 @@ window.gallery = {
   probe: () => queue.then(() => probePackage(files, engine, APIS[$("api").value].target)),
   /** Milliseconds from the page's beginning to its first picture. */
   firstPicture: () => firstPicture,
+  /** What it does, or did last. */
+  doing: () => doing,
   driver: () => engine.driver,
-  canvas: () => $("view").firstElementChild,
+  canvas: () => engine?.canvas,
 };
 
 async function start() {
   try {
+    doing = "reading the package's manifests";
     files = await openPackage();
     places = await listVariants(files);
-    fill($("surface"), unique(places.map((place) => place.surface)), asked.get("surface"));
+    fill($("surface"), unique(places.map((place) => place.surface)), asked.get("surface") ?? $("surface").dataset.first);
     await fillVariants(asked.get("variant"));
     fill($("body"), Object.keys(BODIES), asked.get("body"), BODY_NAMES);
     fill($("api"), Object.keys(APIS), asked.get("api"), API_NAMES);
     state.body = $("body").value;
-    state.stops = Number(asked.get("stops") ?? state.stops);
     $("stops").value = state.stops;
     connect();
-    await show();
+    await later(show);
   } catch (error) {
     fail(error);
   }
@@ -68,13 +72,18 @@ function connect() {
     changed();
   });
   $("check").addEventListener("click", () => later(check));
-  new ResizeObserver(() => engine && changed()).observe($("view"));
+  new ResizeObserver(changed).observe($("view"));
 }
 
 function changed() {
-  $("stops-shown").textContent = `${state.stops > 0 ? "+" : ""}${state.stops} stops`;
-  drawDot();
+  label();
   stage.touch().catch(fail);
+}
+
+function label() {
+  const sign = state.stops > 0 ? "+" : state.stops < 0 ? "−" : "";
+  $("stops-shown").textContent = `${sign}${Math.abs(state.stops)} ${Math.abs(state.stops) === 1 ? "stop" : "stops"}`;
+  drawDot();
 }
 
 /** One after another: engines and variants are not changed while others are being made. */
@@ -84,38 +93,65 @@ function later(work) {
 }
 
 async function show() {
-  $("message").hidden = true;
+  say("");
   $("checked").textContent = "";
-  const api = $("api").value;
-  const place = here();
-  const variant = await loadVariant(files, place, APIS[api].target);
-  manifest = variant.manifest;
-  let next = engine;
-  let canvas = window.gallery.canvas();
-  if (engine?.api !== api) {
-    canvas = document.createElement("canvas");
-    canvas.tabIndex = 0;
-    canvas.setAttribute("aria-label", "the body; arrow keys turn it");
-    canvas.setAttribute("role", "img");
-    next = { api, ...(await APIS[api].open(canvas)) };
-    $("view").replaceChildren(canvas);
-    orbit(canvas, state, changed);
+  doing = "opening the renderer";
+  const next = await chosenEngine();
+  doing = "reading the variant";
+  const variant = await loadVariant(files, here(), APIS[next.api].target);
+  doing = "ending the last picture";
+  await stage.halt();
+  doing = "drawing";
+  try {
+    if ($("view").firstElementChild !== next.canvas) $("view").replaceChildren(next.canvas);
+    stage.show(next, next.canvas, variant);
+    [engine, manifest] = [next, variant.manifest];
+  } finally {
+    label();
+    await stage.resume();
   }
-  const shown = stage.show(next, canvas, variant);
-  engine = next;
-  changed();
-  await shown;
+}
+
+/** The engine of the chosen interface, or of the other one, and why. */
+async function chosenEngine() {
+  const api = $("api").value;
+  try {
+    return await openEngine(api);
+  } catch (error) {
+    const other = Object.keys(APIS).find((name) => name !== api);
+    const next = await openEngine(other).catch((second) => {
+      throw new Error(`${API_NAMES[api]}: ${error.message}. ${API_NAMES[other]}: ${second.message}.`);
+    });
+    $("api").value = other;
+    say(`${API_NAMES[api]} cannot be used here: ${error.message}. ${API_NAMES[other]} draws instead.`);
+    return next;
+  }
+}
+
+async function openEngine(api) {
+  if (engines[api]) return engines[api];
+  const canvas = document.createElement("canvas");
+  canvas.tabIndex = 0;
+  canvas.setAttribute("aria-label", "the body; arrow keys turn it, plus and minus come nearer and go away");
+  canvas.setAttribute("role", "application");
+  const lost = (words) => {
+    delete engines[api];
+    say(`${words}. Choose a variant or a renderer to begin anew.`);
+  };
+  engines[api] = { api, canvas, ...(await APIS[api].open(canvas, lost)) };
+  orbit(canvas, state, changed);
+  return engines[api];
 }
 
 async function fillVariants(wanted) {
   const own = places.filter((place) => place.surface === $("surface").value);
   const read = async (place) => {
     const { cost } = JSON.parse(await files.text(place.folder + "manifest.json"));
-    return { name: place.variant, fetches: cost.fetches };
+    return { name: place.variant, cost };
   };
   const costs = await Promise.all(own.map(read));
   // the cheapest first
-  costs.sort((a, b) => a.fetches - b.fetches);
+  costs.sort(({ cost: a }, { cost: b }) => a.fetches - b.fetches || a.table_bytes - b.table_bytes);
   fill($("variant"), costs.map(({ name }) => name), wanted);
 }
 
@@ -130,19 +166,24 @@ function here() {
   return places.find((place) => place.surface === $("surface").value && place.variant === $("variant").value);
 }
 
-function showFrame({ ms, width, height }) {
+function showFrame({ ms, width, height, samples }) {
   firstPicture ??= performance.now();
-  frame = { ms, width, height };
-  const { driver } = engine;
-  const list = [...facts(manifest), ["frame", `${short(ms)} ms for ${width} × ${height}`], ["driver", driver]];
-  const cells = list.flatMap(([name, text]) => [cell("dt", name), cell("dd", text)]);
-  $("facts").replaceChildren(...cells);
+  const places = samples > 1 ? `, ${samples} places in each pixel` : "";
+  const measured = [["frame", `${short(ms)} ms`], ["drawn", `${width} × ${height}${places}`], ["driver", engine.driver]];
+  const groups = [{ title: "Here", rows: measured }, ...facts(manifest)];
+  $("facts").replaceChildren(...groups.flatMap(({ title, rows }) => [made("h2", title), list(rows)]));
 }
 
-function cell(tag, text) {
-  const made = document.createElement(tag);
-  made.textContent = text;
-  return made;
+function list(rows) {
+  const dl = document.createElement("dl");
+  dl.append(...rows.flatMap(([name, text]) => [made("dt", name), made("dd", text)]));
+  return dl;
+}
+
+function made(tag, text) {
+  const element = document.createElement(tag);
+  element.textContent = text;
+  return element;
 }
 
 function fill(select, values, wanted, names = {}) {
@@ -154,7 +195,17 @@ function unique(values) {
   return [...new Set(values)];
 }
 
+/** A finite number of the address. */
+function numberAsked(name) {
+  const number = Number.parseFloat(asked.get(name));
+  return Number.isFinite(number) ? number : null;
+}
+
 function fail(error) {
-  $("message").textContent = error.message;
-  $("message").hidden = false;
+  say(error.message);
+}
+
+function say(words) {
+  $("message").textContent = words;
+  $("message").hidden = words === "";
 }

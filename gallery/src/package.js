@@ -1,5 +1,8 @@
 // Reads a generated package through its manifests; no name of a surface, variant or table is known here.
 
+/** What a server may take for a file, milliseconds. */
+const PATIENCE_MS = 60000;
+
 /** Whatever answers `text(path)` and `bytes(path)` for paths inside the package. */
 export async function openPackage(address = "package/") {
   if (location.protocol === "file:") {
@@ -7,7 +10,9 @@ export async function openPackage(address = "package/") {
     return fromScript(window.DIFFRACTION_PACKAGE);
   }
   const get = async (path) => {
-    const answer = await fetch(address + path);
+    const answer = await fetch(address + path, { signal: AbortSignal.timeout(PATIENCE_MS) }).catch((error) => {
+      throw new Error(`${address}${path}: ${error.message}`);
+    });
     if (!answer.ok) throw new Error(`${address}${path}: ${answer.status} ${answer.statusText}`);
     return answer;
   };

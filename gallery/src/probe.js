@@ -19,8 +19,14 @@ export async function probeVariant(files, engine, target, place) {
   const variant = await loadVariant(files, place, target);
   const probes = await loadProbes(files, place);
   const pairs = probes.map(({ wi, wr }) => [wi, wr]);
-  const pixels = await engine.probe(variant, pairs);
-  const flipped = await engine.probe(variant, pairs.map((pair) => pair.map(([x, y, z]) => [x, -y, z])));
+  const mirrored = pairs.map((pair) => pair.map(([x, y, z]) => [x, -y, z]));
+  // two rows, XYZ and RGB, of the probes and then of their mirror images: one shader, compiled once
+  const both = await engine.probe(variant, [...pairs, ...mirrored]);
+  const part = (from) => [0, 1].flatMap((row) => {
+    const start = 4 * (2 * row + from) * pairs.length;
+    return [...both.subarray(start, start + 4 * pairs.length)];
+  });
+  const [pixels, flipped] = [part(0), part(1)];
   const swapped = pixels.slice();
   for (let i = 0; i < pixels.length; i += 4) [swapped[i], swapped[i + 2]] = [pixels[i + 2], pixels[i]];
   const controls = { [SWAPPED]: worst(swapped, probes), [FLIPPED]: worst(flipped, probes) };

@@ -39,31 +39,50 @@ uniform vec3 light;
 uniform float diffuser;
 uniform float exposure;
 uniform bool is_map;
+uniform int samples;
 layout(location = 0) out vec4 colour;
 
-void main() {
-    vec3 n = normalize(v_normal);
-    vec3 t = normalize(v_tangent.xyz - n * dot(n, v_tangent.xyz));
+// radiance and cover of a place
+vec4 seen(vec3 place, vec3 normal, vec3 tangent) {
+    if (is_map) {
+        float inside = 1.0 - dot(place.xy, place.xy);
+        return inside > 0.0 ? vec4(diffuser * diffraction(light, vec3(place.xy, sqrt(inside))), 1.0) : vec4(0.0);
+    }
+    vec3 n = normalize(normal);
+    vec3 t = normalize(tangent - n * dot(n, tangent));
     vec3 b = cross(n, t) * v_tangent.w;
-    vec3 to_eye = normalize(eye - v_place);
+    vec3 to_eye = normalize(eye - place);
     vec3 wi = vec3(dot(light, t), dot(light, b), dot(light, n));
     vec3 wr = vec3(dot(to_eye, t), dot(to_eye, b), dot(to_eye, n));
-    vec3 radiance = vec3(0.0);
-    if (is_map) {
-        float inside = 1.0 - dot(v_place.xy, v_place.xy);
-        if (inside <= 0.0) { discard; }
-        radiance = diffuser * diffraction(light, vec3(v_place.xy, sqrt(inside)));
-    } else if (wi.z > 0.0 && wr.z > 0.0) {
-        float cos_half = dot(normalize(wi + wr), wr);
-        float reflected = 0.04 + 0.96 * pow(1.0 - cos_half, 5.0);
-        radiance = diffuser * diffraction(wi, wr) + (1.0 - reflected) * wi.z * v_body;
+    if (wi.z <= 0.0 || wr.z <= 0.0) { return vec4(0.0, 0.0, 0.0, 1.0); }
+    float cos_half = dot(normalize(wi + wr), wr);
+    float reflected = 0.04 + 0.96 * pow(1.0 - cos_half, 5.0);
+    return vec4(diffuser * diffraction(wi, wr) + (1.0 - reflected) * wi.z * v_body, 1.0);
+}
+
+void main() {
+    // a lobe may be much narrower than what a pixel sees: places over the pixel, by the plastic number
+    vec3 place_x = dFdx(v_place), place_y = dFdy(v_place);
+    vec3 normal_x = dFdx(v_normal), normal_y = dFdy(v_normal);
+    vec3 tangent_x = dFdx(v_tangent.xyz), tangent_y = dFdy(v_tangent.xyz);
+    vec4 sum = vec4(0.0);
+    for (int i = 0; i < samples; i++) {
+        vec2 at = fract(0.5 + float(i) * vec2(0.7548777, 0.5698403)) - 0.5;
+        sum += seen(
+            v_place + at.x * place_x + at.y * place_y,
+            v_normal + at.x * normal_x + at.y * normal_y,
+            v_tangent.xyz + at.x * tangent_x + at.y * tangent_y
+        );
     }
+    if (sum.a == 0.0) { discard; }
     // keeps hues: the greatest channel tends to 1
-    vec3 shown = exposure * max(radiance, vec3(0.0));
+    vec3 shown = exposure * max(sum.rgb, vec3(0.0)) / sum.a;
     shown /= 1.0 + max(shown.r, max(shown.g, shown.b));
     vec3 low = 12.92 * shown;
     vec3 high = 1.055 * pow(shown, vec3(1.0 / 2.4)) - 0.055;
-    colour = vec4(mix(high, low, lessThanEqual(shown, vec3(0.0031308))), 1.0);
+    vec3 code = mix(high, low, lessThanEqual(shown, vec3(0.0031308)));
+    float cover = sum.a / float(samples);
+    colour = vec4(cover * code, cover);
 }`;
 
 const PROBE = `
@@ -78,9 +97,11 @@ void main() {
 
 const CORNERS = "in vec3 position;\nvoid main() { gl_Position = vec4(position, 1.0); }";
 
-export async function open(canvas) {
+/** The engine on a canvas; `onLost` gets words when the driver gives up. */
+export async function open(canvas, onLost) {
   const renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
   const gl = renderer.getContext();
+  canvas.addEventListener("webglcontextlost", () => onLost("The context of WebGL2 was lost"));
   const unmasked = gl.getExtension("WEBGL_debug_renderer_info");
   return {
     renderer,
@@ -115,6 +136,7 @@ function bodyMaterial({ text, tables }) {
     diffuser: { value: 1 },
     exposure: { value: 1 },
     is_map: { value: false },
+    samples: { value: 1 },
   };
   const material = raw(VERTEX, text + FRAGMENT, bound, uniforms);
   const set = (values) => {

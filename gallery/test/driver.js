@@ -1,10 +1,44 @@
-// Uses the gallery as a person would, in a frame, and posts what came of it to `result`. The address may hold `api`, and
-// `pictures`: then what was drawn is posted, too.
+// Uses the gallery as a person would, in a frame, and posts what came of it to `result`. The address may hold `api`, `surface`,
+// `variant`, and `pictures`: then what was drawn is posted, too.
 const frame = document.querySelector("iframe");
 const asked = new URLSearchParams(location.search);
+/** Most that a step may take, and all of them, seconds. */
+const STEP_S = Number(asked.get("step_s") ?? 100);
+const ALL_S = Number(asked.get("all_s") ?? 200);
+const RESULT = new URL("result", location.href).href;
+
+// a worker has the clock: also where this page stands still within a call, it posts the step that it stands in
+const WATCH = `
+let step = "the beginning", doing = "", begun = Date.now(), isOver = false;
+const first = begun;
+onmessage = ({ data }) => {
+  if (data === null) return close();
+  if (data.step !== step) begun = Date.now();
+  [step, doing] = [data.step, data.doing];
+};
+setInterval(() => {
+  const now = Date.now();
+  const late = now - begun > ${1000 * STEP_S} ? "step " + step + doing + " took longer than ${STEP_S} s"
+    : now - first > ${1000 * ALL_S} ? "all took longer than ${ALL_S} s, the last step was " + step + doing : null;
+  if (late === null || isOver) return;
+  isOver = true;
+  fetch(${JSON.stringify(RESULT)}, { method: "POST", body: JSON.stringify({ failed: late }) });
+}, 250);`;
+const watch = new Worker(URL.createObjectURL(new Blob([WATCH], { type: "text/javascript" })));
+
+let current = "the beginning";
+
+/** Says what is being done from now on. */
+function step(name) {
+  current = name;
+  const { gallery } = frame.contentWindow;
+  watch.postMessage({ step: current, doing: gallery ? ` (the page: ${gallery.doing()})` : "" });
+}
+const saying = setInterval(() => step(current), 250);
 
 /** The page, when its first picture is there. */
 async function open(query) {
+  step("loading the page");
   await new Promise((done) => {
     frame.onload = done;
     frame.src = `index.html?${query}`;
@@ -14,7 +48,11 @@ async function open(query) {
   page.addEventListener("error", (event) => errors.push(event.message));
   page.addEventListener("unhandledrejection", (event) => errors.push(String(event.reason)));
   const { gallery } = page;
+  step("the first picture");
   await gallery.ready;
+  // a page without an engine says why
+  if (!gallery.canvas()) throw new Error(page.document.getElementById("message").textContent);
+  step("the first picture at rest");
   await gallery.idle();
   return { page, gallery, errors, $: (id) => page.document.getElementById(id) };
 }
@@ -24,13 +62,13 @@ async function picture({ gallery }) {
   await gallery.idle();
   // a canvas of WebGPU can be read as a file, but not be drawn
   const png = gallery.canvas().toDataURL("image/png");
-  const image = new Image();
-  image.src = png;
-  await image.decode();
+  // an `Image` decodes only while its page is being shown
+  const bitmap = await createImageBitmap(await (await fetch(png)).blob());
   const small = new OffscreenCanvas(64, 64).getContext("2d");
   small.fillStyle = "#808080";
   small.fillRect(0, 0, 64, 64);
-  small.drawImage(image, 0, 0, 64, 64);
+  small.drawImage(bitmap, 0, 0, 64, 64);
+  bitmap.close();
   return { pixels: small.getImageData(0, 0, 64, 64).data, png: asked.has("pictures") ? png : null };
 }
 
@@ -39,9 +77,10 @@ function difference(a, b) {
   return a.pixels.reduce((sum, value, i) => sum + Math.abs(value - b.pixels[i]), 0) / a.pixels.length;
 }
 
+/** A value of a picker, or the one after the chosen one. */
 function choose(at, id, value) {
   const select = at.$(id);
-  select.value = value ?? [...select.options].find((option) => !option.selected).value;
+  select.value = value ?? select.options[(select.selectedIndex + 1) % select.options.length].value;
   select.dispatchEvent(new at.page.Event("change", { bubbles: true }));
 }
 
@@ -73,6 +112,8 @@ const ACTS = {
     at.$("stops").dispatchEvent(new at.page.Event("input", { bubbles: true }));
   },
   sphere: (at) => choose(at, "body", "sphere"),
+  variant: (at) => choose(at, "variant"),
+  "another variant": (at) => choose(at, "variant"),
   surface: (at) => choose(at, "surface"),
   disc: (at) => choose(at, "body", "disc"),
   map: (at) => choose(at, "body", "map"),
@@ -89,28 +130,37 @@ async function run() {
   const changes = {};
   let before = await picture(at);
   const pictures = { first: before.png };
+  const variants = [at.$("variant").value];
   for (const [name, act] of Object.entries(ACTS)) {
+    step(name);
     act(at);
     const after = await picture(at);
     changes[name] = difference(before, after);
     pictures[name] = after.png;
     before = after;
+    if (!variants.includes(at.$("variant").value)) variants.push(at.$("variant").value);
   }
+  step("the probes of all variants");
   const probes = await gallery.probe();
+  step("the button of the probes");
   at.$("check").click();
   await gallery.idle();
   const checked = at.$("checked").textContent;
-  // another engine on another canvas, and back
+  step("another renderer and back");
   for (const other of ["webgl2", "webgpu", asked.get("api")]) choose(at, "api", other);
   const last = await picture(at);
   changes["another renderer and back"] = difference(before, last);
   const message = at.$("message").hidden ? null : at.$("message").textContent;
   return {
-    driver: gallery.driver(), first_picture_ms: gallery.firstPicture(), changes, probes, message, errors: at.errors,
-    checked, pictures,
+    driver: gallery.driver(), first_picture_ms: gallery.firstPicture(), changes, variants, probes,
+    message, errors: at.errors, checked, pictures,
   };
 }
 
 run()
   .catch((error) => ({ failed: error.stack }))
-  .then((result) => fetch("result", { method: "POST", body: JSON.stringify(result) }));
+  .then((result) => {
+    clearInterval(saying);
+    watch.postMessage(null);
+    return fetch(RESULT, { method: "POST", body: JSON.stringify(result) });
+  });
