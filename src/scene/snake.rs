@@ -28,7 +28,7 @@ pub struct Snake {
 impl Snake {
     /// About a quarter of a million vertices, some ten across a scale.
     pub fn standard() -> Snake {
-        Snake { rings: 1100, sides: 216, scale_rows: 24, relief: 0.07, fan_deg: 12.0 }
+        Snake { rings: 1100, sides: 216, scale_rows: 24, relief: 0.06, fan_deg: 12.0 }
     }
 }
 
@@ -171,8 +171,9 @@ fn scale(snake: &Snake, along: f64, around: f64) -> (f64, f64) {
             if outline > 1.0 {
                 continue;
             }
-            let plate = 0.5 + 0.6 * behind - 0.5 * beside * beside;
-            let keel = 0.12 * (-(beside / 0.07).powi(2)).exp() * (1.0 - (behind / 0.8).powi(2));
+            // flatter across than the body, so that a scale lights up as a whole
+            let plate = 0.5 + 0.6 * behind + 0.25 * beside * beside;
+            let keel = 0.1 * (-(beside / 0.07).powi(2)).exp() * (1.0 - (behind / 0.8).powi(2));
             let height = (plate + keel) * (1.0 - outline.powi(6));
             if height > best.0 {
                 best = (height, beside.clamp(-0.5, 0.5));
