@@ -144,33 +144,47 @@ fn light_orientation_and_dark_sides_show() {
     assert!(lit(&behind) * 10 < lit(&front), "{} {}", lit(&behind), lit(&front));
 }
 
-/// Far away, where a pixel sees many lobes, single points miss nearly all of their light; widened lobes carry what many
-/// points find.
+/// Far away a pixel sees many lobes. A single point finds one of them or none, so that the picture's light depends on where
+/// pixels happen to lie; widened lobes keep the light and hardly depend on that.
 #[test]
 fn widened_lobes_keep_the_light() {
     let Some(gpu) = gpu() else { return };
     let mut mesh = sphere(64);
     mesh.colour = ColourMap::plain([0; 3]);
-    let far = Orbit { zoom: 0.15, ..Orbit::around(&mesh, 4.0 / 3.0) };
+    let size = [40, 30];
     let (height, variant) = (height(), variant(Coherence::Ensemble));
     let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
     let look = Look { lights: vec![Light::white(LIGHT)], texture_weight: 0.0 };
-    // the picture's light, mean over some angles of the camera
-    let light = |widen: bool, factor: u32| {
-        let studio = Studio::new(&gpu, subject, mesh.clone(), widen).unwrap();
-        let size = SIZE.map(|side| side * factor);
-        let sums = (0..4).map(|i| {
-            let orbit = Orbit { azimuth_deg: f64::from(i), ..far };
-            let params = orbit.params(&mesh, size, LIGHT).unwrap();
-            let picture = studio.picture(&params, &look, size).unwrap();
-            sum(&picture) / f64::from(factor * factor)
-        });
-        sums.sum::<f64>() / 4.0
+    // the picture's light for a camera that moves by shares of a pixel: mean and standard deviation
+    let light = |studio: &Studio<'_>, zoom: f64, steps: u32, factor: u32| {
+        let orbit = Orbit { zoom, ..Orbit::around(&mesh, 4.0 / 3.0) };
+        let slope = (0.5 * orbit.view_deg.to_radians()).tan();
+        let pixel = 2.0 * slope * orbit.distance / zoom / f64::from(size[1]);
+        let sums: Vec<f64> = (0..steps * steps)
+            .map(|i| {
+                let shift = DVec3::new(f64::from(i % steps), f64::from(i / steps), 0.0);
+                let target = orbit.target + pixel / f64::from(steps * factor) * shift;
+                let size = size.map(|side| side * factor);
+                let params = Orbit { target, ..orbit }.params(&mesh, size, LIGHT).unwrap();
+                let picture = studio.picture(&params, &look, size).unwrap();
+                sum(&picture) / f64::from(factor * factor)
+            })
+            .collect();
+        let mean = sums.iter().sum::<f64>() / sums.len() as f64;
+        let variance = sums.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / sums.len() as f64;
+        [mean, variance.sqrt()]
     };
-    let [exact, widened, bare] = [light(false, 8), light(true, 1), light(false, 1)];
-    println!("exact {exact:.3}, widened {widened:.3}, bare {bare:.3}");
-    assert!((widened / exact - 1.0).abs() < 0.4, "{widened} {exact}");
-    assert!(bare < 0.3 * exact, "{bare} {exact}");
+    let [points, widened] =
+        [false, true].map(|widen| Studio::new(&gpu, subject, mesh.clone(), widen).unwrap());
+    // the sphere is 18 and 6 pixels wide
+    for (zoom, bias) in [(0.63, 0.08), (0.21, 0.15)] {
+        let [exact, _] = light(&points, zoom, 2, 24);
+        let [mean, spread] = light(&widened, zoom, 6, 1).map(|v| v / exact);
+        let [bare, sparkle] = light(&points, zoom, 6, 1).map(|v| v / exact);
+        println!("zoom {zoom}: widened {mean:.3} ± {spread:.3}, points {bare:.3} ± {sparkle:.3}");
+        assert!((mean - 1.0).abs() < bias, "zoom {zoom}: {mean}");
+        assert!(spread < 0.6 && sparkle > 2.0 * spread, "zoom {zoom}: {spread} {sparkle}");
+    }
 }
 
 #[test]

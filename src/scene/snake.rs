@@ -90,8 +90,7 @@ pub fn snake(snake: &Snake) -> Mesh {
         let last = (first + RIBBON).min(sides);
         (0..rings).flat_map(move |ring| (first..last).map(move |side| (ring, side)))
     };
-    let triangles =
-        (0..sides).step_by(RIBBON as usize).flat_map(ribbon).flat_map(cell).collect();
+    let triangles = (0..sides).step_by(RIBBON as usize).flat_map(ribbon).flat_map(cell).collect();
     let mut mesh = Mesh::new("snake", vertices, triangles);
     mesh.colour = corn_snake(4096, 512, LENGTH / (TAU * RADIUS));
     mesh

@@ -8,12 +8,13 @@ use anyhow::{Result, bail};
 use crate::args::PlanArgs;
 
 const EXAMPLE: &str = "Examples:
-  cargo xtask scene --plan plans/scene.toml --surface fingers --variant ensemble --out snake.png
-  cargo xtask scene --plan plans/scene.toml --surface blazed --variant ensemble --mesh body.glb --elevation 20 --out body.exr
-  cargo xtask scene --plan plans/scene.toml --surface fingers --variant ensemble --sweep lights --size 480x360 --out lights.png
-  cargo xtask scene --plan plans/scene.toml --surface fingers --variant ensemble --sweep zoom --filter footprint --out zoom.png
-  cargo xtask scene --plan plans/scene.toml --surface rows --variant ensemble --sweep turntable --size 480x360 --out turntable.png
-  cargo xtask scene --plan plans/scene.toml --surface blazed --variant ensemble --mesh sphere --truth --size 256x256
+  cargo xtask scene --plan plans/scene.toml --surface fingers --variant lamp --out snake.png
+  cargo xtask scene --plan plans/scene.toml --surface rows --variant lamp --zoom 2.2 --target 2.2,-0.4,0 --filter supersample --out close.png
+  cargo xtask scene --plan plans/scene.toml --surface blazed --variant ensemble --mesh sphere --elevation 20 --out sphere.exr
+  cargo xtask scene --plan plans/scene.toml --surface fingers --variant lamp --sweep lights --size 480x360 --out lights.png
+  cargo xtask scene --plan plans/scene.toml --surface fingers --variant baked --sweep zoom --filter footprint --size 480x360 --out zoom.png
+  cargo xtask scene --plan plans/scene.toml --surface rows --variant lamp --sweep turntable --size 480x360 --out turntable.png
+  cargo xtask scene --plan plans/scene.toml --surface fingers --variant baked --truth --size 640x360
 
 The tone map: colours are exposed, negative components become 0, and a greatest component m above 0.6 is brought to
 1 - 0.4 exp(-(m - 0.6)/0.4), the others in proportion. An EXR holds the linear picture.";
@@ -59,7 +60,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     pub(crate) target: Option<Vector>,
     /// Factor before the tone map.
-    #[arg(long, value_name = "V", default_value_t = 0.8)]
+    #[arg(long, value_name = "V", default_value_t = 0.5)]
     pub(crate) exposure: f64,
     /// Weight w_d of the unlit texture, 0 to 1.
     #[arg(long, value_name = "W", default_value_t = 0.0)]
@@ -79,7 +80,8 @@ pub(crate) struct Args {
     /// Take the adapter whose name contains this; else graphics cards come first.
     #[arg(long, value_name = "SUBSTRING")]
     pub(crate) adapter: Option<String>,
-    /// Compare the driver's picture and the directions it used with the same scene in f64, as JSON; exit 1 over tolerance.
+    /// Compare the driver's picture and the directions it used with the same scene in f64, as JSON, and again with a flipped
+    /// bitangent; exit 1 over tolerance, or where the flip is not caught.
     #[arg(long)]
     pub(crate) truth: bool,
     /// Draw each picture so many times more and tell the median time.
@@ -104,7 +106,7 @@ pub(crate) enum Filter {
 /// What changes from picture to picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum Sweep {
-    /// The six light directions printed in the texts.
+    /// The six light directions printed in the texts; -3.3130 in the first is a misprint, read as -0.0130 (of unit length).
     Lights,
     /// Zoom 0.1, 0.2, 0.5, 1, 1.5, 2.
     Zoom,
