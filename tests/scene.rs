@@ -6,9 +6,11 @@ use diffraction_shaders::height::{HeightField, synthetic::synthesise};
 use diffraction_shaders::plan::{Auto, Basis, Coherence, Grating, Mode, Optics, Packing, Variant};
 use diffraction_shaders::runner::gpu::{Backend, Gpu};
 use diffraction_shaders::runner::{Prepared, Subject};
+use diffraction_shaders::scene::picture::{display, exr, png, stacked};
 use diffraction_shaders::scene::{ColourMap, Light, Mesh, Orbit, Snake, snake, sphere};
 use diffraction_shaders::studio::{Hdr, Look, Studio, Truth, relative_radiance, truth};
 use diffraction_shaders::twin::mesh::{OrientationMap, Vertex};
+use exr::prelude::ReadChannels;
 use glam::{DMat4, DVec3, DVec4};
 
 const SIZE: [u32; 2] = [160, 120];
@@ -177,14 +179,50 @@ fn widened_lobes_keep_the_light() {
     let [points, widened] =
         [false, true].map(|widen| Studio::new(&gpu, subject, mesh.clone(), widen).unwrap());
     // the sphere is 18 and 6 pixels wide
-    for (zoom, bias) in [(0.63, 0.08), (0.21, 0.15)] {
-        let [exact, _] = light(&points, zoom, 2, 24);
-        let [mean, spread] = light(&widened, zoom, 6, 1).map(|v| v / exact);
-        let [bare, sparkle] = light(&points, zoom, 6, 1).map(|v| v / exact);
+    for (zoom, bias) in [(0.63, 0.1), (0.21, 0.15)] {
+        let [exact, _] = light(&points, zoom, 2, 16);
+        let [mean, spread] = light(&widened, zoom, 4, 1).map(|v| v / exact);
+        let [bare, sparkle] = light(&points, zoom, 4, 1).map(|v| v / exact);
         println!("zoom {zoom}: widened {mean:.3} ± {spread:.3}, points {bare:.3} ± {sparkle:.3}");
         assert!((mean - 1.0).abs() < bias, "zoom {zoom}: {mean}");
-        assert!(spread < 0.6 && sparkle > 2.0 * spread, "zoom {zoom}: {spread} {sparkle}");
+        // either sparkle, or darkness where every lobe is missed
+        let (error, without) = ((mean - 1.0).hypot(spread), (bare - 1.0).hypot(sparkle));
+        assert!(error < 0.6 && without > 1.6 * error, "zoom {zoom}: {error} {without}");
     }
+}
+
+/// An EXR file holds the linear numbers, an animated PNG all its frames in order.
+#[test]
+fn files_hold_what_was_drawn() {
+    let pixels = [[-0.25, 0.5, 6.0, 1.0], [0.125, 40.0, 1e-3, 0.5]];
+    let bytes = exr(2, 1, &pixels).unwrap();
+    let read = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgba_channels(
+            |_, _| Vec::new(),
+            |all: &mut Vec<[f32; 4]>, _, (r, g, b, a)| {
+                all.push([r, g, b, a]);
+            },
+        )
+        .all_layers()
+        .all_attributes()
+        .from_buffered(std::io::Cursor::new(bytes));
+    assert_eq!(read.unwrap().layer_data[0].channel_data.pixels, pixels);
+    let shown = |exposure| display(2, 1, &pixels, exposure);
+    let frames = [shown(0.1), shown(0.2), shown(0.4)];
+    let bytes = png(&frames, 80).unwrap();
+    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+    assert_eq!(reader.info().animation_control.map(|a| a.num_frames), Some(3));
+    for frame in &frames {
+        let mut texels = [0; 6];
+        reader.next_frame(&mut texels).unwrap();
+        let expected: Vec<u8> = frame.texels.iter().flat_map(|t| t[..3].to_vec()).collect();
+        assert_eq!(texels[..], expected);
+    }
+    let rows = stacked(&[frames[0].clone(), frames[1].clone()], 3);
+    assert_eq!((rows.width, rows.height, rows.texels.len()), (2, 5, 10));
+    assert_eq!(rows.texels[8..], frames[1].texels);
 }
 
 #[test]

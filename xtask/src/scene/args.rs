@@ -51,10 +51,10 @@ pub(crate) struct Args {
     #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true)]
     pub(crate) elevation: f64,
     /// The camera's distance is divided by it.
-    #[arg(long, value_name = "Z", default_value_t = 1.0)]
+    #[arg(long, value_name = "Z", default_value_t = 1.0, allow_hyphen_values = true)]
     pub(crate) zoom: f64,
     /// The camera's distance at zoom 1, in the mesh's unit; else the whole mesh is seen.
-    #[arg(long, value_name = "D")]
+    #[arg(long, value_name = "D", allow_hyphen_values = true)]
     pub(crate) distance: Option<f64>,
     /// What the camera looks at; else the middle of the mesh.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
@@ -71,7 +71,7 @@ pub(crate) struct Args {
     /// What keeps distant highlights from sparkling.
     #[arg(long, value_enum, default_value_t = Filter::None)]
     pub(crate) filter: Filter,
-    /// Several pictures: side by side in a .png, or animated.
+    /// Several pictures: side by side in a .png, a row for each surface, or animated.
     #[arg(long, value_enum)]
     pub(crate) sweep: Option<Sweep>,
     /// Pictures of a turntable.

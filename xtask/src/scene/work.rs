@@ -10,7 +10,7 @@ use diffraction_shaders::plan::{Plan, SurfaceSpec, Variant};
 use diffraction_shaders::record::Part;
 use diffraction_shaders::runner::gpu::{Backend, Gpu};
 use diffraction_shaders::runner::{Prepared, Subject};
-use diffraction_shaders::scene::picture::{Display, display, exr, png, reduced, strip};
+use diffraction_shaders::scene::picture::{Display, display, exr, png, reduced, stacked, strip};
 use diffraction_shaders::scene::{
     Light, Mesh, Orbit, PRINTED_LIGHTS, PRINTED_ZOOMS, Snake, read, snake, sphere,
 };
@@ -66,31 +66,31 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     if args.truth {
         return judge(args, &gpu, &skins, &variant, &mesh);
     }
-    let mut pictures = Vec::new();
+    let mut rows = Vec::new();
     for skin in &skins {
-        pictures.extend(sweep(args, &gpu, skin, &variant, &mesh, console)?);
+        rows.push(sweep(args, &gpu, skin, &variant, &mesh, console)?);
+    }
+    if args.sweep.is_none() {
+        rows = vec![rows.concat()];
     }
     let Some(out) = &args.out else { return Ok(Outcome::Done) };
-    let bytes = match (out.extension().and_then(|e| e.to_str()), &pictures[..]) {
-        (Some(e), [one]) if e.eq_ignore_ascii_case("exr") => {
-            exr(one.width, one.height, &one.pixels)?
+    let shown = |p: &Hdr| display(p.width, p.height, &p.pixels, args.exposure);
+    let is_exr = out.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+    let bytes = match (&rows[0][..], args.sweep) {
+        ([one], _) if is_exr => exr(one.width, one.height, &one.pixels)?,
+        (_, Some(Sweep::Turntable)) => {
+            png(&rows.iter().flatten().map(shown).collect::<Vec<Display>>(), FRAME_MS)?
         }
         _ => {
-            let shown: Vec<Display> = pictures
-                .iter()
-                .map(|p| display(p.width, p.height, &p.pixels, args.exposure))
-                .collect();
-            match args.sweep {
-                Some(Sweep::Turntable) => png(&shown, FRAME_MS)?,
-                _ => png(&[strip(&shown, GAP)], FRAME_MS)?,
-            }
+            let line = |row: &Vec<Hdr>| strip(&row.iter().map(shown).collect::<Vec<_>>(), GAP);
+            png(&[stacked(&rows.iter().map(line).collect::<Vec<_>>(), GAP)], FRAME_MS)?
         }
     };
     write_whole(out, &bytes)?;
     console.note(&format!(
         "{}: {} pictures, exposure {}",
         out.display(),
-        pictures.len(),
+        rows.iter().map(Vec::len).sum::<usize>(),
         args.exposure
     ));
     Ok(Outcome::Done)
@@ -254,7 +254,11 @@ fn judge(
 
 fn orbit(args: &Args, mesh: &Mesh) -> Orbit {
     let [width, height] = args.size.0;
-    let around = Orbit::around(mesh, f64::from(width) / f64::from(height));
+    let shape = f64::from(width) / f64::from(height);
+    let around = match args.sweep {
+        Some(Sweep::Turntable) => Orbit::all_round(mesh, shape),
+        _ => Orbit::around(mesh, shape),
+    };
     Orbit {
         target: args.target.map_or(around.target, |t| DVec3::from(t.0)),
         distance: args.distance.unwrap_or(around.distance),
