@@ -10,7 +10,7 @@ use diffraction_shaders::scene::picture::{display, exr, png, stacked};
 use diffraction_shaders::scene::{ColourMap, Light, Mesh, Orbit, Snake, snake, sphere};
 use diffraction_shaders::studio::{Hdr, Look, Studio, Truth, relative_radiance, truth};
 use diffraction_shaders::twin::mesh::{OrientationMap, Vertex};
-use exr::prelude::ReadChannels;
+use exr::prelude::{ReadChannels, ReadLayers};
 use glam::{DMat4, DVec3, DVec4};
 
 const SIZE: [u32; 2] = [160, 120];

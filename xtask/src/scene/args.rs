@@ -16,6 +16,9 @@ const EXAMPLE: &str = "Examples:
   cargo xtask scene --plan plans/scene.toml --surface rows --variant lamp --sweep turntable --size 480x360 --out turntable.png
   cargo xtask scene --plan plans/scene.toml --surface fingers --variant baked --truth --size 640x360
 
+The picture docs/snake.png:
+  cargo xtask scene --plan plans/scene.toml --surface blazed,fingers,rows --variant lamp --sweep orientation --zoom 2.5 --target 1.9,0.1,0 --light -0.35,0.4,0.85 --filter supersample --size 244x150 --out docs/snake.png
+
 The tone map: colours are exposed, negative components become 0, and a greatest component m above 0.6 is brought to
 1 - 0.4 exp(-(m - 0.6)/0.4), the others in proportion. An EXR holds the linear picture.";
 
