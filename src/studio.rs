@@ -65,8 +65,7 @@ pub struct Studio<'a> {
     gpu: &'a Gpu,
     mesh: Mesh,
     buffers: MeshBuffers,
-    body: MeshPipeline,
-    /// The variant, and where lobes are widened those of shorter coherence, each with its diffuser scale.
+    /// The variant with the body's colour, and where lobes are widened those of shorter coherence, each with its diffuser scale.
     levels: Vec<(MeshPipeline, f64)>,
     /// `(λ σf)²` of the variant at 550 nm.
     lobe: f64,
@@ -86,7 +85,6 @@ impl<'a> Studio<'a> {
         }
         let buffers = gpu.mesh(&mesh.vertices, &mesh.triangles)?;
         let mut levels = Vec::new();
-        let mut body = None;
         for level in 0..if widen { LEVELS } else { 1 } {
             let mut wider = variant.clone();
             wider.optics.coherence_um /= f64::from(1 << level);
@@ -95,19 +93,11 @@ impl<'a> Studio<'a> {
                 let cause = "claims no radiance, so that it cannot be blended with a body";
                 Error::new(Stage::Run, &variant.name, cause)
             })?;
-            let text = text(&prepared)?;
-            let textures = textures(&prepared, &mesh.orientation);
-            let pass = pass(gpu, &text, "scene_diffraction", textures, &mesh, PICTURE, true)?;
-            levels.push((pass, scale));
-            if body.is_none() {
-                let map = vec![orientation_texture(&mesh.orientation)];
-                body = Some(self::pass(gpu, &text, "scene_body", map, &mesh, PICTURE, false)?);
-            }
+            levels.push((pass(gpu, &prepared, &mesh, level > 0)?, scale));
         }
         let sigma = 1.0 / (std::f64::consts::TAU * window_sigma_um(&variant.optics, REFERENCE_NM));
         let lobe = (sigma * REFERENCE_NM * 1e-3).powi(2);
-        let body = body.ok_or_else(|| Error::new(Stage::Run, &variant.name, "has no level"))?;
-        Ok(Studio { gpu, mesh, buffers, body, levels, lobe })
+        Ok(Studio { gpu, mesh, buffers, levels, lobe })
     }
 
     /// What is drawn.
@@ -132,8 +122,8 @@ impl<'a> Studio<'a> {
             (0..self.levels.len()).map(|level| self.shade(look, level)).collect();
         let bytes: Vec<[&[u8]; 2]> =
             shades.iter().map(|shade| [&block[..], bytemuck::cast_slice(shade)]).collect();
-        let mut passes: Vec<MeshPass<'_>> = vec![(&self.body, &bytes[0])];
-        passes.extend(self.levels.iter().zip(&bytes).map(|((p, _), bytes)| (p, &bytes[..])));
+        let passes: Vec<MeshPass<'_>> =
+            self.levels.iter().zip(&bytes).map(|((p, _), bytes)| (p, &bytes[..])).collect();
         let pictures =
             self.gpu.draw_mesh(&self.mesh.name, &self.buffers, &passes, PICTURE, size)?;
         let [width, height] = size;
@@ -229,27 +219,20 @@ fn text(prepared: &Prepared<'_>) -> Result<String> {
     Ok(format!("{}\n{SHADE}", module.text()))
 }
 
-fn pass(
-    gpu: &Gpu,
-    text: &str,
-    entry: &str,
-    textures: Vec<Texture<'_>>,
-    mesh: &Mesh,
-    targets: Targets,
-    add: bool,
-) -> Result<MeshPipeline> {
+/// The pass of a level: the first one draws the body too, the others add.
+fn pass(gpu: &Gpu, prepared: &Prepared<'_>, mesh: &Mesh, add: bool) -> Result<MeshPipeline> {
     let colours = Colours { map: &mesh.colour, binding: BODY_COLOUR, sampler: BODY_SAMPLER };
     let program = MeshProgram {
         name: &mesh.name,
-        wgsl: text,
+        wgsl: &text(prepared)?,
         vertex_entry: "mesh_vert",
-        fragment_entry: entry,
-        textures,
+        fragment_entry: if add { "scene_level" } else { "scene_skin" },
+        textures: textures(prepared, &mesh.orientation),
         colours: (!add).then_some(colours),
         uniforms: vec![(MESH_PARAMS, 4 * PARAMS_NUMBERS), (SHADE_BLOCK, 4 * SHADE_NUMBERS)],
         add,
     };
-    gpu.mesh_program(&program, targets)
+    gpu.mesh_program(&program, PICTURE)
 }
 
 /// The tables of a variant and the orientation map.

@@ -6,9 +6,11 @@ use diffraction_shaders::height::{HeightField, synthetic::synthesise};
 use diffraction_shaders::plan::{Auto, Basis, Coherence, Grating, Mode, Optics, Packing, Variant};
 use diffraction_shaders::runner::gpu::{Backend, Gpu};
 use diffraction_shaders::runner::{Prepared, Subject};
+use diffraction_shaders::scene::picture::{display, exr, png, stacked};
 use diffraction_shaders::scene::{ColourMap, Light, Mesh, Orbit, Snake, snake, sphere};
 use diffraction_shaders::studio::{Hdr, Look, Studio, Truth, relative_radiance, truth};
 use diffraction_shaders::twin::mesh::{OrientationMap, Vertex};
+use exr::prelude::{ReadChannels, ReadLayers};
 use glam::{DMat4, DVec3, DVec4};
 
 const SIZE: [u32; 2] = [160, 120];
@@ -144,33 +146,83 @@ fn light_orientation_and_dark_sides_show() {
     assert!(lit(&behind) * 10 < lit(&front), "{} {}", lit(&behind), lit(&front));
 }
 
-/// Far away, where a pixel sees many lobes, single points miss nearly all of their light; widened lobes carry what many
-/// points find.
+/// Far away a pixel sees many lobes. A single point finds one of them or none, so that the picture's light depends on where
+/// pixels happen to lie; widened lobes keep the light and hardly depend on that.
 #[test]
 fn widened_lobes_keep_the_light() {
     let Some(gpu) = gpu() else { return };
     let mut mesh = sphere(64);
     mesh.colour = ColourMap::plain([0; 3]);
-    let far = Orbit { zoom: 0.15, ..Orbit::around(&mesh, 4.0 / 3.0) };
+    let size = [40, 30];
     let (height, variant) = (height(), variant(Coherence::Ensemble));
     let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
     let look = Look { lights: vec![Light::white(LIGHT)], texture_weight: 0.0 };
-    // the picture's light, mean over some angles of the camera
-    let light = |widen: bool, factor: u32| {
-        let studio = Studio::new(&gpu, subject, mesh.clone(), widen).unwrap();
-        let size = SIZE.map(|side| side * factor);
-        let sums = (0..4).map(|i| {
-            let orbit = Orbit { azimuth_deg: f64::from(i), ..far };
-            let params = orbit.params(&mesh, size, LIGHT).unwrap();
-            let picture = studio.picture(&params, &look, size).unwrap();
-            sum(&picture) / f64::from(factor * factor)
-        });
-        sums.sum::<f64>() / 4.0
+    // the picture's light for a camera that moves by shares of a pixel: mean and standard deviation
+    let light = |studio: &Studio<'_>, zoom: f64, steps: u32, factor: u32| {
+        let orbit = Orbit { zoom, ..Orbit::around(&mesh, 4.0 / 3.0) };
+        let slope = (0.5 * orbit.view_deg.to_radians()).tan();
+        let pixel = 2.0 * slope * orbit.distance / zoom / f64::from(size[1]);
+        let sums: Vec<f64> = (0..steps * steps)
+            .map(|i| {
+                let shift = DVec3::new(f64::from(i % steps), f64::from(i / steps), 0.0);
+                let target = orbit.target + pixel / f64::from(steps * factor) * shift;
+                let size = size.map(|side| side * factor);
+                let params = Orbit { target, ..orbit }.params(&mesh, size, LIGHT).unwrap();
+                let picture = studio.picture(&params, &look, size).unwrap();
+                sum(&picture) / f64::from(factor * factor)
+            })
+            .collect();
+        let mean = sums.iter().sum::<f64>() / sums.len() as f64;
+        let variance = sums.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / sums.len() as f64;
+        [mean, variance.sqrt()]
     };
-    let [exact, widened, bare] = [light(false, 8), light(true, 1), light(false, 1)];
-    println!("exact {exact:.3}, widened {widened:.3}, bare {bare:.3}");
-    assert!((widened / exact - 1.0).abs() < 0.4, "{widened} {exact}");
-    assert!(bare < 0.3 * exact, "{bare} {exact}");
+    let [points, widened] =
+        [false, true].map(|widen| Studio::new(&gpu, subject, mesh.clone(), widen).unwrap());
+    // the sphere is 18 and 6 pixels wide
+    for (zoom, bias) in [(0.63, 0.1), (0.21, 0.15)] {
+        let [exact, _] = light(&points, zoom, 2, 16);
+        let [mean, spread] = light(&widened, zoom, 4, 1).map(|v| v / exact);
+        let [bare, sparkle] = light(&points, zoom, 4, 1).map(|v| v / exact);
+        println!("zoom {zoom}: widened {mean:.3} ± {spread:.3}, points {bare:.3} ± {sparkle:.3}");
+        assert!((mean - 1.0).abs() < bias, "zoom {zoom}: {mean}");
+        // either sparkle, or darkness where every lobe is missed
+        let (error, without) = ((mean - 1.0).hypot(spread), (bare - 1.0).hypot(sparkle));
+        assert!(error < 0.6 && without > 1.6 * error, "zoom {zoom}: {error} {without}");
+    }
+}
+
+/// An EXR file holds the linear numbers, an animated PNG all its frames in order.
+#[test]
+fn files_hold_what_was_drawn() {
+    let pixels = [[-0.25, 0.5, 6.0, 1.0], [0.125, 40.0, 1e-3, 0.5]];
+    let bytes = exr(2, 1, &pixels).unwrap();
+    let read = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgba_channels(
+            |_, _| Vec::new(),
+            |all: &mut Vec<[f32; 4]>, _, (r, g, b, a)| {
+                all.push([r, g, b, a]);
+            },
+        )
+        .all_layers()
+        .all_attributes()
+        .from_buffered(std::io::Cursor::new(bytes));
+    assert_eq!(read.unwrap().layer_data[0].channel_data.pixels, pixels);
+    let shown = |exposure| display(2, 1, &pixels, exposure);
+    let frames = [shown(0.1), shown(0.2), shown(0.4)];
+    let bytes = png(&frames, 80).unwrap();
+    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+    assert_eq!(reader.info().animation_control.map(|a| a.num_frames), Some(3));
+    for frame in &frames {
+        let mut texels = [0; 6];
+        reader.next_frame(&mut texels).unwrap();
+        let expected: Vec<u8> = frame.texels.iter().flat_map(|t| t[..3].to_vec()).collect();
+        assert_eq!(texels[..], expected);
+    }
+    let rows = stacked(&[frames[0].clone(), frames[1].clone()], 3);
+    assert_eq!((rows.width, rows.height, rows.texels.len()), (2, 5, 10));
+    assert_eq!(rows.texels[8..], frames[1].texels);
 }
 
 #[test]

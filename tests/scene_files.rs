@@ -182,7 +182,11 @@ fn a_missing_texture_is_said_and_the_plain_colour_taken() {
     gltf["meshes"][0]["primitives"][0]["material"] = json!(0);
     let mesh = read_json(&gltf).unwrap();
     assert_eq!(mesh.colour.texels, [[255, 0, 0, 255]]);
-    assert!(mesh.notes[0].contains("its texture cannot be read"), "{:?}", mesh.notes);
+    assert!(
+        mesh.notes[0].contains("its texture \"nowhere.png\" cannot be read"),
+        "{:?}",
+        mesh.notes
+    );
     let obj = "mtllib nowhere.mtl\nusemtl skin\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n";
     let mesh = read_text("one.obj", obj).unwrap();
     assert!(mesh.notes[0].contains("its materials cannot be read"), "{:?}", mesh.notes);

@@ -7,6 +7,9 @@ use crate::twin::mesh::MeshParams;
 
 use super::mesh::Mesh;
 
+/// Vertical field of view of a camera that sees the whole of a mesh, degrees.
+const VIEW_DEG: f64 = 30.0;
+
 /// A perspective camera on a sphere around a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orbit {
@@ -28,17 +31,25 @@ impl Orbit {
     /// A camera on `+z` that sees the whole of a mesh in a picture of that shape (width over height).
     pub fn around(mesh: &Mesh, shape: f64) -> Orbit {
         let (centre, half) = mesh.bounds();
-        let view_deg = 30.0_f64;
-        let slope = (0.5 * view_deg.to_radians()).tan();
+        let slope = (0.5 * VIEW_DEG.to_radians()).tan();
         let distance = half.z + 1.05 * half.y.max(half.x / shape) / slope;
         Orbit {
             target: centre,
             distance,
             azimuth_deg: 0.0,
             elevation_deg: 0.0,
-            view_deg,
+            view_deg: VIEW_DEG,
             zoom: 1.0,
         }
+    }
+
+    /// The same, far enough away for every azimuth.
+    pub fn all_round(mesh: &Mesh, shape: f64) -> Orbit {
+        let (_, half) = mesh.bounds();
+        let across = half.x.hypot(half.z);
+        let slope = (0.5 * VIEW_DEG.to_radians()).tan();
+        let distance = across + 1.05 * half.y.max(across / shape) / slope;
+        Orbit { distance, ..Orbit::around(mesh, shape) }
     }
 
     /// Where it stands.

@@ -19,7 +19,9 @@ const ORIENTATION: &str = "ORIENTATION";
 /// the orientation field the vertices' attribute `_ORIENTATION`. Bones, morphs and further materials are left out.
 pub(super) fn read(path: &Path) -> Result<Raw> {
     let name = path.display().to_string();
-    let fail = |what: &str, error: gltf::Error| Error::new(Stage::Run, &name, what).source(error);
+    let fail = |what: &str, error: gltf::Error| {
+        Error::new(Stage::Run, &name, what).source(error).remedy("export it anew")
+    };
     let bytes = std::fs::read(path)
         .map_err(|error| Error::new(Stage::Run, &name, "cannot be read").source(error))?;
     let gltf::Gltf { document, blob } = gltf::Gltf::from_slice(&bytes)
@@ -184,9 +186,12 @@ fn colour(
             let data = &buffers[view.buffer().index()].0;
             ColourMap::decode(name, &data[view.offset()..view.offset() + view.length()])
         }
-        gltf::image::Source::Uri { .. } => {
+        gltf::image::Source::Uri { uri, .. } => {
+            // pictures inside of the file have long names
+            let short: String = uri.chars().take(80).collect();
+            let cause = format!("its texture \"{short}\" cannot be read");
             gltf::image::Data::from_source(source.source(), Some(base), buffers)
-                .map_err(|e| Error::new(Stage::Run, name, "its texture cannot be read").source(e))
+                .map_err(|e| Error::new(Stage::Run, name, cause).source(e))
                 .and_then(|data| convert(name, &data))
         }
     };

@@ -72,6 +72,23 @@ pub fn strip(pictures: &[Display], gap: u32) -> Display {
     Display { width, height, texels }
 }
 
+/// Pictures of one width one above the other, `gap` black rows between.
+pub fn stacked(pictures: &[Display], gap: u32) -> Display {
+    let width = pictures.iter().map(|p| p.width).max().unwrap_or(0);
+    let between = vec![[0, 0, 0, 255]; (width * gap) as usize];
+    let mut texels = Vec::new();
+    for picture in pictures {
+        if !texels.is_empty() {
+            texels.extend(&between);
+        }
+        for line in picture.texels.chunks_exact(picture.width as usize) {
+            texels.extend(line);
+            texels.resize(texels.len() + (width - picture.width) as usize, [0, 0, 0, 255]);
+        }
+    }
+    Display { width, height: (texels.len() / width.max(1) as usize) as u32, texels }
+}
+
 /// A PNG file; of several pictures of one size an animated one, each shown for `delay_ms`, without end.
 pub fn png(frames: &[Display], delay_ms: u16) -> Result<Vec<u8>> {
     let fail = |error: png::EncodingError| {

@@ -28,7 +28,7 @@ pub struct Snake {
 impl Snake {
     /// About a quarter of a million vertices, some ten across a scale.
     pub fn standard() -> Snake {
-        Snake { rings: 1100, sides: 216, scale_rows: 24, relief: 0.07, fan_deg: 12.0 }
+        Snake { rings: 1100, sides: 216, scale_rows: 24, relief: 0.06, fan_deg: 12.0 }
     }
 }
 
@@ -38,6 +38,8 @@ const RADIUS: f64 = 0.36;
 /// Steepest heading of the meander, radians, and its number of bends.
 const SWING: f64 = 1.75;
 const BENDS: f64 = 1.55;
+/// Cells side by side in a ribbon of triangles.
+const RIBBON: u32 = 8;
 /// Length of a scale over its width.
 const SLENDER: f64 = 1.5;
 
@@ -79,11 +81,16 @@ pub fn snake(snake: &Snake) -> Mesh {
         }
     };
     let vertices = (0..places.len()).into_par_iter().map(vertex).collect();
-    let cell = |i: u32| {
-        let at = |x: u32, y: u32| (i / sides + x) * (sides + 1) + i % sides + y;
+    let cell = |(ring, side): (u32, u32)| {
+        let at = |x: u32, y: u32| (ring + x) * (sides + 1) + side + y;
         [[at(0, 0), at(1, 1), at(1, 0)], [at(0, 0), at(0, 1), at(1, 1)]]
     };
-    let triangles = (0..rings * sides).flat_map(cell).collect();
+    // ribbons, so that a driver that remembers few vertices computes most of them once
+    let ribbon = |first: u32| {
+        let last = (first + RIBBON).min(sides);
+        (0..rings).flat_map(move |ring| (first..last).map(move |side| (ring, side)))
+    };
+    let triangles = (0..sides).step_by(RIBBON as usize).flat_map(ribbon).flat_map(cell).collect();
     let mut mesh = Mesh::new("snake", vertices, triangles);
     mesh.colour = corn_snake(4096, 512, LENGTH / (TAU * RADIUS));
     mesh
@@ -163,8 +170,9 @@ fn scale(snake: &Snake, along: f64, around: f64) -> (f64, f64) {
             if outline > 1.0 {
                 continue;
             }
-            let plate = 0.5 + 0.6 * behind - 0.5 * beside * beside;
-            let keel = 0.12 * (-(beside / 0.07).powi(2)).exp() * (1.0 - (behind / 0.8).powi(2));
+            // flatter across than the body, so that a scale lights up as a whole
+            let plate = 0.5 + 0.6 * behind + 0.25 * beside * beside;
+            let keel = 0.1 * (-(beside / 0.07).powi(2)).exp() * (1.0 - (behind / 0.8).powi(2));
             let height = (plate + keel) * (1.0 - outline.powi(6));
             if height > best.0 {
                 best = (height, beside.clamp(-0.5, 0.5));

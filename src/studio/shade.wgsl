@@ -14,14 +14,31 @@ struct Shade {
 @group(0) @binding(21) var body_colour: texture_2d<f32>;
 @group(0) @binding(22) var body_sampler: sampler;
 
-// (1 - w_d) (1 - R) c n·l + w_d c, summed over the lights; R is the Fresnel reflectance at the half vector.
+// What a body shows: its lit colour, and over it the diffraction.
 @fragment
-fn scene_body(
+fn scene_skin(
     @location(0) place: vec3f,
     @location(1) normal: vec3f,
     @location(2) tangent: vec4f,
     @location(3) uv: vec2f,
 ) -> @location(0) vec4f {
+    let colour = body(place, normal, tangent, uv);
+    return vec4f(held(colour + glints(place, normal, tangent, uv)), 1.0);
+}
+
+// The share of a further level of widened lobes, to be added.
+@fragment
+fn scene_level(
+    @location(0) place: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) tangent: vec4f,
+    @location(3) uv: vec2f,
+) -> @location(0) vec4f {
+    return vec4f(held(glints(place, normal, tangent, uv)), 0.0);
+}
+
+// (1 - w_d) (1 - R) c n·l + w_d c, summed over the lights; R is the Fresnel reflectance at the half vector.
+fn body(place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
     let texture = textureSample(body_colour, body_sampler, uv).rgb;
     let wr = in_frame(mesh_params.eye.xyz - place, normal, tangent, uv);
     let amplitude = (REFRACTIVE_INDEX - 1.0) / (REFRACTIVE_INDEX + 1.0);
@@ -33,17 +50,11 @@ fn scene_body(
             lit += (1.0 - reflectance) * wi.z * shade.colours[i].rgb;
         }
     }
-    return vec4f(((1.0 - shade.blend.x) * lit + shade.blend.x) * texture, 1.0);
+    return ((1.0 - shade.blend.x) * lit + shade.blend.x) * texture;
 }
 
 // (1 - w_d) s ρ, summed over the lights; where lobes are widened, the share of this pass's level.
-@fragment
-fn scene_diffraction(
-    @location(0) place: vec3f,
-    @location(1) normal: vec3f,
-    @location(2) tangent: vec4f,
-    @location(3) uv: vec2f,
-) -> @location(0) vec4f {
+fn glints(place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
     let wr = in_frame(mesh_params.eye.xyz - place, normal, tangent, uv);
     var sum = vec3f(0.0);
     for (var i = 0; i < i32(shade.blend.z); i++) {
@@ -53,9 +64,12 @@ fn scene_diffraction(
             sum += share * shade.colours[i].rgb * diffraction(wi, wr);
         }
     }
-    let radiance = (1.0 - shade.blend.x) * shade.blend.y * sum;
-    // what 16-bit floats hold
-    return vec4f(clamp(radiance, vec3f(-6e4), vec3f(6e4)), 0.0);
+    return (1.0 - shade.blend.x) * shade.blend.y * sum;
+}
+
+// What 16-bit floats hold.
+fn held(radiance: vec3f) -> vec3f {
+    return clamp(radiance, vec3f(-6e4), vec3f(6e4));
 }
 
 // A pixel sees directions whose (u, v) has a variance of a twelfth of its steps' squares. That widens the lobe,

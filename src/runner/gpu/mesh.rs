@@ -267,7 +267,7 @@ pub(super) fn draw(
     if width == 0 || height == 0 || width > side || height > side {
         let cause =
             format!("a picture of {width} × {height} pixels; from 1 to {side} can be drawn");
-        return Err(Error::new(Stage::Run, name, cause));
+        return Err(Error::new(Stage::Run, name, cause).remedy("choose another size"));
     }
     let texture = |format, sample_count, usage| {
         shared.device.create_texture(&wgpu::TextureDescriptor {

@@ -8,12 +8,16 @@ use anyhow::{Result, bail};
 use crate::args::PlanArgs;
 
 const EXAMPLE: &str = "Examples:
-  cargo xtask scene --plan plans/scene.toml --surface fingers --variant ensemble --out snake.png
-  cargo xtask scene --plan plans/scene.toml --surface blazed --variant ensemble --mesh body.glb --elevation 20 --out body.exr
-  cargo xtask scene --plan plans/scene.toml --surface fingers --variant ensemble --sweep lights --size 480x360 --out lights.png
-  cargo xtask scene --plan plans/scene.toml --surface fingers --variant ensemble --sweep zoom --filter footprint --out zoom.png
-  cargo xtask scene --plan plans/scene.toml --surface rows --variant ensemble --sweep turntable --size 480x360 --out turntable.png
-  cargo xtask scene --plan plans/scene.toml --surface blazed --variant ensemble --mesh sphere --truth --size 256x256
+  cargo xtask scene --plan plans/scene.toml --surface fingers --variant lamp --out snake.png
+  cargo xtask scene --plan plans/scene.toml --surface rows --variant lamp --zoom 2.2 --target 2.2,-0.4,0 --filter supersample --out close.png
+  cargo xtask scene --plan plans/scene.toml --surface blazed --variant ensemble --mesh sphere --elevation 20 --out sphere.exr
+  cargo xtask scene --plan plans/scene.toml --surface fingers --variant lamp --sweep lights --size 480x360 --out lights.png
+  cargo xtask scene --plan plans/scene.toml --surface fingers --variant baked --sweep zoom --filter footprint --size 480x360 --out zoom.png
+  cargo xtask scene --plan plans/scene.toml --surface rows --variant lamp --sweep turntable --size 480x360 --out turntable.png
+  cargo xtask scene --plan plans/scene.toml --surface fingers --variant baked --truth --size 640x360
+
+The picture docs/snake.png:
+  cargo xtask scene --plan plans/scene.toml --surface blazed,fingers,rows --variant lamp --sweep orientation --zoom 2.5 --target 1.9,0.1,0 --light -0.35,0.4,0.85 --filter supersample --size 244x150 --out docs/snake.png
 
 The tone map: colours are exposed, negative components become 0, and a greatest component m above 0.6 is brought to
 1 - 0.4 exp(-(m - 0.6)/0.4), the others in proportion. An EXR holds the linear picture.";
@@ -50,16 +54,16 @@ pub(crate) struct Args {
     #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true)]
     pub(crate) elevation: f64,
     /// The camera's distance is divided by it.
-    #[arg(long, value_name = "Z", default_value_t = 1.0)]
+    #[arg(long, value_name = "Z", default_value_t = 1.0, allow_hyphen_values = true)]
     pub(crate) zoom: f64,
     /// The camera's distance at zoom 1, in the mesh's unit; else the whole mesh is seen.
-    #[arg(long, value_name = "D")]
+    #[arg(long, value_name = "D", allow_hyphen_values = true)]
     pub(crate) distance: Option<f64>,
     /// What the camera looks at; else the middle of the mesh.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     pub(crate) target: Option<Vector>,
     /// Factor before the tone map.
-    #[arg(long, value_name = "V", default_value_t = 0.8)]
+    #[arg(long, value_name = "V", default_value_t = 0.5)]
     pub(crate) exposure: f64,
     /// Weight w_d of the unlit texture, 0 to 1.
     #[arg(long, value_name = "W", default_value_t = 0.0)]
@@ -70,7 +74,7 @@ pub(crate) struct Args {
     /// What keeps distant highlights from sparkling.
     #[arg(long, value_enum, default_value_t = Filter::None)]
     pub(crate) filter: Filter,
-    /// Several pictures: side by side in a .png, or animated.
+    /// Several pictures: side by side in a .png, a row for each surface, or animated.
     #[arg(long, value_enum)]
     pub(crate) sweep: Option<Sweep>,
     /// Pictures of a turntable.
@@ -79,7 +83,8 @@ pub(crate) struct Args {
     /// Take the adapter whose name contains this; else graphics cards come first.
     #[arg(long, value_name = "SUBSTRING")]
     pub(crate) adapter: Option<String>,
-    /// Compare the driver's picture and the directions it used with the same scene in f64, as JSON; exit 1 over tolerance.
+    /// Compare the driver's picture and the directions it used with the same scene in f64, as JSON, and again with a flipped
+    /// bitangent; exit 1 over tolerance, or where the flip is not caught.
     #[arg(long)]
     pub(crate) truth: bool,
     /// Draw each picture so many times more and tell the median time.
@@ -104,7 +109,7 @@ pub(crate) enum Filter {
 /// What changes from picture to picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum Sweep {
-    /// The six light directions printed in the texts.
+    /// The six light directions printed in the texts; -3.3130 in the first is a misprint, read as -0.0130 (of unit length).
     Lights,
     /// Zoom 0.1, 0.2, 0.5, 1, 1.5, 2.
     Zoom,

@@ -4,15 +4,17 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Result, bail};
+use diffraction_shaders::compare::tolerance;
 use diffraction_shaders::height::{self, Surface};
 use diffraction_shaders::plan::{Plan, SurfaceSpec, Variant};
+use diffraction_shaders::record::Part;
 use diffraction_shaders::runner::gpu::{Backend, Gpu};
 use diffraction_shaders::runner::{Prepared, Subject};
-use diffraction_shaders::scene::picture::{Display, display, exr, png, reduced, strip};
+use diffraction_shaders::scene::picture::{Display, display, exr, png, reduced, stacked, strip};
 use diffraction_shaders::scene::{
     Light, Mesh, Orbit, PRINTED_LIGHTS, PRINTED_ZOOMS, Snake, read, snake, sphere,
 };
-use diffraction_shaders::studio::{Hdr, Look, Studio, truth};
+use diffraction_shaders::studio::{Hdr, Look, Studio, Truth, truth};
 use glam::DVec3;
 
 use crate::Outcome;
@@ -28,9 +30,13 @@ const SUPER: u32 = 4;
 const GAP: u32 = 4;
 /// How long a turntable shows each picture.
 const FRAME_MS: u16 = 80;
-/// What a driver is allowed at the 95th percentile: difference of a direction, and of colours (CIEDE2000). On scales a corner
-/// that moves by 1/256 pixel turns the normal by a share of a lobe.
-const TRUTH: (f64, f64) = (2e-3, 0.5);
+/// What a driver may differ by from the scene in f64 at the 95th percentile: direction, and colour (CIEDE2000). A corner that
+/// moves by 1/256 pixel turns the directions on scales by 1e-5, which steep lobes show as 0.05.
+const TRUTH: (f64, f64) = (1e-4, 0.15);
+/// Fewest lit pixels that say something.
+const LEAST_LIT: usize = 64;
+/// The control: a frame of the other hand.
+const FLIP: (&str, &str) = ("cross(upright, straight)", "cross(straight, upright)");
 
 /// A skin that was planned.
 struct Skin {
@@ -60,31 +66,31 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     if args.truth {
         return judge(args, &gpu, &skins, &variant, &mesh);
     }
-    let mut pictures = Vec::new();
+    let mut rows = Vec::new();
     for skin in &skins {
-        pictures.extend(sweep(args, &gpu, skin, &variant, &mesh, console)?);
+        rows.push(sweep(args, &gpu, skin, &variant, &mesh, console)?);
+    }
+    if args.sweep.is_none() {
+        rows = vec![rows.concat()];
     }
     let Some(out) = &args.out else { return Ok(Outcome::Done) };
-    let bytes = match (out.extension().and_then(|e| e.to_str()), &pictures[..]) {
-        (Some(e), [one]) if e.eq_ignore_ascii_case("exr") => {
-            exr(one.width, one.height, &one.pixels)?
+    let shown = |p: &Hdr| display(p.width, p.height, &p.pixels, args.exposure);
+    let is_exr = out.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+    let bytes = match (&rows[0][..], args.sweep) {
+        ([one], _) if is_exr => exr(one.width, one.height, &one.pixels)?,
+        (_, Some(Sweep::Turntable)) => {
+            png(&rows.iter().flatten().map(shown).collect::<Vec<Display>>(), FRAME_MS)?
         }
         _ => {
-            let shown: Vec<Display> = pictures
-                .iter()
-                .map(|p| display(p.width, p.height, &p.pixels, args.exposure))
-                .collect();
-            match args.sweep {
-                Some(Sweep::Turntable) => png(&shown, FRAME_MS)?,
-                _ => png(&[strip(&shown, GAP)], FRAME_MS)?,
-            }
+            let line = |row: &Vec<Hdr>| strip(&row.iter().map(shown).collect::<Vec<_>>(), GAP);
+            png(&[stacked(&rows.iter().map(line).collect::<Vec<_>>(), GAP)], FRAME_MS)?
         }
     };
     write_whole(out, &bytes)?;
     console.note(&format!(
         "{}: {} pictures, exposure {}",
         out.display(),
-        pictures.len(),
+        rows.iter().map(Vec::len).sum::<usize>(),
         args.exposure
     ));
     Ok(Outcome::Done)
@@ -180,7 +186,7 @@ fn sweep(
     Ok(pictures)
 }
 
-/// Each skin's picture against the scene in f64.
+/// Each skin's picture against the scene in f64, and the same with a flipped bitangent, which has to fail.
 fn judge(
     args: &Args,
     gpu: &Gpu,
@@ -189,15 +195,35 @@ fn judge(
     mesh: &Mesh,
 ) -> Result<Outcome> {
     let mut outcome = Outcome::Done;
+    let light = DVec3::from(args.light[0].0);
+    let params = orbit(args, mesh).params(mesh, args.size.0, light)?;
     for skin in skins {
         let (height, rotate_deg) = (&skin.surface.field, skin.spec.rotate_deg);
-        let prepared = Prepared::new(Subject { height, rotate_deg, variant })?;
-        let light = DVec3::from(args.light[0].0);
-        let params = orbit(args, mesh).params(mesh, args.size.0, light)?;
+        let mut prepared = Prepared::new(Subject { height, rotate_deg, variant })?;
+        let allowed = tolerance(Part::Arithmetic, variant, &prepared.resolved);
+        let allowed = allowed.and_then(|t| t.max_abs).unwrap_or_default();
+        let agrees = |found: &Truth| {
+            found.shading.max_abs <= allowed
+                && found.direction <= TRUTH.0
+                && found.scene.de2000.p95 <= TRUTH.1
+        };
         let found = truth(gpu, &prepared, mesh, &params, args.size.0)?;
-        let (direction, de) = TRUTH;
-        let pass = found.direction <= direction && found.scene.de2000.p95 <= de;
-        if !pass {
+        let lit = (found.scene.lit * found.pixels as f64).round() as usize;
+        if lit < LEAST_LIT {
+            bail!(
+                "{} on {}: {lit} lit pixels, fewer than the {LEAST_LIT} that a judgement takes: \
+                 raise --size or --zoom, or move --light",
+                skin.spec.name,
+                mesh.name
+            );
+        }
+        let Some(text) = prepared.sources.0.get_mut("mesh").filter(|t| t.contains(FLIP.0)) else {
+            bail!("the template `mesh` holds no `{}` to be flipped", FLIP.0);
+        };
+        *text = text.replace(FLIP.0, FLIP.1);
+        let flipped = truth(gpu, &prepared, mesh, &params, args.size.0)?;
+        let (pass, caught) = (agrees(&found), !agrees(&flipped));
+        if !(pass && caught) {
             outcome = Outcome::Findings;
         }
         let record = serde_json::json!({
@@ -207,7 +233,19 @@ fn judge(
             "route": format!("{}:{}", gpu.info().backend, gpu.info().name),
             "mesh": mesh.name,
             "pass": pass,
+            "allowed": {
+                "shading_max_abs": allowed,
+                "direction": TRUTH.0,
+                "scene_de2000_p95": TRUTH.1,
+            },
+            "lit_pixels": lit,
             "truth": found,
+            "flipped_bitangent": {
+                "caught": caught,
+                "direction": flipped.direction,
+                "scene_de2000_p95": flipped.scene.de2000.p95,
+                "shading_max_abs": flipped.shading.max_abs,
+            },
         });
         println!("{record}");
     }
@@ -216,7 +254,11 @@ fn judge(
 
 fn orbit(args: &Args, mesh: &Mesh) -> Orbit {
     let [width, height] = args.size.0;
-    let around = Orbit::around(mesh, f64::from(width) / f64::from(height));
+    let shape = f64::from(width) / f64::from(height);
+    let around = match args.sweep {
+        Some(Sweep::Turntable) => Orbit::all_round(mesh, shape),
+        _ => Orbit::around(mesh, shape),
+    };
     Orbit {
         target: args.target.map_or(around.target, |t| DVec3::from(t.0)),
         distance: args.distance.unwrap_or(around.distance),
