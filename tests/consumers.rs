@@ -17,8 +17,8 @@ use diffraction_shaders::runner::browser::{check_page, drive_page};
 use diffraction_shaders::template::Sources;
 use serde_json::{Value, json};
 
-#[path = "../examples/wgpu.rs"]
-#[allow(dead_code, reason = "an example draws, too")]
+#[path = "../examples/wgpu_probe.rs"]
+#[allow(dead_code, reason = "an example has a main function")]
 mod example;
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
@@ -29,13 +29,12 @@ const SEEN: f64 = 0.2;
 
 #[test]
 fn wgpu_passes_the_probes() {
-    let mut results = Vec::new();
-    for folder in variants() {
-        match example::run(&folder) {
-            Ok(result) => results.push(result),
-            Err(e) => return missing(&format!("wgpu: {e}")),
-        }
-    }
+    let gpu = match example::draw::connect() {
+        Ok(gpu) => gpu,
+        Err(e) => return missing(&format!("wgpu: {e}")),
+    };
+    let evaluate = |folder: PathBuf| example::run(&gpu, &folder).unwrap();
+    let results: Vec<Value> = variants().into_iter().map(evaluate).collect();
     let driver = results[0]["driver"].as_str().unwrap().to_owned();
     assert!(driver.starts_with("vulkan"), "{driver}");
     check("wgpu", &json!(results));
@@ -56,32 +55,40 @@ fn opengl_from_python_passes_the_probes() {
 
 #[test]
 fn examples_draw_maps() {
-    let folder = variants().into_iter().find(|f| f.to_string_lossy().contains("fingers/full"));
-    let folder = folder.unwrap();
-    let place = tempfile::tempdir().unwrap();
-    let by_wgpu = match example::Variant::open(&folder) {
-        Ok(variant) => example::map(&variant, 256).unwrap(),
+    let gpu = match example::draw::connect() {
+        Ok(gpu) => gpu,
         Err(e) => return missing(&format!("wgpu: {e}")),
     };
     let python = Path::new(ROOT).join("target/python/bin/python");
     if !python.exists() {
         return missing("target/python with examples/moderngl/requirements.txt");
     }
-    let picture = place.path().join("map.png");
+    let folders =
+        variants().into_iter().filter(|folder| folder.parent().unwrap().ends_with("fingers"));
+    let place = tempfile::tempdir().unwrap();
     let script = Path::new(ROOT).join("examples/moderngl/draw.py");
-    let run = Command::new(&python).arg("-B").arg(script).arg(&folder).arg(&picture).output();
-    let run = run.unwrap();
-    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-    let by_python = image::open(&picture).unwrap().to_rgba8();
-    // the same to a few shades, and not the same upside down
-    let differ = |flip: bool| {
-        let row = |y: u32| if flip { 255 - y } else { y };
-        let pairs = by_wgpu.enumerate_pixels().map(|(x, y, p)| (p, by_python.get_pixel(x, row(y))));
-        pairs.filter(|(a, b)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 8)).count()
-    };
-    // the rim may take part or not
-    assert!(differ(false) < 100, "{} pixels differ", differ(false));
-    assert!(differ(true) > 3000, "{} pixels differ upside down", differ(true));
+    for folder in folders {
+        let name = folder.display();
+        let pixels =
+            example::draw::run(&gpu, &folder, example::draw::MAP, 256, &[0; 4 * 256 * 256]);
+        let by_wgpu = image::RgbaImage::from_raw(256, 256, pixels.unwrap()).unwrap();
+        let picture = place.path().join("map.png");
+        let run = Command::new(&python).arg("-B").arg(&script).arg(&folder).arg(&picture).output();
+        let run = run.unwrap();
+        assert!(run.status.success(), "{name}: {}", String::from_utf8_lossy(&run.stderr));
+        let by_python = image::open(&picture).unwrap().to_rgba8();
+        // the same to a few shades, and not the same upside down
+        let differ = |flip: bool| {
+            let row = |y: u32| if flip { 255 - y } else { y };
+            let pairs =
+                by_wgpu.enumerate_pixels().map(|(x, y, p)| (p, by_python.get_pixel(x, row(y))));
+            pairs.filter(|(a, b)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 8)).count()
+        };
+        println!("{name}: {} pixels differ, {} upside down", differ(false), differ(true));
+        // the rim may take part or not
+        assert!(differ(false) < 100, "{name}: {} pixels differ", differ(false));
+        assert!(differ(true) > 3000, "{name}: {} pixels differ upside down", differ(true));
+    }
 }
 
 #[test]

@@ -11,78 +11,74 @@ import moderngl
 import numpy as np
 from PIL import Image
 
-SIZE = 256
+# one triangle that covers the picture
 VERTEX = """#version 450 core
-void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }
-"""
-MAP = """
-uniform vec3 light;
-uniform float size;
-out vec4 colour;
+out vec2 place;
 void main() {
-    vec2 place = 2.0 * gl_FragCoord.xy / size - 1.0;
-    float inside = 1.0 - dot(place, place);
-    colour = inside > 0.0 ? vec4(diffraction(light, vec3(place, sqrt(inside))), 1.0) : vec4(0.0);
+    place = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
+    gl_Position = vec4(place, 0.0, 1.0);
 }
 """
+# what viewers in all directions see, at an exposure that makes a white diffuser white; square roots stand for the curve of sRGB
+MAP = """
+in vec2 place;
+uniform vec3 light;
+uniform float diffuser_scale;
+out vec4 colour;
+void main() {
+    float squared = 1.0 - dot(place, place);
+    vec3 rgb = diffraction(light, vec3(place, sqrt(max(0.0, squared))));
+    colour = vec4(sqrt(diffuser_scale * max(vec3(0.0), rgb)), step(0.0, squared));
+}
+"""
+# channels and types of tables; three numbers with a common exponent are made floats
+FORMATS = {"rg16float": (2, "f2"), "rgba16float": (4, "f2"), "rg32float": (2, "f4"), "rgba32float": (4, "f4"), "rgb9e5ufloat": (3, "f4")}
+
+
+def main(folder, picture):
+    folder = Path(folder)
+    scale = json.loads((folder / "manifest.json").read_text())["core"]["diffuser_scale"]
+    light = np.sin(np.radians(20)), 0, np.cos(np.radians(20))
+    pixels = draw(open_context(), folder, MAP, (256, 256), light=light, diffuser_scale=scale)
+    Image.fromarray((255 * np.clip(pixels[::-1], 0, 1)).round().astype("u1")).save(picture)
 
 
 def open_context():
     return moderngl.create_context(standalone=True, backend="egl", require=450)
 
 
-def program(context, folder, main):
-    """The variant's function form before a `main`, its tables bound; returns it with a function that draws."""
+def draw(context, folder, main, size, **uniforms):
+    """Runs a `main` of ours behind the variant's functions; rows of f32 RGBA, the lowest first."""
     manifest = json.loads((folder / "manifest.json").read_text())
     form = next(file for file in manifest["targets"]["glsl450"] if file["functions"])
     text = "#version 450 core\n" + (folder / form["file"]).read_text() + main
-    made = context.program(vertex_shader=VERTEX, fragment_shader=text)
+    program = context.program(vertex_shader=VERTEX, fragment_shader=text)
     for unit, table in enumerate(manifest["tables"]):
-        shape = json.loads((folder / table["description"]).read_text())
-        size = (shape["width"], shape["height"])
-        is_array = shape["dimension"] == "2d-array"
-        create = context.texture_array if is_array else context.texture
-        size += (shape["layers"],) if is_array else ()
-        data = (folder / table["data"]).read_bytes()
-        binding = next(b for b in manifest["bindings"] if b["name"] == table["binding"])
-        if shape["format"] == "rgb9e5ufloat":
-            texture = create(size, 3, shared_exponents(data), dtype="f4", alignment=1)
-        else:
-            dtype = "f2" if shape["format"].endswith("16float") else "f4"
-            texture = create(size, len(shape["format"][:-7]), data, dtype=dtype, alignment=1)
-        filter = moderngl.LINEAR if binding["sample_type"] == "float" else moderngl.NEAREST
-        texture.filter = (filter, filter)
-        texture.repeat_x = texture.repeat_y = False
-        texture.use(unit)
-        made[table["binding"]] = unit
-    return made, len(manifest["tables"])
-
-
-def shared_exponents(data):
-    """Three numbers of nine bits with one exponent, as floats: moderngl has no such type."""
-    bits = np.frombuffer(data, "<u4")
-    mantissas = (bits[:, None] >> np.array([0, 9, 18])) & 511
-    return np.ldexp(mantissas.astype("f4"), (bits >> 27).astype("i4")[:, None] - 24).astype("f4").tobytes()
-
-
-def draw(context, made, width, height):
-    """The picture as an array of f32 RGBA rows, the lowest first."""
-    target = context.framebuffer([context.texture((width, height), 4, dtype="f4")])
+        upload(context, folder, table).use(unit)
+        program[table["binding"]] = unit
+    for name, value in uniforms.items():
+        program[name].write(np.asarray(value, "f4").tobytes())
+    target = context.framebuffer([context.texture(size, 4, dtype="f4")])
     target.use()
-    context.vertex_array(made, []).render(moderngl.TRIANGLES, vertices=3)
-    return np.frombuffer(target.read(components=4, dtype="f4"), "f4").reshape(height, width, 4)
+    context.vertex_array(program, []).render(moderngl.TRIANGLES, vertices=3)
+    return np.frombuffer(target.read(components=4, dtype="f4"), "f4").reshape(*size[::-1], 4)
 
 
-def main(folder, picture):
-    context = open_context()
-    made, _ = program(context, Path(folder), MAP)
-    made["light"] = (np.sin(np.radians(20)), 0.0, np.cos(np.radians(20)))
-    made["size"] = SIZE
-    pixels = draw(context, made, SIZE, SIZE)[::-1]
-    # the brightest tenth of a percent is white; square roots stand for the curve of sRGB
-    white = np.quantile(pixels[..., 1], 0.999)
-    pixels = np.sqrt(np.clip(pixels / [white, white, white, 1], 0, 1))
-    Image.fromarray((255 * pixels).astype("u1")).save(picture)
+def upload(context, folder, table):
+    """A table as a texture. Texels are fetched, or filtered where the variant says so: linear and clamped suits both."""
+    shape = json.loads((folder / table["description"]).read_text())
+    texels = (folder / table["data"]).read_bytes()
+    if shape["format"] == "rgb9e5ufloat":
+        bits = np.frombuffer(texels, "<u4")[:, None]
+        texels = np.ldexp((bits >> np.array([0, 9, 18], "u4") & 511).astype("f4"), (bits >> 27).astype("i4") - 24).tobytes()
+    size, create = (shape["width"], shape["height"]), context.texture
+    if shape["dimension"] == "2d-array":
+        size, create = (*size, shape["layers"]), context.texture_array
+    channels, dtype = FORMATS[shape["format"]]
+    texture = create(size, channels, texels, dtype=dtype)
+    texture.filter = moderngl.LINEAR, moderngl.LINEAR
+    texture.repeat_x = texture.repeat_y = False
+    return texture
 
 
 if __name__ == "__main__":

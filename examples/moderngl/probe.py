@@ -12,27 +12,22 @@ from pathlib import Path
 
 import numpy as np
 
-from draw import draw, open_context, program
+from draw import draw, open_context
 
 PROBE = """
-uniform sampler2D engine_directions;
+uniform vec3 wi[64];
+uniform vec3 wr[64];
 out vec4 colour;
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
-    vec3 wi = texelFetch(engine_directions, ivec2(at.x, 0), 0).xyz;
-    vec3 wr = texelFetch(engine_directions, ivec2(at.x, 1), 0).xyz;
-    colour = vec4(at.y == 0 ? tristimulus(wi, wr) : diffraction(wi, wr), 1.0);
+    colour = vec4(at.y == 0 ? tristimulus(wi[at.x], wr[at.x]) : diffraction(wi[at.x], wr[at.x]), 1.0);
 }
 """
 
 
-def evaluate(context, folder, directions):
-    """XYZ and RGB of directions `[light | viewer][probe][xyz]`."""
-    made, unit = program(context, folder, PROBE)
-    count = directions.shape[1]
-    context.texture((count, 2), 3, directions.astype("f4").tobytes(), dtype="f4").use(unit)
-    made["engine_directions"] = unit
-    return draw(context, made, count, 2)[..., :3]
+def evaluate(context, folder, wi, wr):
+    """XYZ and RGB of 64 pairs of directions."""
+    return draw(context, folder, PROBE, (64, 2), wi=wi, wr=wr)[..., :3]
 
 
 def worst(seen, probes):
@@ -48,9 +43,9 @@ def main(package):
     results = []
     for path in sorted(Path(package).glob("shaders/*/*/probe.json")):
         probes = json.loads(path.read_text())["probes"]
-        directions = np.array([[p["wi"] for p in probes], [p["wr"] for p in probes]])
-        seen = evaluate(context, path.parent, directions)
-        flipped = evaluate(context, path.parent, directions * [1, -1, 1])
+        wi, wr = np.array([p["wi"] for p in probes]), np.array([p["wr"] for p in probes])
+        seen = evaluate(context, path.parent, wi, wr)
+        flipped = evaluate(context, path.parent, wi * [1, -1, 1], wr * [1, -1, 1])
         controls = {"swapped channels": worst(seen[..., ::-1], probes), "flipped bitangent": worst(flipped, probes)}
         surface, variant = path.parts[-3:-1]
         results.append({"surface": surface, "variant": variant, "count": len(probes)})
