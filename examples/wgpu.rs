@@ -1,4 +1,4 @@
-//! Draws the BRDF map of a package's variant with plain wgpu: reads its manifest, its WGSL and its tables.
+//! Draws the BRDF map of a package's variant with plain wgpu, reading manifest, WGSL and tables.
 //!
 //!     cargo run --release --features gpu --example wgpu -- generated/shaders/fingers/full-taylor-t19 map.png
 
@@ -11,8 +11,8 @@ use wgpu::{BindingResource, BufferUsages, Device, FilterMode, Queue, TextureForm
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
-/// What viewers in all directions see under a light 20° from the normal, at an exposure that makes a white diffuser
-/// white; square roots stand for the curve of sRGB. Any entry point, of fragments too, calls `diffraction` like this.
+/// What viewers in all directions see under a light 20° from the normal, exposed for a white
+/// diffuser; square roots stand for the curve of sRGB. Fragment shaders call `diffraction` alike.
 pub const MAP: &str = "
 @group(1) @binding(0) var<storage, read_write> picture: array<u32>;
 
@@ -44,7 +44,7 @@ pub fn connect() -> Result<(Device, Queue)> {
     Ok(pollster::block_on(adapter.request_device(&needs))?)
 }
 
-/// Runs workgroups of our entry point behind the variant's text, and returns what they make of our buffer.
+/// Runs our entry point behind the variant's text, and returns what it makes of our buffer.
 pub fn run(
     gpu: &(Device, Queue),
     folder: &Path,
@@ -56,7 +56,7 @@ pub fn run(
     let manifest: Value = serde_json::from_slice(&fs::read(folder.join("manifest.json"))?)?;
     let file = <&str>::deserialize(&manifest["targets"]["wgsl"][0]["file"])?;
     let package = fs::read_to_string(folder.join(file))?;
-    let scale = f64::deserialize(&manifest["core"]["diffuser_scale"])?;
+    let scale = manifest["core"]["diffuser_scale"].as_f64().unwrap_or(1.0); // gems has none
     let text = format!("{package}\nconst DIFFUSER_SCALE = {scale:?};\n{entry_point}");
     let source = wgpu::ShaderSource::Wgsl(text.into());
     let module = wgpu::ShaderModuleDescriptor { label: None, source };

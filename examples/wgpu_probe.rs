@@ -1,9 +1,9 @@
-//! Evaluates the probes of a package's variant with the code of the example `wgpu`, and prints JSON: how to prove an integration.
+//! Proves an integration: evaluates the probes of a package's variant by the code of the example `wgpu`.
 //!
 //!     cargo run --release --features gpu --example wgpu_probe -- generated/shaders/fingers/full-taylor-t19
 //!
-//! `worst` is the greatest error over the tolerance of its direction; `controls` are the same for integrations that are wrong on
-//! purpose, and must be far above 1.
+//! Prints JSON. `worst` is the greatest error over the tolerance of its direction; `controls` are the
+//! same for integrations that are wrong on purpose, and must be far above 1.
 
 use std::{env, error::Error, fs, path::Path};
 
@@ -81,7 +81,7 @@ pub fn run(gpu: &(wgpu::Device, wgpu::Queue), folder: &Path) -> Result<Value> {
     }))
 }
 
-/// The greatest error over what is allowed, of channels read in an order. What is not a number is as wrong as can be.
+/// The greatest error over what is allowed, of channels read in an order; no number is quite wrong.
 fn worst(seen: &[[[f32; 4]; 2]], probes: &[Probe], order: [usize; 3]) -> f64 {
     let ratios = seen.iter().zip(probes).flat_map(|([xyz, rgb], probe)| {
         let allowed = probe.tolerance;

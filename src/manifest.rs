@@ -438,10 +438,13 @@ pub fn extent(table: &Table) -> Extent {
 fn requires(extents: &[Extent]) -> Requires {
     let fitting = fits(extents);
     let reason = |limits: Limits| {
-        let misfit = extents.iter().find(|extent| !limits.allow(**extent));
+        let misfits = extents.iter().filter(|extent| !limits.allow(**extent));
+        let misfits: Vec<String> = misfits.map(Extent::to_string).collect();
         format!(
-            "a table of {misfit:?} exceeds {} texels or {} layers",
-            limits.texture_2d, limits.array_layers
+            "a table of {} exceeds {} texels or {} layers",
+            misfits.join(", "),
+            limits.texture_2d,
+            limits.array_layers
         )
     };
     let missing = Profile::ALL.into_iter().filter(|p| !fitting.contains(p));

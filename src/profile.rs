@@ -1,6 +1,7 @@
 //! What each graphics API guarantees: one table for lints, manifests and listings.
 
 use std::collections::BTreeSet;
+use std::fmt::{Display, Formatter};
 
 use serde::{Deserialize, Serialize};
 
@@ -140,6 +141,20 @@ pub enum Extent {
     },
 }
 
+impl Display for Extent {
+    fn fmt(&self, to: &mut Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Extent::Plane { width, height } => write!(to, "{width} × {height} texels"),
+            Extent::Layers { width, height, layers } => {
+                write!(to, "{width} × {height} texels in {layers} layers")
+            }
+            Extent::Volume { width, height, depth } => {
+                write!(to, "{width} × {height} × {depth} texels")
+            }
+        }
+    }
+}
+
 /// The profiles under which all of those textures can be made.
 pub fn fits(textures: &[Extent]) -> BTreeSet<Profile> {
     let all_fit = |profile: &Profile| textures.iter().all(|t| profile.limits().allow(*t));
@@ -159,6 +174,7 @@ mod tests {
         let plane = |width, height| Extent::Plane { width, height };
         let layers = |layers| Extent::Layers { width: 100, height: 100, layers };
         let volume = |depth| Extent::Volume { width: 16, height: 16, depth };
+        assert_eq!(layers(3).to_string(), "100 × 100 texels in 3 layers");
         assert_eq!(names(&[]), ["webgl2", "webgpu", "vulkan"]);
         assert_eq!(names(&[plane(2048, 2048)]), ["webgl2", "webgpu", "vulkan"]);
         assert_eq!(names(&[plane(1, 2049)]), ["webgpu", "vulkan"]);

@@ -1,4 +1,4 @@
-"""Draws the BRDF map of a package's variant with plain OpenGL, without a window: manifest, function form and tables are read.
+"""Draws the BRDF map of a package's variant with plain OpenGL, reading manifest, GLSL and tables.
 
     python3 draw.py generated/shaders/fingers/full-taylor-t19 map.png
 """
@@ -19,7 +19,8 @@ void main() {
     gl_Position = vec4(place, 0.0, 1.0);
 }
 """
-# what viewers in all directions see, at an exposure that makes a white diffuser white; square roots stand for the curve of sRGB
+# what viewers in all directions see, exposed for a white diffuser; square roots stand for the
+# curve of sRGB
 MAP = """
 in vec2 place;
 uniform vec3 light;
@@ -31,16 +32,23 @@ void main() {
     colour = vec4(sqrt(diffuser_scale * max(vec3(0.0), rgb)), step(0.0, squared));
 }
 """
-# channels and types of tables; three numbers with a common exponent are made floats
-FORMATS = {"rg16float": (2, "f2"), "rgba16float": (4, "f2"), "rg32float": (2, "f4"), "rgba32float": (4, "f4"), "rgb9e5ufloat": (3, "f4")}
+FORMATS = {  # channels and type
+    "rg16float": (2, "f2"),
+    "rgba16float": (4, "f2"),
+    "rg32float": (2, "f4"),
+    "rgba32float": (4, "f4"),
+    "rgb9e5ufloat": (3, "f4"),
+}
 
 
 def main(folder, picture):
     folder = Path(folder)
-    scale = json.loads((folder / "manifest.json").read_text())["core"]["diffuser_scale"]
+    core = json.loads((folder / "manifest.json").read_text())["core"]
+    scale = core["diffuser_scale"] or 1  # gems has none
     light = np.sin(np.radians(20)), 0, np.cos(np.radians(20))
     pixels = draw(open_context(), folder, MAP, (256, 256), light=light, diffuser_scale=scale)
-    Image.fromarray((255 * np.clip(pixels[::-1], 0, 1)).round().astype("u1")).save(picture)
+    pixels = (255 * np.clip(pixels[::-1], 0, 1)).round().astype("u1")
+    Image.fromarray(pixels).save(picture)
 
 
 def open_context():
@@ -65,12 +73,13 @@ def draw(context, folder, main, size, **uniforms):
 
 
 def upload(context, folder, table):
-    """A table as a texture. Texels are fetched, or filtered where the variant says so: linear and clamped suits both."""
+    """A table as a texture. Linear and clamped suits variants that filter and those that fetch."""
     shape = json.loads((folder / table["description"]).read_text())
     texels = (folder / table["data"]).read_bytes()
-    if shape["format"] == "rgb9e5ufloat":
-        bits = np.frombuffer(texels, "<u4")[:, None]
-        texels = np.ldexp((bits >> np.array([0, 9, 18], "u4") & 511).astype("f4"), (bits >> 27).astype("i4") - 24).tobytes()
+    if shape["format"] == "rgb9e5ufloat":  # moderngl has no three numbers with one exponent
+        bits = np.frombuffer(texels, "<u4").astype("i4")[:, None]
+        mantissas = (bits >> [0, 9, 18] & 511).astype("f4")
+        texels = np.ldexp(mantissas, (bits >> 27 & 31) - 24).tobytes()
     size, create = (shape["width"], shape["height"]), context.texture
     if shape["dimension"] == "2d-array":
         size, create = (*size, shape["layers"]), context.texture_array
