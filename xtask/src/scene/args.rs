@@ -9,7 +9,7 @@ use crate::args::PlanArgs;
 
 const EXAMPLE: &str = "Examples:
   cargo xtask scene --plan plans/scene.toml --surface fingers --variant lamp --out snake.png
-  cargo xtask scene --plan plans/scene.toml --surface rows --variant lamp --zoom 2.2 --target 2.2,-0.4,0 --filter supersample --out close.png
+  cargo xtask scene --plan plans/scene.toml --surface rows --variant lamp --zoom 2.2 --target 1.9,0.5,0 --filter supersample --out close.png
   cargo xtask scene --plan plans/scene.toml --surface blazed --variant ensemble --mesh sphere --elevation 20 --out sphere.exr
   cargo xtask scene --plan plans/scene.toml --surface fingers --variant lamp --sweep lights --size 480x360 --out lights.png
   cargo xtask scene --plan plans/scene.toml --surface fingers --variant baked --sweep zoom --filter footprint --size 480x360 --out zoom.png
@@ -63,7 +63,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     pub(crate) target: Option<Vector>,
     /// Factor before the tone map.
-    #[arg(long, value_name = "V", default_value_t = 0.5)]
+    #[arg(long, value_name = "V", default_value_t = 0.5, allow_hyphen_values = true)]
     pub(crate) exposure: f64,
     /// Weight w_d of the unlit texture, 0 to 1.
     #[arg(long, value_name = "W", default_value_t = 0.0)]
