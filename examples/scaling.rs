@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for count in [10, 100, 1000] {
         let path = folder.path().join("plan.toml");
         fs::write(&path, plan(count))?;
-        let plan = Plan::read_all(&path).map_err(|errors| format!("{errors:?}"))?;
+        let plan = input::read_plan(&path).map_err(|errors| format!("{errors:?}"))?;
         let cache = folder.path().join("cache");
         let request = Request {
             surfaces: &plan.surfaces,

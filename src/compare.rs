@@ -8,7 +8,6 @@
 
 mod controls;
 mod pictures;
-mod tolerance;
 mod unit;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -17,17 +16,17 @@ use glam::DVec3;
 
 use crate::error::Result;
 use crate::frame::Frame;
+use crate::input;
 use crate::height::{self, HeightField};
 use crate::plan::{Mode, SurfaceSpec, Variant};
 use crate::record::{Gap, Record};
 use crate::reference::Directions;
-use crate::resolve::resolve;
+use crate::variant::Form;
 use crate::runner::routes::Route;
 use crate::runner::{Prepared, Runner, Subject};
 
 pub use controls::{CONTROLS, SURFACE as CONTROL_SURFACE};
 pub use pictures::{AMPLIFIED, difference, mean_flip};
-pub use tolerance::{ACROSS, CENTRED, is_inside, tolerance};
 
 /// Failures in a row after which a route is not asked again.
 const PATIENCE: u32 = 3;
@@ -104,7 +103,7 @@ pub fn run(request: &Request<'_>, sink: &mut dyn Sink) -> Result<()> {
         sink.step();
     }
     for spec in request.surfaces {
-        let surface = height::load(spec)?;
+        let surface = input::load_surface(spec)?;
         run_surface(request, spec, &surface.field, &mut failures, sink)?;
     }
     Ok(())
@@ -209,8 +208,8 @@ fn run_surface(
 fn subset(request: &Request<'_>, height: &HeightField) -> BTreeSet<usize> {
     let mut by_mode: BTreeMap<Mode, Vec<(u64, usize)>> = BTreeMap::new();
     for (index, variant) in request.variants.iter().enumerate() {
-        if let Ok(resolved) = resolve(variant, height) {
-            by_mode.entry(variant.mode).or_default().push((resolved.cost.fetches, index));
+        if let Ok(form) = Form::new(variant, height) {
+            by_mode.entry(variant.mode).or_default().push((form.cost().fetches, index));
         }
     }
     let mut ranked: Vec<(usize, Mode, usize)> = Vec::new();

@@ -6,7 +6,7 @@
 //! innermost loop cost up to half of the speed. WGSL keeps the checks that its implementation adds.
 //!
 //! Beside whole shaders there are function forms, for engines that want a piece of text to paste or to register: the
-//! functions of [`FUNCTIONS`] and what they need, without entry points, bindings and uniform blocks. A function form
+//! functions that the shader offers and what they need, without entry points, bindings and uniform blocks. A function form
 //! comes with the targets of its language: `.fn.wgsl` with `wgsl`, `.fn.glsl` with `glsl450` and with `glsl-es300`
 //! (one file, the same for both), `.fn.hlsl` with `hlsl`.
 
@@ -37,9 +37,6 @@ const MAIN_VERTEX: &str = "vert";
 /// The vertex entry point of the fragment entry point `mesh`, which shares its name in file names: in one text they
 /// cannot bear the same.
 const MESH_VERTEX: &str = "mesh_vert";
-
-/// The functions that the function forms offer, the first of them first in `.fn.wgsl`; the second is optional.
-pub const FUNCTIONS: [&str; 2] = ["diffraction", "tristimulus"];
 
 /// One file of one target.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -14,36 +14,36 @@ use std::sync::{Mutex, PoisonError};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use crate::assemble;
 use crate::bindings;
 use crate::diagnostic::Diagnostic;
 use crate::emit::emit;
 use crate::error::{Error, Stage};
-use crate::height::{self, HeightField, Surface};
+use crate::hash::of_value;
+use crate::height::{self, HeightField};
+use crate::input::SurfaceInput;
 use crate::manifest::{SCHEMA_VERSION, Subject, TableEntry, describe, manifest};
 use crate::package::{Compare, Content, JSON_TOLERANCE, Package};
-use crate::plan::{Container, SurfaceSpec, TableFormat, Target, Variant};
+use crate::plan::{Container, TableFormat, Target, Variant};
 use crate::probe;
-use crate::resolve::{Resolved, resolve};
+use crate::specialise;
 use crate::tables::container::encode;
-use crate::tables::{TERMS, Table, TexelFormat};
+use crate::tables::{Table, TableSpec, TexelFormat};
 use crate::template::Sources;
-use crate::twin::Twin;
+use crate::variant::{DIRECTIONAL, ExactProbe, Form, Function, Ground, PROBES, Twin};
 
 use cache::Cache;
 
+pub use crate::hash::TOOL_VERSION;
 pub use step::Step;
 
-/// Version of this tool, a part of every input hash.
-pub const TOOL_VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Version of naga, as pinned in `Cargo.toml`.
 pub const NAGA_VERSION: &str = "30.0.1";
 
 /// What to generate.
 #[derive(Clone, Copy)]
 pub struct Request<'a> {
-    /// The surfaces.
-    pub surfaces: &'a [SurfaceSpec],
+    /// The surfaces, their files read.
+    pub surfaces: &'a [SurfaceInput],
     /// The variants, each for every surface.
     pub variants: &'a [Variant],
     /// Languages.
@@ -90,7 +90,7 @@ pub fn generate(
     let mut pairs = Vec::new();
     for surface in &surfaces {
         for variant in request.variants {
-            match gap(&surface.spec, variant, &surface.surface.field) {
+            match gap(surface.input, variant, surface.field) {
                 Some(gap) => gaps.push(gap),
                 None => pairs.push((surface, variant)),
             }
@@ -108,14 +108,13 @@ pub fn generate(
     let built = pairs.into_par_iter().map(|(s, v)| build(request, s, v));
     let mut built = all_or_errors(built.collect())?;
     // so that the variants that share a table come together, and one term table at a time is in memory
-    built.sort_by_cached_key(|one| (one.surface.spec.name.clone(), one.ids.clone()));
+    built.sort_by_cached_key(|one| (one.surface.name().to_owned(), one.ids.clone()));
     let mut package = Package::new();
     let mut last = None;
     let mut errors = Vec::new();
     for one in built {
-        let label = format!("{} {}", one.surface.spec.name, one.variant.name);
-        let of = one.resolved.axes.columns as usize;
-        let baked = |columns| done(Step::Baked { label: &label, columns, of });
+        let label = format!("{} {}", one.surface.name(), one.variant.name);
+        let baked = |columns, of| done(Step::Baked { label: &label, columns, of });
         if let Err(error) = one.insert(request, &mut package, &mut last, &baked) {
             errors.push(Diagnostic::from(&error).variant(&label));
         }
@@ -124,41 +123,36 @@ pub fn generate(
     if !errors.is_empty() {
         return Err(errors);
     }
-    let notes = surfaces
-        .iter()
-        .flat_map(|s| s.surface.notes.iter().map(|n| format!("{}: {n}", s.spec.name)));
+    let notes =
+        surfaces.iter().flat_map(|s| s.notes.iter().map(|n| format!("{}: {n}", s.name())));
     let left_out = gaps.iter().map(|gap| format!("{}: left out: {}", gap.surface, gap.reason));
     Ok(Generated { package, notes: notes.chain(left_out).collect(), gaps })
 }
 
-fn gap(spec: &SurfaceSpec, variant: &Variant, field: &HeightField) -> Option<Gap> {
-    let reason = resolve(variant, field).err()?.to_string();
-    Some(Gap { surface: spec.name.clone(), variant: variant.name.clone(), reason })
+fn gap(surface: &SurfaceInput, variant: &Variant, field: &HeightField) -> Option<Gap> {
+    let reason = Form::new(variant, field).err()?.to_string();
+    let surface = surface.spec().name.clone();
+    Some(Gap { surface, variant: variant.name.clone(), reason })
 }
 
 /// Hash of everything that a package is made from but the program and the templates: surfaces with their files, variants
 /// with their illuminants, languages, containers of tables.
-pub fn input_hash(request: &Request<'_>) -> Result<String, Error> {
-    let surface = |spec: &SurfaceSpec| Ok((spec.name.clone(), identity::surface_hash(spec)?));
-    let surfaces: Vec<_> = request.surfaces.iter().map(surface).collect::<Result<_, Error>>()?;
-    let variant = |v: &Variant| (v.name.clone(), v.hash(), identity::illuminant(&v.optics));
+pub fn input_hash(request: &Request<'_>) -> String {
+    let surface = |input: &SurfaceInput| (input.spec().name.clone(), input.identity().to_owned());
+    let surfaces: Vec<_> = request.surfaces.iter().map(surface).collect();
+    let variant =
+        |v: &Variant| (v.name.clone(), v.hash(), v.optics.illuminant.identity().to_owned());
     let variants: Vec<_> = request.variants.iter().map(variant).collect();
-    Ok(identity::hash(&json!([
-        TOOL_VERSION,
-        surfaces,
-        variants,
-        request.targets,
-        request.containers
-    ])))
+    of_value(&json!([TOOL_VERSION, surfaces, variants, request.targets, request.containers]))
 }
 
 /// The keys of the package's `manifest.json` beside its list of files; the same in any order of the request.
 pub fn index(request: &Request<'_>) -> Result<BTreeMap<String, Value>, Error> {
     let (mut surfaces, mut gaps) = (BTreeMap::new(), Vec::new());
-    for spec in request.surfaces {
-        surfaces.insert(spec.name.clone(), json!({ "input_hash": identity::surface_hash(spec)? }));
-        let field = height::load(spec)?.field;
-        gaps.extend(request.variants.iter().filter_map(|v| gap(spec, v, &field)));
+    for input in request.surfaces {
+        surfaces.insert(input.spec().name.clone(), json!({ "input_hash": input.identity() }));
+        let field = &input.surface()?.field;
+        gaps.extend(request.variants.iter().filter_map(|v| gap(input, v, field)));
     }
     gaps.sort();
     let variants: BTreeMap<&str, Value> = request
@@ -178,42 +172,54 @@ pub fn index(request: &Request<'_>) -> Result<BTreeMap<String, Value>, Error> {
     ]))
 }
 
-struct Loaded {
-    spec: SurfaceSpec,
-    surface: Surface,
-    hash: String,
-    /// Directions and exact colours of its probes by their identity, one for every set of optics.
-    exact: Mutex<BTreeMap<String, Vec<probe::Exact>>>,
+struct Loaded<'a> {
+    input: &'a SurfaceInput,
+    field: &'a HeightField,
+    notes: &'a [String],
+    /// Probes with their exact colours by their identity, one for every set of optics.
+    exact: Mutex<BTreeMap<String, Vec<ExactProbe>>>,
+}
+
+impl Loaded<'_> {
+    fn name(&self) -> &str {
+        &self.input.spec().name
+    }
+
+    fn rotate_deg(&self) -> f64 {
+        self.input.spec().rotate_deg
+    }
+
+    fn ground(&self) -> Ground<'_> {
+        Ground { surface: self.input.identity(), rotate_deg: self.rotate_deg() }
+    }
 }
 
 struct Built<'a> {
-    surface: &'a Loaded,
+    surface: &'a Loaded<'a>,
     variant: &'a Variant,
-    resolved: Resolved,
-    /// The term table without its texels.
-    tables: Vec<Table>,
-    /// Identities of the tables.
+    form: Form,
+    tables: Vec<TableSpec>,
+    /// Names of the tables.
     ids: Vec<String>,
     /// Everything but the tables and the probes.
     files: Vec<(String, Vec<u8>, Compare)>,
 }
 
-fn load(request: &Request<'_>) -> Result<Vec<Loaded>, Vec<Diagnostic>> {
-    let load = |spec: &SurfaceSpec| -> Result<Loaded, Vec<Diagnostic>> {
-        let surface = height::load(spec).map_err(|e| vec![Diagnostic::from(&e)])?;
+fn load<'a>(request: &Request<'a>) -> Result<Vec<Loaded<'a>>, Vec<Diagnostic>> {
+    let load = |input: &'a SurfaceInput| -> Result<Loaded<'a>, Vec<Diagnostic>> {
+        let surface = input.surface().map_err(|e| vec![Diagnostic::from(&e)])?;
+        let subject = height::subject(input.spec());
         let mut errors = BTreeMap::new();
         for variant in request.variants {
-            if let Err(error) =
-                surface.field.check_pitch(&height::subject(spec), variant.wavelengths.min_nm)
-            {
+            if let Err(error) = surface.field.check_pitch(&subject, variant.wavelengths.min_nm) {
                 errors.insert(error.to_string(), Diagnostic::from(&error).variant(&variant.name));
             }
         }
         if !errors.is_empty() {
             return Err(errors.into_values().collect());
         }
-        let hash = identity::surface_hash(spec).map_err(|e| vec![Diagnostic::from(&e)])?;
-        Ok(Loaded { spec: spec.clone(), surface, hash, exact: Mutex::default() })
+        let (field, notes) = (&surface.field, surface.notes.as_slice());
+        Ok(Loaded { input, field, notes, exact: Mutex::default() })
     };
     all_or_errors(request.surfaces.iter().map(load).collect())
 }
@@ -232,19 +238,19 @@ fn all_or_errors<T>(results: Vec<Result<T, Vec<Diagnostic>>>) -> Result<Vec<T>, 
 
 fn build<'a>(
     request: &Request<'_>,
-    surface: &'a Loaded,
+    surface: &'a Loaded<'a>,
     variant: &'a Variant,
 ) -> Result<Built<'a>, Vec<Diagnostic>> {
-    let label = format!("{} {}", surface.spec.name, variant.name);
+    let (name, rotate_deg) = (surface.name(), surface.rotate_deg());
+    let label = format!("{name} {}", variant.name);
     let one = |error: Error| vec![Diagnostic::from(&error).variant(&label)];
-    let resolved = resolve(variant, &surface.surface.field).map_err(one)?;
-    let (name, rotate_deg) = (&surface.spec.name, surface.spec.rotate_deg);
-    let tables = assemble::shapes(variant, &resolved, rotate_deg).map_err(one)?;
-    let id = |table| identity::table_id(table, &surface.spec, &surface.hash, variant);
-    let ids: Vec<String> = tables.iter().map(id).collect();
-    let nodes = assemble::node_count(&tables);
-    let defines = assemble::defines(variant, &resolved, rotate_deg, nodes);
-    let module = assemble::shader(request.sources, &label, &defines)?;
+    let form = Form::new(variant, surface.field).map_err(one)?;
+    let tables = form.tables(surface.ground());
+    let ids: Vec<String> = tables.iter().map(TableSpec::id).collect();
+    let shapes: Vec<Table> = tables.iter().map(TableSpec::shape).collect();
+    let defines =
+        specialise::defines(variant, &form, rotate_deg, specialise::node_count(&shapes));
+    let module = specialise::shader(request.sources, &label, &form, &defines)?;
     let mut emitted = Vec::new();
     for &target in request.targets {
         emitted.extend(emit(&module, target).map_err(one)?);
@@ -255,13 +261,12 @@ fn build<'a>(
         description: format!("../../../surfaces/{name}/{id}.json"),
         data: format!("../../../surfaces/{name}/{id}.bin"),
     };
-    let entries = tables.iter().zip(&ids).map(|pair| (pair.0, entry(pair))).collect();
-    let input_hash = identity::hash(&json!([surface.hash, variant.hash(), TOOL_VERSION]));
-    let subject =
-        Subject { surface: name, variant, resolved: &resolved, tables: entries, input_hash };
+    let entries = shapes.iter().zip(&ids).map(|pair| (pair.0, entry(pair))).collect();
+    let input_hash = of_value(&json!([surface.input.identity(), variant.hash(), TOOL_VERSION]));
+    let subject = Subject { surface: name, variant, form: &form, tables: entries, input_hash };
     let manifest = manifest(subject, &module, &emitted);
     let folder = format!("shaders/{name}/{}", variant.name);
-    let rust = bindings::rust(&manifest, &tables.iter().collect::<Vec<_>>()).map_err(one)?;
+    let rust = bindings::rust(&manifest, &shapes.iter().collect::<Vec<_>>()).map_err(one)?;
     let manifest_path = format!("{folder}/manifest.json");
     let text = pretty(&manifest_path, &manifest).map_err(one)?;
     let mut files = vec![
@@ -273,98 +278,98 @@ fn build<'a>(
     let fresh = pathed.filter(|(path, file)| !(request.keep)(path, file.target));
     let fresh: BTreeMap<String, Vec<u8>> = fresh.map(|(path, file)| (path, file.bytes)).collect();
     files.extend(fresh.into_iter().map(|(path, bytes)| (path, bytes, Compare::Bytes)));
-    Ok(Built { surface, variant, resolved, tables, ids, files })
+    Ok(Built { surface, variant, form, tables, ids, files })
 }
 
+/// The term table that was read last, with its path: variants that share one come together.
+type Last = Option<(String, Table)>;
+
 impl Built<'_> {
-    /// Adds all files. `last`: the term table that was read last, with its path.
+    /// Adds all files. `baked` is called with the columns of a table of colours that were finished, and how many it has.
     fn insert(
         mut self,
         request: &Request<'_>,
         package: &mut Package,
-        last: &mut Option<(String, Table)>,
-        baked: &(dyn Fn(usize) + Sync),
+        last: &mut Last,
+        baked: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<(), Error> {
         for (path, bytes, compare) in std::mem::take(&mut self.files) {
             package.insert(&path, bytes, compare)?;
         }
-        self.insert_tables(request, package, baked)?;
+        for (spec, id) in self.tables.iter().zip(&self.ids) {
+            self.insert_table(spec, id, request, package, baked)?;
+        }
         let probes = self.probes(request, package, last)?;
-        let path = format!("shaders/{}/{}/probe.json", self.surface.spec.name, self.variant.name);
+        let path = format!("shaders/{}/{}/probe.json", self.surface.name(), self.variant.name);
         package.insert(&path, probes, Compare::Json { tolerance: probe::TOLERANCE })
     }
 
-    fn insert_tables(
+    fn insert_table(
         &self,
+        spec: &TableSpec,
+        id: &str,
         request: &Request<'_>,
         package: &mut Package,
-        baked: &(dyn Fn(usize) + Sync),
+        baked: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<(), Error> {
-        let Built { surface, variant, resolved, .. } = self;
-        for (table, id) in self.tables.iter().zip(&self.ids) {
-            let path = self.table_path(id);
-            // the variants of a surface share a table, made once
-            if package.files().contains_key(&path) {
-                continue;
-            }
-            let content = match table.binding {
-                TERMS => Cache(request.cache).content(id, table.byte_count(), || {
-                    Ok(assemble::terms(variant, resolved, &surface.surface.field, baked)?.bytes())
-                })?,
-                _ => Content::Bytes(table.bytes()),
-            };
-            let (format, tolerance) = match table.format {
-                TexelFormat::Rg32Float | TexelFormat::Rgba32Float => {
-                    (TableFormat::F32, TABLE_TOLERANCE)
-                }
-                TexelFormat::Rg16Float | TexelFormat::Rgba16Float => {
-                    (TableFormat::F16, HALF_TOLERANCE)
-                }
-                TexelFormat::Rgb9e5Ufloat => (TableFormat::Rgb9e5, SHARED_TOLERANCE),
-            };
-            let shape = table.shape();
-            for &container in request.containers {
-                let file = encode(container, &shape, &content.read()?)?;
-                let compare = Compare::Container { container, shape, tolerance };
-                package.insert(
-                    &path.replace(".bin", &format!(".{}", container.as_str())),
-                    file,
-                    compare,
-                )?;
-            }
-            let compare = Compare::Table { format, tolerance, layer: shape.layer_numbers() };
-            package.insert_content(&path, content, compare)?;
-            let description = path.replace(".bin", ".json");
-            let about = describe(table, id, resolved, variant, request.containers);
-            package.insert(
-                &description,
-                pretty(&description, &about)?,
-                Compare::Json { tolerance: JSON_TOLERANCE },
-            )?;
+        let path = self.table_path(id);
+        // the variants of a surface share a table, made once
+        if package.files().contains_key(&path) {
+            return Ok(());
         }
-        Ok(())
+        let table = spec.shape();
+        let done = |columns: usize| {
+            if let TableSpec::Colours(spec) = spec {
+                baked(columns, spec.axes.columns as usize);
+            }
+        };
+        let make = || Ok(spec.compute(self.surface.field, &done)?.bytes());
+        let content = if spec.is_expensive() {
+            Cache(request.cache).content(id, table.byte_count(), make)?
+        } else {
+            Content::Bytes(make()?)
+        };
+        let (format, tolerance) = match table.format {
+            TexelFormat::Rg32Float | TexelFormat::Rgba32Float => {
+                (TableFormat::F32, TABLE_TOLERANCE)
+            }
+            TexelFormat::Rg16Float | TexelFormat::Rgba16Float => (TableFormat::F16, HALF_TOLERANCE),
+            TexelFormat::Rgb9e5Ufloat => (TableFormat::Rgb9e5, SHARED_TOLERANCE),
+        };
+        let shape = table.shape();
+        for &container in request.containers {
+            let file = encode(container, &shape, &content.read()?)?;
+            let compare = Compare::Container { container, shape, tolerance };
+            let beside = path.replace(".bin", &format!(".{}", container.as_str()));
+            package.insert(&beside, file, compare)?;
+        }
+        let compare = Compare::Table { format, tolerance, layer: shape.layer_numbers() };
+        package.insert_content(&path, content, compare)?;
+        let description = path.replace(".bin", ".json");
+        let about = pretty(&description, &describe(spec, id, request.containers))?;
+        package.insert(&description, about, Compare::Json { tolerance: JSON_TOLERANCE })
     }
 
     fn table_path(&self, id: &str) -> String {
-        format!("surfaces/{}/{id}.bin", self.surface.spec.name)
+        format!("surfaces/{}/{id}.bin", self.surface.name())
     }
 
     fn probes(
         &self,
         request: &Request<'_>,
         package: &Package,
-        last: &mut Option<(String, Table)>,
+        last: &mut Last,
     ) -> Result<String, Error> {
-        let Built { surface, variant, resolved, .. } = self;
-        let (field, rotate_deg) = (&surface.surface.field, surface.spec.rotate_deg);
-        let cache = Cache(request.cache);
-        let id = identity::exact_id(&surface.hash, &variant.optics);
+        let Built { surface, variant, form, .. } = self;
+        let (function, cache) = (&DIRECTIONAL, Cache(request.cache));
+        let (optics, rotate_deg) = (&variant.optics, surface.rotate_deg());
+        let id = identity::exact_id(function, surface.input.identity(), optics);
         let mut known = surface.exact.lock().unwrap_or_else(PoisonError::into_inner);
         let exact = match known.get(&id) {
             Some(exact) => exact.clone(),
             None => {
-                let numbers = cache.numbers(&id, 9 * probe::COUNT, || {
-                    let exact = probe::exact(field, rotate_deg, &variant.optics)?;
+                let numbers = cache.numbers(&id, 9 * PROBES, || {
+                    let exact = function.probes(surface.field, rotate_deg, optics)?;
                     Ok(probe::to_numbers(&exact))
                 })?;
                 let exact = probe::from_numbers(&numbers);
@@ -373,43 +378,42 @@ impl Built<'_> {
             }
         };
         drop(known);
-        let id = identity::expected_id(&surface.hash, variant);
-        let expected = cache.numbers(&id, 3 * probe::COUNT, || {
+        let id = identity::expected_id(function, surface.input.identity(), variant);
+        let expected = cache.numbers(&id, 3 * PROBES, || {
             let mut tables = Vec::new();
-            for (table, id) in self.tables.iter().zip(&self.ids) {
-                if table.binding == TERMS {
-                    self.read_terms(table, &self.table_path(id), package, last)?;
+            for (spec, id) in self.tables.iter().zip(&self.ids) {
+                if spec.is_expensive() {
+                    self.read_terms(spec, &self.table_path(id), package, last)?;
                 } else {
-                    tables.push(table.clone().rounded());
+                    tables.push(spec.compute(surface.field, &|_| ())?.rounded());
                 }
             }
-            let mut twin = Twin::new(resolved, &tables, variant, rotate_deg);
+            let mut twin = Twin::new(form, &tables, optics, rotate_deg);
             if let (Some((_, terms)), true) =
-                (last.as_ref(), self.tables.iter().any(|table| table.binding == TERMS))
+                (last.as_ref(), self.tables.iter().any(TableSpec::is_expensive))
             {
                 twin.terms = terms;
             }
-            Ok(probe::expected(&twin, &exact).concat())
+            Ok(probe::expected(function, &twin, &exact).concat())
         })?;
-        let (name, colour) = (&surface.spec.name, variant.optics.colour);
         let (expected, _) = expected.as_chunks();
-        probe::json(name, &variant.name, colour, resolved, &exact, expected)
+        probe::json(surface.name(), &variant.name, optics.colour, form, &exact, expected)
     }
 
     /// Makes `last` the term table at a path.
     fn read_terms(
         &self,
-        shape: &Table,
+        spec: &TableSpec,
         path: &str,
         package: &Package,
-        last: &mut Option<(String, Table)>,
+        last: &mut Last,
     ) -> Result<(), Error> {
         if last.as_ref().is_some_and(|(known, _)| known == path) {
             return Ok(());
         }
         *last = None;
         if let Some(file) = package.files().get(path) {
-            let table = shape.clone().with_bytes(&file.content.read()?);
+            let table = spec.shape().with_bytes(&file.content.read()?);
             *last = Some((path.to_owned(), table));
         }
         Ok(())

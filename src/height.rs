@@ -1,6 +1,6 @@
 //! Height fields: heights in µm on a regular grid with a physical pitch.
 //!
-//! [`load`] turns one surface of a plan into a [`HeightField`]: read or synthesise, fill voids, level, clip outliers,
+//! [`prepare`] turns one surface of a plan into a [`HeightField`]: decode or synthesise, fill voids, level, clip outliers,
 //! extrude a profile. Everything it did that a user should know of comes back as a note.
 
 pub mod gsf;
@@ -54,16 +54,12 @@ pub struct Origin {
     pub file_pixels: usize,
 }
 
-/// Reads or synthesises a surface and prepares it: voids → level → clip → extrude.
+/// Decodes or synthesises a surface and prepares it: voids → level → clip → extrude; with what the file held. `bytes`: the
+/// content of its file, where it has one.
 ///
 /// Errors name the surface, its file, the key, its value and what to do. The rotation of the surface is not applied
 /// here: it rotates `(u, v)` exactly, later.
-pub fn load(spec: &SurfaceSpec) -> Result<Surface> {
-    load_with_origin(spec).map(|(surface, _)| surface)
-}
-
-/// Like [`load`], with what the file held.
-pub fn load_with_origin(spec: &SurfaceSpec) -> Result<(Surface, Origin)> {
+pub fn prepare(spec: &SurfaceSpec, bytes: Option<&[u8]>) -> Result<(Surface, Origin)> {
     let mut origin = Origin::default();
     let subject = subject(spec);
     level::check_clip(&subject, spec.clip_percent)?;
@@ -73,7 +69,7 @@ pub fn load_with_origin(spec: &SurfaceSpec) -> Result<(Surface, Origin)> {
             (surface.field, surface.notes)
         }
         SurfaceSource::File(file) => {
-            let reading = read::read(file, &spec.name)?;
+            let reading = read::parse(file, &spec.name, bytes.unwrap_or_default())?;
             origin.step_um = reading.step_um;
             origin.void_pixels = reading.heights_um.iter().filter(|h| h.is_nan()).count();
             origin.file_pixels = reading.heights_um.len();

@@ -11,10 +11,12 @@ use serde::Serialize;
 
 use crate::basis::Expansion;
 use crate::error::Result;
+use crate::input::SurfaceInput;
 use crate::height::inspect::{Facts, Periods, facts, periods};
 use crate::height::{self, HeightField, Origin};
 use crate::plan::{Basis, Plan, SurfaceSource, SurfaceSpec};
-use crate::resolve::{Cost, resolve};
+use crate::tables::Series;
+use crate::variant::{Cost, Form};
 
 pub use heights::height_picture;
 pub use spectrum::spectrum_picture;
@@ -76,10 +78,10 @@ pub struct TermCounts {
 pub struct VariantCost {
     /// The variant's name.
     pub name: String,
-    /// Number of terms.
-    pub terms: u32,
-    /// Bins to each side of the nearest one.
-    pub window_radius: u32,
+    /// Number of terms, where it adds up a series.
+    pub terms: Option<u32>,
+    /// Bins to each side of the nearest one, where it has such a number.
+    pub window_radius: Option<u32>,
     /// Static cost of a lit pixel.
     #[serde(flatten)]
     pub cost: Cost,
@@ -87,7 +89,9 @@ pub struct VariantCost {
 
 /// Reads or synthesises a surface of a plan and measures it; the field is for the pictures.
 pub fn inspect(plan: &Plan, spec: &SurfaceSpec) -> Result<(Inspection, HeightField)> {
-    let (height::Surface { field, mut notes }, origin) = height::load_with_origin(spec)?;
+    let input = SurfaceInput::read(spec)?;
+    let (height::Surface { field, notes }, origin) = input.surface_with_origin()?.clone();
+    let mut notes = notes;
     let Origin { step_um, void_pixels, file_pixels } = origin;
     let facts = facts(&field, &format!("surface {}", spec.name))?;
     let is_synthetic = matches!(spec.source, SurfaceSource::Grating(_));
@@ -96,12 +100,12 @@ pub fn inspect(plan: &Plan, spec: &SurfaceSpec) -> Result<(Inspection, HeightFie
     let wanted_nm = shortest.unwrap_or(SHORTEST_NM);
     let mut variants = Vec::new();
     for variant in &plan.variants {
-        match resolve(variant, &field) {
-            Ok(on) => variants.push(VariantCost {
+        match Form::new(variant, &field) {
+            Ok(form) => variants.push(VariantCost {
                 name: variant.name.clone(),
-                terms: on.expansion.terms,
-                window_radius: on.window_radius,
-                cost: on.cost,
+                terms: form.series().map(Series::terms),
+                window_radius: form.window_radius(),
+                cost: form.cost(),
             }),
             Err(reason) => notes.push(format!("left out: {reason}")),
         }

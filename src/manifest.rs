@@ -4,24 +4,18 @@ mod describe;
 mod interface;
 
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
 
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::emit::{BindingName, EmittedFile, EntryPoint, Function};
+use crate::emit::{self, BindingName, EmittedFile, EntryPoint};
 use crate::module::Module;
-use crate::optics;
-use crate::plan::{Coherence, Colour, Container, Mode, TableFormat, Target, Variant};
+use crate::plan::{Container, Target, Variant};
 use crate::profile::{Extent, Limits, Profile, fits};
-use crate::resolve::{
-    Cost, ISOLATED, Lobes, NODE_ERROR, REACH_SIGMAS, Resolved, grid_error, replica_tail,
-    window_tail,
-};
 use crate::tables::Table;
 use crate::tables::container::ContainerEntry;
 use crate::template::GENERATED;
-use crate::terms::Grid;
+use crate::variant::{Cost, DIRECTIONAL, ErrorBound, Form, Function, LobeBounds};
 
 pub use describe::describe;
 use interface::{bindings, uniforms, vertex_inputs};
@@ -71,23 +65,11 @@ pub struct VariantManifest {
     pub lobes: Option<LobeBounds>,
 }
 
-/// What bounds a sum over lobes.
-#[derive(Clone, Debug, Serialize)]
-pub struct LobeBounds {
-    /// Greatest number of bins that a pixel looks at, each of which counts at most twice: the static bound of the shader's loops,
-    /// whatever the direction.
-    pub candidates: u32,
-    /// `σf·L`, width of the window's spectrum over the distance of bins, at its greatest.
-    pub overlap: f64,
-    /// Up to which overlap the sum is that of amplitudes; none where intensities add, which is exact at any.
-    pub overlap_limit: Option<f64>,
-}
-
 /// The contract of `diffraction(wi, wr)`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Core {
     /// WGSL signature.
-    pub function: &'static str,
+    pub function: String,
     /// Frame of the directions.
     pub frame: &'static str,
     /// What the directions are.
@@ -101,7 +83,7 @@ pub struct Core {
     /// Radiance relative to a white diffuser per unit of the result; none where the unit is arbitrary.
     pub diffuser_scale: Option<f64>,
     /// Function that returns tristimulus values instead.
-    pub tristimulus_function: &'static str,
+    pub tristimulus_function: String,
 }
 
 /// One file of a target.
@@ -112,7 +94,7 @@ pub struct FileEntry {
     /// Entry points in it.
     pub entry_points: Vec<EntryPoint>,
     /// Functions that a function form offers; empty for whole shaders.
-    pub functions: Vec<Function>,
+    pub functions: Vec<emit::Function>,
     /// Names it gives to the resources that it reads.
     pub bindings: Vec<BindingName>,
 }
@@ -257,41 +239,15 @@ pub struct Requires {
     pub features: Vec<String>,
 }
 
-/// A-priori bounds, for every direction.
-#[derive(Clone, Debug, Serialize)]
-pub struct ErrorBound {
-    /// Number of terms.
-    pub terms: u32,
-    /// Greatest error of the phase function after the series is cut.
-    pub phase_function: f64,
-    /// Greatest error of a bin's amplitude by the rounding of its terms to the table's format.
-    pub packing: f64,
-    /// Bins to each side of the nearest one; none where a corridor of four standard deviations takes their place.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub window_radius: Option<u32>,
-    /// Share of the coherence window's energy, or of the light that the replicas send between their bins, beyond them.
-    pub window_tail: f64,
-    /// What linear interpolation leaves of the amplitude between texels that have the window in them, root of the mean square.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub interpolation: Option<f64>,
-    /// Share of what oscillates fastest along the wavelengths that their nodes take for something slower.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub node_alias: Option<f64>,
-    /// Width of a lobe in bins of the patch, `σf·L`, of forms for which it makes a difference: above 0.2 lobes overlap and
-    /// interfere.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub lobe_bins: Option<f64>,
-}
-
 /// Parts of a manifest that are known before its files.
 pub struct Subject<'a> {
     /// Name of the surface.
     pub surface: &'a str,
     /// The variant.
     pub variant: &'a Variant,
-    /// Its numbers on the surface.
-    pub resolved: &'a Resolved,
-    /// Its tables and their entries.
+    /// How it computes on the surface.
+    pub form: &'a Form,
+    /// Its tables, without texels, and their entries.
     pub tables: Vec<(&'a Table, TableEntry)>,
     /// Hash of all inputs.
     pub input_hash: String,
@@ -299,7 +255,7 @@ pub struct Subject<'a> {
 
 /// Writes the manifest of a variant from its module's reflection and its emitted files.
 pub fn manifest(subject: Subject<'_>, module: &Module, files: &[EmittedFile]) -> VariantManifest {
-    let Subject { surface, variant, resolved, tables, input_hash } = subject;
+    let Subject { surface, variant, form, tables, input_hash } = subject;
     let mut targets: BTreeMap<Target, Vec<FileEntry>> = BTreeMap::new();
     for file in files {
         let entry = FileEntry {
@@ -319,110 +275,32 @@ pub fn manifest(subject: Subject<'_>, module: &Module, files: &[EmittedFile]) ->
         configuration: serde_json::from_str(&variant.canonical()).unwrap_or(Value::Null),
         configuration_hash: variant.hash(),
         input_hash,
-        core: core(variant, resolved),
+        core: core(&DIRECTIONAL, variant, form),
         targets,
         bindings: bindings(module, &tables),
         uniforms: uniforms(module),
         vertex_inputs: vertex_inputs(module),
         rust_bindings: "bindings.rs",
         requires: requires(&extents),
-        cost: resolved.cost,
-        error_bound: error_bound(variant, resolved),
-        lobes: (variant.mode == Mode::Adaptive && resolved.grid.is_none())
-            .then(|| lobe_bounds(variant, resolved)),
+        cost: DIRECTIONAL.cost(form),
+        error_bound: form.error_bound(),
+        lobes: form.lobe_bounds(),
         tables: tables.into_iter().map(|(_, entry)| entry).collect(),
     }
 }
 
-fn lobe_bounds(variant: &Variant, resolved: &Resolved) -> LobeBounds {
-    let single = variant.optics.coherence == Coherence::Single;
-    let [x, y] = Lobes::new(variant, resolved.patch_um).sigma_bins();
-    LobeBounds {
-        candidates: resolved.corridor.candidates,
-        overlap: x.max(y),
-        overlap_limit: single.then_some(ISOLATED),
-    }
-}
-
-fn error_bound(variant: &Variant, resolved: &Resolved) -> Option<ErrorBound> {
-    let (window_radius, window_tail) = match variant.mode {
-        _ if resolved.grid.is_some() => (None, resolved.grid.map_or(0.0, beyond)),
-        Mode::Full => (
-            Some(resolved.window_radius),
-            window_tail(variant, resolved.patch_um, resolved.window_radius),
-        ),
-        Mode::Pq => (
-            Some(resolved.window_radius),
-            replica_tail(resolved.periods, resolved.taps, resolved.pixels),
-        ),
-        // a Gaussian beyond four standard deviations of its square root
-        Mode::Adaptive => (None, libm::erfc(REACH_SIGMAS)),
-        Mode::Gems | Mode::Baked => return None,
-    };
-    Some(ErrorBound {
-        terms: resolved.expansion.terms,
-        phase_function: resolved.phase_bound(),
-        packing: packing_bound(variant, resolved),
-        window_radius,
-        window_tail,
-        interpolation: resolved.grid.as_ref().map(grid_error),
-        node_alias: (!resolved.node_counts.is_empty()).then_some(NODE_ERROR),
-        lobe_bins: resolved.grid.map(|grid| {
-            let sizes = resolved.patch_um.map(|size_um| size_um / (TAU * grid.sigma_um));
-            sizes[0].max(sizes[1])
-        }),
-    })
-}
-
-/// The window ends with its grid, half the size from the middle.
-fn beyond(grid: Grid) -> f64 {
-    grid.size_um.map(|size_um| libm::erfc(0.5 * size_um / grid.sigma_um)).iter().sum()
-}
-
-/// Half a unit in the last place of every term at its largest.
-fn packing_bound(variant: &Variant, resolved: &Resolved) -> f64 {
-    let sum: f64 = resolved.expansion.term_sizes().iter().sum();
-    sum * match variant.table {
-        TableFormat::F32 => 2.0_f64.powi(-24),
-        TableFormat::F16 => 2.0_f64.powi(-11),
-        TableFormat::Rgb9e5 => 2.0_f64.powi(-10),
-    }
-}
-
-fn core(variant: &Variant, resolved: &Resolved) -> Core {
+fn core(function: &dyn Function, variant: &Variant, form: &Form) -> Core {
     let optics = &variant.optics;
-    let colour_space = match (variant.mode, optics.colour) {
-        (Mode::Gems, _) => "the chapter's display colours, taken as scene-linear sRGB",
-        (_, Colour::Srgb) => "scene-linear, sRGB primaries (IEC 61966-2-1), D65",
-        (_, Colour::Thesis) => "CIE RGB with D65 applied twice; for comparison with the texts only",
-    };
-    let unit = match variant.mode {
-        Mode::Gems => "arbitrary: a rainbow for every order, no radiance and no error claimed",
-        _ => {
-            "radiance of a unit directional source, relative to the peak of a mirror at normal incidence"
-        }
-    };
+    let declared = |name: &str| format!("fn {name}{}", function.signature());
     Core {
-        function: "fn diffraction(wi: vec3f, wr: vec3f) -> vec3f",
+        function: declared(function.name()),
         frame: "tangent frame: x along the tangent, y along the bitangent, z along the normal; right-handed",
-        directions: "unit vectors pointing away from the surface; wi to the light, wr to the viewer",
-        colour_space,
-        unit,
+        directions: function.arguments(),
+        colour_space: form.colour_space(optics.colour),
+        unit: form.unit(),
         clamped: false,
-        diffuser_scale: diffuser_scale(variant, resolved),
-        tristimulus_function: "fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f",
-    }
-}
-
-/// Radiance relative to a white diffuser per unit of a variant's result; `None` where that has no unit.
-pub fn diffuser_scale(variant: &Variant, resolved: &Resolved) -> Option<f64> {
-    match variant.mode {
-        Mode::Gems => None,
-        Mode::Pq => {
-            let sides = [0, 1].map(|i| f64::from(resolved.periods[i]) * resolved.patch_um[i]);
-            Some(optics::replica_diffuser_scale(&variant.optics, sides))
-        }
-        Mode::Full | Mode::Adaptive | Mode::Baked => Some(optics::diffuser_scale(&variant.optics)),
+        diffuser_scale: form.diffuser_scale(optics),
+        tristimulus_function: declared(function.tristimulus_name()),
     }
 }
 

@@ -20,6 +20,7 @@ use crate::{
     diagnostic::Diagnostic,
     tables::SAMPLER_NAME,
     template::{Origin, Sources, Specialised},
+    variant::{FUNCTIONS, Function},
 };
 
 use locate::Locator;
@@ -60,12 +61,15 @@ pub struct Contract {
     pub entry_points: Vec<(String, Stage)>,
     /// Samplers that it may declare.
     pub samplers: BTreeSet<String>,
+    /// Functions that it offers, the first of which must exist.
+    pub functions: Vec<&'static str>,
 }
 
 impl Contract {
     /// The contract of a shipped shader: [`Contract::standard`] and the two stages of a mesh.
-    pub fn package(filters: bool) -> Contract {
+    pub fn package(functions: &[&dyn Function], filters: bool) -> Contract {
         let mut contract = Contract::standard(filters);
+        contract.functions = function_names(functions);
         let mesh = [("mesh_vert", Stage::Vertex), ("mesh", Stage::Fragment)];
         contract.entry_points.extend(mesh.map(|(name, stage)| (name.to_owned(), stage)));
         contract
@@ -78,14 +82,21 @@ impl Contract {
         Contract {
             entry_points: entry_points.map(|(name, stage)| (name.to_owned(), stage)).into(),
             samplers: filters.then(|| SAMPLER_NAME.to_owned()).into_iter().collect(),
+            functions: function_names(&FUNCTIONS),
         }
     }
+}
+
+/// Names in a shader's text, each with the one that returns tristimulus values.
+pub fn function_names(functions: &[&dyn Function]) -> Vec<&'static str> {
+    functions.iter().flat_map(|f| [f.name(), f.tristimulus_name()]).collect()
 }
 
 /// A valid shader in canonical form, with the text it came from.
 #[derive(Clone, Debug)]
 pub struct Module {
     name: String,
+    functions: Vec<&'static str>,
     specialised: Specialised,
     ir: naga::Module,
     info: ModuleInfo,
@@ -95,6 +106,11 @@ impl Module {
     /// Name of the variant.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Names of the functions that it offers.
+    pub fn functions(&self) -> &[&'static str] {
+        &self.functions
     }
 
     /// The specialised text, with its comments.
@@ -155,7 +171,8 @@ pub fn compile_with(
         let message = format!("the shader has no canonical form: {reason}");
         vec![Diagnostic::error(message).variant(variant)]
     })?;
-    Ok(Module { name: variant.to_owned(), specialised: specialised.clone(), ir, info })
+    let functions = contract.functions.clone();
+    Ok(Module { name: variant.to_owned(), functions, specialised: specialised.clone(), ir, info })
 }
 
 /// Only what every target has: no capability beyond the core of WGSL.

@@ -5,7 +5,8 @@
 
 use glam::DVec3;
 
-use crate::plan::Optics;
+use crate::defines::Defines;
+use crate::plan::{CoherenceScaling, Optics, Window};
 
 /// Unit vector of the polar angles `theta_deg` (from the normal) and `phi_deg` (from `+x` towards `+y`).
 pub fn direction(theta_deg: f64, phi_deg: f64) -> DVec3 {
@@ -55,14 +56,20 @@ pub fn gain(wi: DVec3, wr: DVec3, optics: &Optics) -> f64 {
     fresnel_ratio(half.dot(wr), optics.refractive_index) * obliquity * shadow
 }
 
+/// What the template of the gain is told.
+pub fn define(optics: &Optics, into: &mut Defines) {
+    into.flag("SHADOWING", optics.shadowing);
+    into.number("REFRACTIVE_INDEX", optics.refractive_index);
+}
+
 /// Standard deviation of the coherence window, µm, at a wavelength: `ℓc/4`, times `λ/550 nm` where the source has a
 /// fixed angular size.
-pub fn window_sigma_um(optics: &Optics, lambda_nm: f64) -> f64 {
-    use crate::plan::CoherenceScaling::{Fixed, Wavelength};
-    optics.coherence_um / 4.0
-        * match optics.coherence_scaling {
-            Fixed => 1.0,
-            Wavelength => lambda_nm / REFERENCE_NM,
+pub fn window_sigma_um(window: impl Into<Window>, lambda_nm: f64) -> f64 {
+    let window = window.into();
+    window.coherence_um / 4.0
+        * match window.coherence_scaling {
+            CoherenceScaling::Fixed => 1.0,
+            CoherenceScaling::Wavelength => lambda_nm / REFERENCE_NM,
         }
 }
 

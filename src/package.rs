@@ -15,9 +15,9 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use sha2::{Digest, Sha256};
 
 use crate::error::{Error, Result, Stage};
+use crate::hash::sha256;
 use crate::plan::{Container, TableFormat};
 use crate::tables::container::Shape;
 
@@ -253,9 +253,4 @@ fn listed(file: &PackageFile) -> Result<Listed> {
         }
     };
     Ok(Listed { compare: *compare, sha256, bytes })
-}
-
-/// SHA-256, hexadecimal.
-pub fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }

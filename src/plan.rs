@@ -1,11 +1,13 @@
 //! `plan.toml` as pure data: surfaces, optics, the axes of the variants, targets.
 
-mod constraints;
 mod item;
+mod mode;
 mod names;
+mod optics;
 mod parse;
 mod select;
 mod surface;
+mod target;
 mod variants;
 mod words;
 
@@ -13,7 +15,9 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-pub use parse::MAX_PLAN_BYTES;
+pub use mode::Mode;
+pub use optics::{Coherence, CoherenceScaling, Colour, Illuminant, Optics, Window};
+pub use target::Target;
 pub use variants::MAX_VARIANTS;
 
 /// One surface of a plan.
@@ -162,86 +166,6 @@ pub enum Level {
     Rows,
 }
 
-/// How the orders add.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Coherence {
-    /// One coherence patch, centred on the surface: amplitudes add.
-    Single,
-    /// Mean over all positions of the coherence window: intensities add.
-    Ensemble,
-}
-
-/// How the coherence length depends on the wavelength.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum CoherenceScaling {
-    /// One length for all wavelengths.
-    Fixed,
-    /// Proportional to the wavelength, as stated at 550 nm: a source of fixed angular size.
-    Wavelength,
-}
-
-/// Conversion from tristimulus values to RGB.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Colour {
-    /// Linear sRGB, IEC 61966-2-1.
-    Srgb,
-    /// The matrices of the thesis texts, for comparison only.
-    Thesis,
-}
-
-/// Light and material.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Optics {
-    /// Coherence length ℓc, µm; the window's standard deviation is `ℓc/4`.
-    pub coherence_um: f64,
-    /// How the orders add.
-    pub coherence: Coherence,
-    /// How the coherence length depends on the wavelength.
-    pub coherence_scaling: CoherenceScaling,
-    /// Refractive index `n` of the material.
-    pub refractive_index: f64,
-    /// V-cavity shadowing and masking.
-    pub shadowing: bool,
-    /// `D65` or another name, or the path of a CSV file.
-    pub illuminant: String,
-    /// Colour conversion.
-    pub colour: Colour,
-}
-
-impl Optics {
-    /// The values that a plan means when it says nothing.
-    pub fn standard() -> Optics {
-        Optics {
-            coherence_um: 65.0,
-            coherence: Coherence::Single,
-            coherence_scaling: CoherenceScaling::Fixed,
-            refractive_index: 1.5,
-            shadowing: true,
-            illuminant: "D65".to_owned(),
-            colour: Colour::Srgb,
-        }
-    }
-}
-
-/// What a variant computes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Mode {
-    /// Window over the bins, uniform wavelengths.
-    Full,
-    /// Replicas of the patch without a window, uniform wavelengths.
-    Pq,
-    /// Bins near the segment that the wavelengths walk in the frequency plane.
-    Adaptive,
-    /// The order sum of GPU Gems (2004), chapter 8: a comparator without a stated error.
-    Gems,
-    /// Colours from a table over `(u, v, w)`: the wavelengths are integrated beforehand.
-    Baked,
-}
-
 /// Expansion of the phase function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -327,29 +251,6 @@ pub enum Packing {
     Paired,
     /// One complex term per RG texel.
     Single,
-}
-
-/// Output language.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub enum Target {
-    /// WGSL.
-    #[serde(rename = "wgsl")]
-    Wgsl,
-    /// Desktop GLSL 4.50.
-    #[serde(rename = "glsl450")]
-    Glsl450,
-    /// GLSL ES 3.00 (WebGL2).
-    #[serde(rename = "glsl-es300")]
-    GlslEs300,
-    /// SPIR-V 1.0.
-    #[serde(rename = "spirv")]
-    Spirv,
-    /// HLSL, shader model 5.1.
-    #[serde(rename = "hlsl")]
-    Hlsl,
-    /// Metal Shading Language 2.0.
-    #[serde(rename = "msl")]
-    Msl,
 }
 
 /// One configuration of the shader, before it meets a surface.

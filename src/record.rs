@@ -15,6 +15,7 @@ use serde_json::Value;
 use crate::error::{Error, Result, Stage};
 use crate::measure::Percentiles;
 
+pub use crate::variant::{Part, Tolerance};
 pub use tune::{Bounds, LightError, Time, Tune, Verdict};
 
 /// Name of the file under an output folder.
@@ -103,33 +104,6 @@ pub struct MapColours {
     pub lit: f64,
     /// CIEDE2000 over lit pixels.
     pub de2000: Percentiles,
-}
-
-/// Which error a comparison shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Part {
-    /// Everything: against the exact reference.
-    Total,
-    /// The variant's approximation in f64, tables not rounded, against the exact reference.
-    Model,
-    /// What rounding the tables adds, in f64.
-    Packing,
-    /// What the driver's 32-bit arithmetic adds, on the same tables.
-    Arithmetic,
-    /// One route against another.
-    Across,
-}
-
-/// The greatest values that pass.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Tolerance {
-    /// Of `max_abs`; none: not judged.
-    pub max_abs: Option<f64>,
-    /// Of the 95th percentile of CIEDE2000; none: not judged.
-    pub de2000_p95: Option<f64>,
-    /// The same of the map alone.
-    pub map_p95: Option<f64>,
 }
 
 /// A deliberately wrong shader; caught when the comparison that it should fail fails.

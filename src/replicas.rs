@@ -22,6 +22,11 @@ pub fn replica_factor(t: f64, q: u32) -> f64 {
     sign * (PI * q * rest).sin() / (q * (PI * rest).sin())
 }
 
+/// `sin πt/(πt)`.
+pub fn sinc(t: f64) -> f64 {
+    if t == 0.0 { 1.0 } else { (PI * t).sin() / (PI * t) }
+}
+
 /// Amplitude of the replicas, `A(fx Lx)·A(fy Ly)·P1(f)`, `P1` the transform of one patch at a continuous frequency,
 /// cycles per µm. The product of complex factors has imaginary part `p1 q2 + q1 p2`.
 pub fn amplitude(height: &HeightField, f: DVec2, z: f64, [qx, qy]: [u32; 2]) -> Complex64 {

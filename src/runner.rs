@@ -25,7 +25,8 @@ use glam::DVec3;
 use crate::error::{Error, Result, Stage};
 use crate::frame::{Frame, view_directions};
 use crate::height::HeightField;
-use crate::plan::{Mode, Variant};
+use crate::plan::Variant;
+use crate::variant::Form;
 use crate::reference::Directions;
 
 #[cfg(feature = "routes")]
@@ -78,14 +79,12 @@ pub trait Runner {
     }
 }
 
-/// Refuses a response at one wavelength from a variant that has none.
-fn has_wavelengths(variant: &Variant) -> Result<()> {
-    let cause = match variant.mode {
-        Mode::Gems => "has no wavelength axis: it maps the wavelength of each order to a colour",
-        Mode::Baked => "has no wavelength axis: its table holds colours",
-        Mode::Full | Mode::Pq | Mode::Adaptive => return Ok(()),
-    };
-    Err(Error::new(Stage::Run, &variant.name, cause).remedy("ask it for colours"))
+/// Refuses a response at one wavelength from a form that has none; `name`: the variant's.
+pub fn has_wavelengths(name: &str, form: &Form) -> Result<()> {
+    match form.no_wavelength_axis() {
+        None => Ok(()),
+        Some(cause) => Err(Error::new(Stage::Run, name, cause).remedy("ask it for colours")),
+    }
 }
 
 /// The nearest vector of 32-bit floats: what a shader receives.

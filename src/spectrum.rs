@@ -5,8 +5,6 @@
 
 mod warp;
 
-use std::path::Path;
-
 use colorimetry::illuminant::CieIlluminant;
 use colorimetry::lab::CieLab;
 use colorimetry::observer::Observer;
@@ -15,7 +13,7 @@ use colorimetry::xyz::{RelXYZ, XYZ};
 use glam::{DMat3, DVec3};
 
 use crate::error::{Error, Result, Stage};
-use crate::plan::{Colour, Wavelengths};
+use crate::plan::{Colour, Illuminant, Wavelengths};
 
 /// Nodes of [`Spectrum::wavenumber_samples`]: over 380–780 nm they are 0.4 nm apart at the blue end and 1.6 nm at the red
 /// one; the illuminants' tables have nodes every 5 nm, the observer's every nm.
@@ -62,10 +60,10 @@ pub struct Sample {
 }
 
 impl Spectrum {
-    /// The weights of an illuminant: a CIE name (`D65`, `D50`, `E`, `A`, `F1` …) or the path of a CSV file with two
-    /// columns, wavelength in nm (rising, covering 380–780) and power in any unit.
-    pub fn new(illuminant: &str) -> Result<Spectrum> {
-        let power = match named(illuminant) {
+    /// The weights of an illuminant: a CIE name (`D65`, `D50`, `E`, `A`, `F1` …) or the content of a CSV file with two
+    /// columns, wavelength in nm (rising, covering 380–780) and power in any unit. Opens no file.
+    pub fn new(illuminant: &Illuminant) -> Result<Spectrum> {
+        let power = match named(illuminant.name()) {
             Some(power) => power,
             None => from_csv(illuminant)?,
         };
@@ -79,7 +77,7 @@ impl Spectrum {
             (0..=last).map(|i| weigh(i)[1] * if i == 0 || i == last { 0.5 } else { 1.0 }).sum();
         if !(luminance.is_finite() && luminance > 0.0) {
             let cause = "the illuminant has no visible power";
-            return Err(Error::new(Stage::Spectrum, illuminant, cause)
+            return Err(Error::new(Stage::Spectrum, illuminant_subject(illuminant), cause)
                 .remedy("give positive powers between 380 and 780 nm"));
         }
         Ok(Spectrum { per_nm: (0..=last).map(|i| weigh(i).map(|c| c / luminance)).collect() })
@@ -227,21 +225,27 @@ fn named(name: &str) -> Option<Vec<f64>> {
     Some(light.spectrum().as_array().to_vec())
 }
 
-fn from_csv(path: &str) -> Result<Vec<f64>> {
-    const MAX_BYTES: u64 = 1 << 20;
-    let fail =
-        |cause: String| Error::new(Stage::Spectrum, format!("optics.illuminant = {path:?}"), cause);
-    let remedy = "name a CIE illuminant (D65, D50, E, A, F1 to F12) or a CSV file of wavelength in nm and power";
-    if !Path::new(path).is_file() {
-        return Err(fail("is neither a known illuminant nor a file".into()).remedy(remedy));
-    }
-    let size = std::fs::metadata(path).map(|m| m.len()).unwrap_or(u64::MAX);
-    if size > MAX_BYTES {
-        return Err(fail(format!("is {size} bytes long"))
-            .remedy("an illuminant table has at most a few thousand lines"));
-    }
-    let text = std::fs::read_to_string(path)
-        .map_err(|e| fail("cannot be read".into()).source(e).remedy(remedy))?;
+/// Whether a name is that of a CIE illuminant that this version knows; otherwise it names a file.
+pub fn is_named(name: &str) -> bool {
+    named(name).is_some()
+}
+
+/// What to do about an illuminant that cannot be used.
+pub const ILLUMINANT_REMEDY: &str = "name a CIE illuminant (D65, D50, E, A, F1 to F12) or a CSV file of wavelength in nm and power";
+
+/// How errors name an illuminant.
+pub fn illuminant_subject(illuminant: &Illuminant) -> String {
+    format!("optics.illuminant = {:?}", illuminant.name())
+}
+
+fn from_csv(illuminant: &Illuminant) -> Result<Vec<f64>> {
+    let fail = |cause: String| Error::new(Stage::Spectrum, illuminant_subject(illuminant), cause);
+    let remedy = ILLUMINANT_REMEDY;
+    let Some(content) = illuminant.content() else {
+        return Err(fail("is not a known illuminant, and no file was read".into()).remedy(remedy));
+    };
+    let text = std::str::from_utf8(content)
+        .map_err(|e| fail("is not UTF-8 text".into()).source(e).remedy(remedy))?;
     let mut rows: Vec<(f64, f64)> = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let line = line.trim();
@@ -296,13 +300,13 @@ mod tests {
 
     fn grid(step_nm: f64) -> Vec<Sample> {
         let range = Wavelengths { min_nm: 380.0, max_nm: 780.0, step_nm };
-        Spectrum::new("D65").expect("D65").samples(&range)
+        Spectrum::new(&"D65".into()).expect("D65").samples(&range)
     }
 
     /// A mirror of 1 at every wavelength is the D65 white; a coarse grid's error shows, since the normaliser is fixed.
     #[test]
     fn mirror_is_white_and_coarse_grids_err_as_stated() {
-        let white = Spectrum::new("D65").expect("D65").white();
+        let white = Spectrum::new(&"D65".into()).expect("D65").white();
         for (c, want) in [(0, 0.9505), (1, 1.0), (2, 1.0888)] {
             assert!((white[c] - want).abs() < 3e-4, "{white:?}");
         }
@@ -316,7 +320,7 @@ mod tests {
     /// The texts apply D65 twice and use a CIE-RGB matrix: white is then far from (1, 1, 1).
     #[test]
     fn white_is_neutral_in_srgb_and_not_in_the_texts_matrix() {
-        let white = Spectrum::new("D65").expect("D65").white();
+        let white = Spectrum::new(&"D65".into()).expect("D65").white();
         assert!(to_rgb(white, Colour::Srgb).iter().all(|c| (c - 1.0).abs() < 1e-3));
         let thesis = to_rgb(white, Colour::Thesis);
         assert!(

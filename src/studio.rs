@@ -9,9 +9,8 @@ mod truth;
 use glam::DMat4;
 
 use crate::error::{Error, Result, Stage};
-use crate::manifest::diffuser_scale;
 use crate::optics::{REFERENCE_NM, window_sigma_um};
-use crate::plan::{Coherence, Mode};
+use crate::plan::Coherence;
 use crate::reference::Directions;
 use crate::runner::gpu::{
     Colours, Gpu, MeshBuffers, MeshPass, MeshPipeline, MeshProgram, Targets, Texture,
@@ -19,7 +18,7 @@ use crate::runner::gpu::{
 };
 use crate::runner::{Prepared, Subject, table_texture};
 use crate::scene::{Light, MOST_LIGHTS, Mesh};
-use crate::twin::mesh::{MeshParams, OrientationMap};
+use crate::variant::mesh::{MeshParams, OrientationMap};
 
 pub use truth::{Truth, truth};
 
@@ -77,8 +76,7 @@ impl<'a> Studio<'a> {
     pub fn new(gpu: &'a Gpu, subject: Subject<'a>, mesh: Mesh, widen: bool) -> Result<Studio<'a>> {
         let variant = subject.variant;
         let ensemble = variant.optics.coherence == Coherence::Ensemble;
-        if widen && !(ensemble && matches!(variant.mode, Mode::Full | Mode::Adaptive | Mode::Baked))
-        {
+        if widen && !ensemble {
             let cause = "adds amplitudes, whose mean over a pixel is no wider lobe";
             return Err(Error::new(Stage::Run, &variant.name, cause)
                 .remedy("take a variant with coherence = \"ensemble\", or supersample"));
@@ -89,7 +87,7 @@ impl<'a> Studio<'a> {
             let mut wider = variant.clone();
             wider.optics.coherence_um /= f64::from(1 << level);
             let prepared = Prepared::new(Subject { variant: &wider, ..subject })?;
-            let scale = diffuser_scale(&wider, &prepared.resolved).ok_or_else(|| {
+            let scale = prepared.form.diffuser_scale(&wider.optics).ok_or_else(|| {
                 let cause = "claims no radiance, so that it cannot be blended with a body";
                 Error::new(Stage::Run, &variant.name, cause)
             })?;

@@ -1,7 +1,16 @@
-//! Texel data of the tables that shaders read.
+//! The tables that shaders read: what each is made from ([`TableSpec`]), its texels, the files that hold them.
 
+mod axes;
+pub mod bake;
 pub mod container;
+mod corridor;
+mod lobes;
+mod meaning;
 mod number;
+mod period;
+mod scale;
+mod series;
+mod spec;
 
 use serde::{Deserialize, Serialize};
 
@@ -10,6 +19,18 @@ use crate::plan::{Packing, TableFormat};
 use crate::spectrum::Sample;
 use crate::terms::Terms;
 use crate::transform::Bins;
+
+pub use axes::{Aim, Axes, octant};
+pub use corridor::{
+    BROADEST, Corridor, LEAST_SQUARED, LobeGeometry, OUTER_NODES, REACH_SIGMAS,
+};
+pub use meaning::{Meaning, NODE_LEVELS};
+pub use period::strongest_period_um;
+pub use series::{Choice, LaidExpansion, Reach, Series};
+pub use spec::{
+    CoefficientsSpec, ColoursSpec, GratingSpec, LevelsSpec, LobesSpec, NodesSpec, RotationSpec,
+    SettingsSpec, TableSpec, TermsSpec,
+};
 
 /// Texel format of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -237,9 +258,9 @@ pub fn terms_shape(bins: Bins, terms: usize, packing: Packing, format: TableForm
 /// `4q + 3`, zero if there is none.
 pub fn coefficients_table(expansion: &Expansion, width: usize) -> Table {
     let terms = expansion.terms as usize;
-    let height = coefficient_rows(expansion);
-    let mut texels = Vec::with_capacity(4 * width * height);
-    for row in 0..height {
+    let shape = coefficients_shape(expansion.terms, width);
+    let mut texels = Vec::with_capacity(4 * width * shape.height);
+    for row in 0..shape.height {
         for column in 0..width {
             let tau = column as f64 / (width - 1) as f64 - 1.0;
             texels.extend(
@@ -248,35 +269,49 @@ pub fn coefficients_table(expansion: &Expansion, width: usize) -> Table {
             );
         }
     }
+    Table { texels, ..shape }
+}
+
+/// The table of coefficients without its texels.
+fn coefficients_shape(terms: u32, width: usize) -> Table {
     Table {
         name: "coefficients",
         binding: COEFFICIENTS,
         format: TexelFormat::Rgba32Float,
         width,
-        height,
+        height: terms.div_ceil(4) as usize,
         layers: 0,
         filtered: false,
-        texels,
+        texels: Vec::new(),
     }
 }
 
-/// Rows of the table of coefficients; 0 without one.
-pub fn coefficient_rows(expansion: &Expansion) -> usize {
-    if expansion.is_tabulated() { expansion.terms.div_ceil(4) as usize } else { 0 }
+/// Numbers that every spectrum table has in its row 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Rotation of the surface, degrees.
+    pub rotate_deg: f64,
+    /// Scales of the terms.
+    pub scale: Scale,
 }
 
 /// The spectrum table, 2-D. Row 0: one texel per node, X, Y, Z weights (quadrature included, of uniform wavelengths; per
 /// 1/µm, of wavenumbers) and λ in µm. Row 1, first texel: cosine and sine of the surface's rotation, scale of the first
 /// term, ratio of the scales.
-pub fn spectrum_table(samples: &[Sample], rotate_deg: f64, scale: Scale) -> Table {
+pub fn spectrum_table(samples: &[Sample], settings: Settings) -> Table {
     let texels =
         samples.iter().map(|s| [s.xyz[0], s.xyz[1], s.xyz[2], s.lambda_nm * 1e-3]).collect();
-    two_rows(texels, rotate_deg, scale)
+    two_rows(texels, settings)
+}
+
+/// A spectrum table of one wavelength, nm, with weight 1: a shader then returns `C·|P|²` there.
+pub fn single_wavelength(lambda_nm: f64, settings: Settings) -> Table {
+    spectrum_table(&[Sample { lambda_nm, xyz: [1.0; 3] }], settings)
 }
 
 /// The spectrum table of nodes that depend on `|(u, v)|`: a row for every level, the first of them in row 0, the others from
 /// row 2 on; row 1 as in [`spectrum_table`]. Texels after the last node of a row are 0.
-pub fn levels_table(levels: &[Vec<Sample>], rotate_deg: f64, scale: Scale) -> Table {
+pub fn levels_table(levels: &[Vec<Sample>], settings: Settings) -> Table {
     let width = levels.iter().map(Vec::len).max().unwrap_or(1);
     let mut rows = levels.iter().map(|samples| {
         let texel = |s: &Sample| [s.xyz[0], s.xyz[1], s.xyz[2], s.lambda_nm * 1e-3];
@@ -284,7 +319,7 @@ pub fn levels_table(levels: &[Vec<Sample>], rotate_deg: f64, scale: Scale) -> Ta
         row.resize(width, [0.0; 4]);
         row
     });
-    let mut table = two_rows(rows.next().unwrap_or_default(), rotate_deg, scale);
+    let mut table = two_rows(rows.next().unwrap_or_default(), settings);
     table.texels.extend(rows.flatten().flatten());
     table.height = levels.len() + 1;
     table
@@ -293,45 +328,49 @@ pub fn levels_table(levels: &[Vec<Sample>], rotate_deg: f64, scale: Scale) -> Ta
 /// The table of the order sum in place of a spectrum. Row 0, first texel: the grating's period as a vector, µm, from one
 /// groove to the next. Row 1 as in [`spectrum_table`].
 pub fn grating_table([x_um, y_um]: [f64; 2], rotate_deg: f64) -> Table {
-    two_rows(vec![[x_um, y_um, 0.0, 0.0]], rotate_deg, Scale::NONE)
+    two_rows(vec![[x_um, y_um, 0.0, 0.0]], Settings { rotate_deg, scale: Scale::NONE })
 }
 
-/// The table of what nothing but a rotation is to be told, in place of a spectrum. Row 1 as in [`spectrum_table`].
+/// Spectrum table for shaders that need only the rotation. Row 1 as in [`spectrum_table`].
 pub fn rotation_table(rotate_deg: f64) -> Table {
-    two_rows(vec![[0.0; 4]], rotate_deg, Scale::NONE)
+    two_rows(vec![[0.0; 4]], Settings { rotate_deg, scale: Scale::NONE })
 }
 
-/// The spectrum table of `adaptive`: row 0 one texel per node, X, Y, Z of the lobe about it and the wavelength in µm at
+/// The spectrum table of sums over lobes: row 0 one texel per node, X, Y, Z of the lobe about it and the wavelength in µm at
 /// which it counts; row 1 as in [`spectrum_table`]; then the same of narrow lobes, `[half][row][column]`.
 pub fn lobe_table(
     nodes: Vec<[f64; 4]>,
     narrow: Vec<[f64; 4]>,
     columns: usize,
-    rotate_deg: f64,
-    scale: Scale,
+    settings: Settings,
 ) -> Table {
     let mut first = nodes;
     first.resize(columns, [0.0; 4]);
-    let mut table = two_rows(first, rotate_deg, scale);
+    let mut table = two_rows(first, settings);
     table.height += narrow.len() / columns;
     table.texels.extend(narrow.into_iter().flatten());
     table
 }
 
-fn two_rows(first: Vec<[f64; 4]>, rotate_deg: f64, scale: Scale) -> Table {
-    let (sin, cos) = rotate_deg.to_radians().sin_cos();
+fn two_rows(first: Vec<[f64; 4]>, settings: Settings) -> Table {
+    let (sin, cos) = settings.rotate_deg.to_radians().sin_cos();
     let width = first.len();
     let mut texels = first.concat();
-    texels.extend([cos, sin, scale.first, scale.ratio]);
+    texels.extend([cos, sin, settings.scale.first, settings.scale.ratio]);
     texels.resize(2 * 4 * width, 0.0);
+    Table { texels, ..spectrum_shape(width, 2) }
+}
+
+/// A spectrum table without its texels.
+fn spectrum_shape(width: usize, height: usize) -> Table {
     Table {
         name: "spectrum",
         binding: SPECTRUM,
         format: TexelFormat::Rgba32Float,
         width,
-        height: 2,
+        height,
         layers: 0,
         filtered: false,
-        texels,
+        texels: Vec::new(),
     }
 }

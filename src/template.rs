@@ -15,6 +15,7 @@ mod words;
 
 use std::collections::BTreeMap;
 
+pub use crate::defines::{Constant, Defines};
 use crate::diagnostic::{Diagnostic, Place};
 
 pub(crate) use words::Words;
@@ -72,55 +73,6 @@ impl<'a> FromIterator<(&'a str, &'a str)> for Sources {
     }
 }
 
-/// What a specialisation decides.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Defines {
-    /// Every flag that a template may test, on or off.
-    pub flags: BTreeMap<String, bool>,
-    /// The constants of the `#constants` block. Those that only dropped branches use are left out of the text.
-    pub constants: BTreeMap<String, Constant>,
-}
-
-/// Value of a generated constant.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Constant {
-    /// `i32`.
-    I32(i32),
-    /// `u32`.
-    U32(u32),
-    /// `f32`: rounded to single precision, printed in the shortest form that reads back as the same number.
-    F32(f64),
-}
-
-impl Constant {
-    /// The WGSL type.
-    pub fn ty(self) -> &'static str {
-        match self {
-            Constant::I32(_) => "i32",
-            Constant::U32(_) => "u32",
-            Constant::F32(_) => "f32",
-        }
-    }
-
-    /// The WGSL literal; `None` for a number that is not finite in single precision.
-    pub fn literal(self) -> Option<String> {
-        match self {
-            // WGSL reads `-2147483648` as the negation of an abstract number, which fits
-            Constant::I32(value) => Some(value.to_string()),
-            Constant::U32(value) => Some(format!("{value}u")),
-            Constant::F32(value) => {
-                let single = value as f32;
-                let text = format!("{single:?}");
-                let point = match text.split_once('e') {
-                    Some((digits, power)) if !digits.contains('.') => format!("{digits}.0e{power}"),
-                    _ => text,
-                };
-                single.is_finite().then_some(point)
-            }
-        }
-    }
-}
-
 /// Where a generated line comes from.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Origin {
@@ -152,32 +104,6 @@ pub fn specialise(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn literals_read_back() {
-        let cases = [
-            (Constant::F32(1.0), "1.0"),
-            (Constant::F32(0.1), "0.1"),
-            (Constant::F32(-2.5e-9), "-2.5e-9"),
-            (Constant::F32(1e-7), "1.0e-7"),
-            (Constant::F32(3e20), "3.0e20"),
-            (Constant::F32(std::f64::consts::PI), "3.1415927"),
-            (Constant::I32(i32::MIN), "-2147483648"),
-            (Constant::I32(7), "7"),
-            (Constant::U32(u32::MAX), "4294967295u"),
-        ];
-        for (constant, expected) in cases {
-            let literal = constant.literal().unwrap();
-            assert_eq!(literal, expected);
-            let text = format!("const X: {} = {literal};", constant.ty());
-            naga::front::wgsl::parse_str(&text).unwrap();
-            if let Constant::F32(value) = constant {
-                assert_eq!(literal.parse::<f32>().unwrap(), value as f32);
-            }
-        }
-        assert_eq!(Constant::F32(1e39).literal(), None);
-        assert_eq!(Constant::F32(f64::NAN).literal(), None);
-    }
 
     #[test]
     fn builtin_templates_are_named_like_their_files() {

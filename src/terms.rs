@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
+use serde::Serialize;
 
 use crate::basis::Expansion;
 use crate::height::HeightField;
@@ -14,7 +15,7 @@ use crate::transform::{Axis, Bins, axes, heights_upwards_um, ifft2};
 ///
 /// The window is also divided by `sinc²(x/size)`, the transform of the linear interpolation, so that what is read between
 /// texels has no roll-off and errs by the images of the window alone.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Grid {
     /// Samples along x and y, at the pitch of the patch.
     pub samples: [usize; 2],

@@ -3,11 +3,12 @@
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 use rustfft::{FftDirection, FftPlanner};
+use serde::Serialize;
 
 use crate::height::HeightField;
 
 /// A symmetric rectangle of frequency bins, `r` in `-r_max..=r_max` along x and `s` in `-s_max..=s_max` along y.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Bins {
     /// Largest bin along x.
     pub r_max: usize,

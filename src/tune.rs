@@ -20,7 +20,7 @@ mod preset;
 
 use crate::plan::Variant;
 use crate::record::{Bounds, Verdict};
-use crate::resolve::Resolved;
+use crate::variant::{Cost, Form};
 
 pub use preset::preset;
 
@@ -29,25 +29,27 @@ pub use preset::preset;
 pub struct Candidate {
     /// The variant.
     pub variant: Variant,
-    /// The variant on the surface.
-    pub resolved: Resolved,
+    /// How it computes on the surface.
+    pub on: Form,
     /// The text of its preset.
     pub preset: String,
-    /// Its form: what it is configured to, numbers apart. Of candidates of one form the counts say which is faster.
-    pub form: String,
+    /// What it is configured to, numbers apart. Of candidates of one kind the counts say which is faster.
+    pub kind: String,
     /// What is known of its error.
     pub bounds: Bounds,
+    /// What a lit pixel costs.
+    pub cost: Cost,
 }
 
 impl Candidate {
     /// Texels that a lit pixel reads, on average.
     pub fn fetches(&self) -> f64 {
-        self.resolved.cost.fetches_mean
+        self.cost.fetches_mean
     }
 
     /// Bytes of all tables.
     pub fn table_bytes(&self) -> u64 {
-        self.resolved.cost.table_bytes
+        self.cost.table_bytes
     }
 }
 

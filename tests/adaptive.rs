@@ -5,7 +5,7 @@ mod data_support;
 
 use std::path::Path;
 
-use diffraction_shaders::assemble;
+use diffraction_shaders::specialise;
 use diffraction_shaders::frame::view_directions;
 use diffraction_shaders::height::{HeightField, load};
 use diffraction_shaders::measure::{Comparison, compare, on_orders};
@@ -15,7 +15,7 @@ use diffraction_shaders::reference::Directions;
 use diffraction_shaders::resolve::{Lobes, resolve};
 use diffraction_shaders::runner::{Exact, Runner, Subject, TwinRunner};
 use diffraction_shaders::tables::Table;
-use diffraction_shaders::twin::Twin;
+use diffraction_shaders::variant::Twin;
 
 const BLAZED: &str = "{ kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 100 }";
 const LAMELLAR: &str =
@@ -120,10 +120,10 @@ fn weights_without_their_jacobian_are_found() {
     let directions = directions(height, variant, 20.0);
     let subject = Subject { height, rotate_deg: 0.0, variant };
     let exact = Exact(subject).tristimulus(&directions, &|_| ()).unwrap();
-    let resolved = resolve(variant, height).unwrap();
-    let mut tables = assemble::tables(variant, &resolved, height, 0.0).unwrap();
+    let form = Form::new(variant, height).unwrap();
+    let mut tables = specialise::tables(&form, height, 0.0).unwrap();
     let colours = |tables: &[Table]| -> Vec<[f64; 3]> {
-        let twin = Twin::new(&resolved, tables, variant, 0.0);
+        let twin = Twin::new(&form, tables, &variant.optics, 0.0);
         directions.iter().map(|d| twin.tristimulus(*d)).collect()
     };
     let right = compare("right", &exact, &colours(&tables), None).unwrap();

@@ -6,7 +6,7 @@ mod data_support;
 
 use std::path::Path;
 
-use diffraction_shaders::assemble;
+use diffraction_shaders::specialise;
 use diffraction_shaders::basis::Expansion;
 use diffraction_shaders::emit::emit;
 use diffraction_shaders::frame::view_directions;
@@ -17,14 +17,14 @@ use diffraction_shaders::plan::{
     Basis, Mode, Plan, Reconstruction, Sampling, Variant, Wavelengths,
 };
 use diffraction_shaders::reference::Directions;
-use diffraction_shaders::resolve::resolve;
+use diffraction_shaders::variant::Form;
 use diffraction_shaders::runner::{Runner, Subject, TwinRunner};
 use diffraction_shaders::spectrum::Spectrum;
 use diffraction_shaders::tables::{Table, coefficients_table};
 use diffraction_shaders::template::Sources;
 use diffraction_shaders::terms::Terms;
 use diffraction_shaders::transform::Bins;
-use diffraction_shaders::twin::Twin;
+use diffraction_shaders::variant::Twin;
 use rustfft::num_complex::Complex64;
 
 const FINGERS: &str = "grating = { kind = \"fingers\", size_um = 6, pixels = 96, pitch_um = 1.1, height_um = 0.36, seed = 1 }";
@@ -118,7 +118,7 @@ fn fewer_terms_than_a_power_series() {
 #[test]
 fn an_optimum_for_the_light_that_is_seen_errs_less_there() {
     let height = height(BLAZED);
-    let seen_nm = Spectrum::new("D65").unwrap().faint_below_nm(&Wavelengths {
+    let seen_nm = Spectrum::new(&"D65".into()).unwrap().faint_below_nm(&Wavelengths {
         min_nm: 380.0,
         max_nm: 780.0,
         step_nm: 5.0,
@@ -188,14 +188,14 @@ fn difference(height: &HeightField, variant: &Variant, spoil: bool) -> Compariso
     let whole = Variant { basis: Basis::Taylor, terms: converged, ..variant.clone() };
     let subject = Subject { height, rotate_deg: 0.0, variant: &whole };
     let want = TwinRunner::new(subject, false).unwrap().tristimulus(&directions, &|_| ()).unwrap();
-    let resolved = resolve(variant, height).unwrap();
-    let mut tables: Vec<Table> = assemble::tables(variant, &resolved, height, 0.0).unwrap();
+    let form = Form::new(variant, height).unwrap();
+    let mut tables: Vec<Table> = specialise::tables(&form, height, 0.0).unwrap();
     tables = tables.into_iter().map(Table::rounded).collect();
     if spoil {
         let table = tables.iter_mut().find(|t| t.name == "coefficients").unwrap();
         table.texels.chunks_mut(4).for_each(|texel| texel.swap(1, 2));
     }
-    let twin = Twin::new(&resolved, &tables, variant, 0.0);
+    let twin = Twin::new(&form, &tables, &variant.optics, 0.0);
     let got: Vec<[f64; 3]> = directions.iter().map(|&d| twin.tristimulus(d)).collect();
     compare(&variant.name, &want, &got, None).unwrap()
 }
@@ -248,12 +248,12 @@ fn every_mode_and_form_compiles_for_every_target() {
     let count = |mode| plan.variants.iter().filter(|v| v.mode == mode).count();
     assert_eq!([Mode::Full, Mode::Pq, Mode::Adaptive].map(count), [48, 24, 48]);
     for variant in &plan.variants {
-        let resolved = resolve(variant, &height).unwrap();
-        let shapes = assemble::shapes(variant, &resolved, 0.0).unwrap();
+        let form = Form::new(variant, &height).unwrap();
+        let shapes = specialise::shapes(&form, 0.0);
         assert_eq!(shapes.len(), 3);
-        let nodes = assemble::node_count(&shapes);
-        let defines = assemble::defines(variant, &resolved, 0.0, nodes);
-        let module = assemble::shader(&Sources::builtin(), &variant.name, &defines)
+        let nodes = specialise::node_count(&shapes);
+        let defines = specialise::defines(variant, &form, 0.0, nodes);
+        let module = specialise::shader(&Sources::builtin(), &variant.name, &defines)
             .unwrap_or_else(|e| panic!("{}: {:?}", variant.name, common::lines(&e)));
         for target in common::TARGETS {
             emit(&module, target).unwrap_or_else(|e| panic!("{}: {e}", variant.name));

@@ -165,7 +165,7 @@ fn a_mirror_at_normal_incidence_is_white() {
     let reference = Reference::new(&height, 0.0, &Optics::standard(), Reference::VISIBLE_NM, [up])
         .expect("small");
     let got = reference.tristimulus(up, &mut Scratch::default());
-    let white = Spectrum::new("D65").expect("D65").white();
+    let white = Spectrum::new(&"D65".into()).expect("D65").white();
     assert!(got.iter().zip(white).all(|(g, w)| (g - w).abs() < 1e-9), "{got:?} against {white:?}");
     assert!((got[1] - 1.0).abs() < 1e-9);
 }

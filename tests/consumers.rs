@@ -184,7 +184,7 @@ fn check(who: &str, results: &Value) {
 fn package() -> &'static Path {
     static PACKAGE: OnceLock<PathBuf> = OnceLock::new();
     PACKAGE.get_or_init(|| {
-        let plan = Plan::read_all(&Path::new(ROOT).join("plans/gallery.toml")).unwrap();
+        let plan = input::read_plan(&Path::new(ROOT).join("plans/gallery.toml")).unwrap();
         let request = Request {
             surfaces: &plan.surfaces,
             variants: &plan.variants,

@@ -26,7 +26,7 @@ fn load(
     let dir = folder();
     let mut spec = surface(floats(&put(&dir, "a.txt", text.as_bytes())));
     change(&mut spec);
-    height::load(&spec)
+    input::load_surface(&spec)
 }
 
 #[test]

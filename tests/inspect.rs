@@ -137,7 +137,7 @@ fn plan(rest: &str) -> Plan {
         "schema = 1\n[[surface]]\nname = \"probe\"\ngrating = {{ kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 100 }}\n{rest}"
     );
     let dir = folder();
-    Plan::read_all(&put(&dir, "plan.toml", text.as_bytes())).unwrap()
+    input::read_plan(&put(&dir, "plan.toml", text.as_bytes())).unwrap()
 }
 
 fn inspected(plan: &Plan, spec: &SurfaceSpec) -> Inspection {

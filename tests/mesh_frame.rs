@@ -3,7 +3,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use diffraction_shaders::twin::mesh::{
+use diffraction_shaders::variant::mesh::{
     MeshParams, MeshVertex, OrientationMap, Vertex, in_frame, mesh_vert,
 };
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};

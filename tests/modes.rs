@@ -6,11 +6,11 @@ mod common;
 
 use std::path::Path;
 
-use diffraction_shaders::assemble;
+use diffraction_shaders::specialise;
 use diffraction_shaders::emit::emit;
-use diffraction_shaders::height::load;
+use diffraction_shaders::input::load_surface as load;
 use diffraction_shaders::plan::{Mode, Plan, Variant};
-use diffraction_shaders::resolve::resolve;
+use diffraction_shaders::variant::Form;
 use diffraction_shaders::template::Sources;
 
 const SURFACE: &str = "schema = 1\n[[surface]]\nname = \"a\"\ngrating = { kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 100 }\n";
@@ -46,12 +46,12 @@ fn every_shader_that_the_constraints_leave_compiles_for_every_target() {
     // no single wavelength; both samplings, but 32-bit floats are not filtered
     assert_eq!(count(Mode::Baked), 3 * 2 * 2 * 2 * 2);
     for variant in &plan.variants {
-        let resolved = resolve(variant, &height).unwrap();
+        let form = Form::new(variant, &height).unwrap();
         for rotate_deg in [0.0, 30.0] {
-            let tables = assemble::shapes(variant, &resolved, rotate_deg).unwrap();
-            let nodes = assemble::node_count(&tables);
-            let defines = assemble::defines(variant, &resolved, rotate_deg, nodes);
-            let module = assemble::shader(&Sources::builtin(), &variant.name, &defines)
+            let tables = specialise::shapes(&form, rotate_deg);
+            let nodes = specialise::node_count(&tables);
+            let defines = specialise::defines(variant, &form, rotate_deg, nodes);
+            let module = specialise::shader(&Sources::builtin(), &variant.name, &defines)
                 .unwrap_or_else(|e| panic!("{}: {:?}", variant.name, common::lines(&e)));
             for target in common::TARGETS {
                 emit(&module, target).unwrap_or_else(|e| panic!("{}: {e}", variant.name));

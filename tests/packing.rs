@@ -5,13 +5,13 @@ use std::path::Path;
 
 use diffraction_shaders::frame::view_directions;
 use diffraction_shaders::generate::{Request, generate, index};
-use diffraction_shaders::height::load;
+use diffraction_shaders::input::load_surface as load;
 use diffraction_shaders::measure::{compare, on_orders};
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::package::Package;
 use diffraction_shaders::plan::{Plan, TableFormat};
 use diffraction_shaders::reference::Directions;
-use diffraction_shaders::resolve::resolve;
+use diffraction_shaders::variant::Form;
 use diffraction_shaders::runner::{Runner, Subject, TwinRunner};
 use diffraction_shaders::tables::{Scale, terms_table};
 use diffraction_shaders::template::Sources;
@@ -67,7 +67,7 @@ fn terms_of_a_tall_surface_overflow_without_scales() {
     let tall = BLAZED.replace("0.3", "1.5");
     let plan = plan(&tall, "mode = \"adaptive\"\nterms = \"auto\"\ntable = \"f16\"");
     let (height, variant) = (&load(&plan.surfaces[0]).unwrap().field, &plan.variants[0]);
-    let resolved = resolve(variant, height).unwrap();
+    let form = Form::new(variant, height).unwrap();
     let finite = |scale: Scale| {
         let terms = Terms::new(height, &resolved.expansion, resolved.bins, None);
         let table = terms_table(&terms, variant.packing, variant.table, scale).rounded();
@@ -85,16 +85,16 @@ fn counts_left_to_the_tool_are_sensible_in_every_mode() {
     for spec in &plan.surfaces {
         let height = &load(spec).unwrap().field;
         for variant in &plan.variants {
-            let resolved = resolve(variant, height).unwrap();
+            let form = Form::new(variant, height).unwrap();
             println!(
                 "{} {}: {} terms, radius {}, {:?}",
                 spec.name,
                 variant.name,
-                resolved.expansion.terms,
+                form.series().unwrap().expansion().terms,
                 resolved.window_radius,
                 resolved.cost
             );
-            assert!((10..40).contains(&resolved.expansion.terms));
+            assert!((10..40).contains(&form.series().unwrap().expansion().terms));
             assert!(resolved.window_radius <= 3);
             assert!(resolved.cost.fetches_mean <= resolved.cost.fetches as f64);
         }

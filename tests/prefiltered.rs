@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use diffraction_shaders::assemble;
+use diffraction_shaders::specialise;
 use diffraction_shaders::emit::{BindingKind, EmittedFile, emit};
 use diffraction_shaders::frame::view_directions;
 use diffraction_shaders::height::{HeightField, load};
@@ -15,7 +15,7 @@ use diffraction_shaders::resolve::{GRID_ERROR, grid_error, resolve};
 use diffraction_shaders::runner::{Exact, Runner, Subject, TwinRunner};
 use diffraction_shaders::tables::{SAMPLER, SAMPLER_NAME, SPECTRUM, Table};
 use diffraction_shaders::template::Sources;
-use diffraction_shaders::twin::Twin;
+use diffraction_shaders::variant::Twin;
 
 const FINGERS: &str = "{ kind = \"fingers\", size_um = 13.0, pixels = 160, pitch_um = 1.1, height_um = 0.3, seed = 3 }";
 const BUMPS: &str =
@@ -63,8 +63,8 @@ fn colours_are_those_of_the_exact_field_at_every_angle() {
 fn far_from_the_mirror_direction_few_nodes_do_not_do() {
     let (height, variant) = read(FINGERS, "");
     let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
-    let resolved = resolve(&variant, &height).unwrap();
-    let right = assemble::tables(&variant, &resolved, &height, 0.0).unwrap();
+    let form = Form::new(&variant, &height).unwrap();
+    let right = specialise::tables(&form, &height, 0.0).unwrap();
     let mut wrong = right.clone();
     let few = wrong.iter_mut().find(|table| table.binding == SPECTRUM).unwrap();
     let row = 4 * few.width;
@@ -73,7 +73,7 @@ fn far_from_the_mirror_direction_few_nodes_do_not_do() {
     let directions = directions(&height, &variant, 60.0);
     let exact = exact(subject, &directions);
     let by = |tables: &[Table]| -> Comparison {
-        let twin = Twin::new(&resolved, tables, &variant, 0.0);
+        let twin = Twin::new(&form, tables, &variant.optics, 0.0);
         let colours: Vec<_> = directions.iter().map(|d| twin.tristimulus(*d)).collect();
         compare("nodes", &exact, &colours, None).unwrap()
     };
@@ -124,12 +124,12 @@ fn tables_do_not_grow_with_the_patch() {
 fn every_language_has_one_plain_sampler() {
     for (sampling, count) in [("filter", 1), ("load", 0)] {
         let (height, variant) = read(FINGERS, &format!("sampling = \"{sampling}\""));
-        let resolved = resolve(&variant, &height).unwrap();
-        let tables = assemble::shapes(&variant, &resolved, 0.0).unwrap();
+        let form = Form::new(&variant, &height).unwrap();
+        let tables = specialise::shapes(&form, 0.0);
         assert_eq!(tables.iter().filter(|table| table.filtered).count(), count);
-        let nodes = assemble::node_count(&tables);
-        let defines = assemble::defines(&variant, &resolved, 0.0, nodes);
-        let module = assemble::shader(&Sources::builtin(), "test", &defines).unwrap();
+        let nodes = specialise::node_count(&tables);
+        let defines = specialise::defines(&variant, &form, 0.0, nodes);
+        let module = specialise::shader(&Sources::builtin(), "test", &defines).unwrap();
         for target in Target::all() {
             for file in emit(&module, target).unwrap() {
                 let samplers = file.bindings.iter().filter(|b| b.kind == BindingKind::Sampler);

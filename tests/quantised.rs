@@ -30,7 +30,7 @@ fn greys(field: &HeightField, top: f64) -> Vec<u16> {
 fn loaded(bytes: &[u8]) -> Surface {
     let dir = folder();
     let source = FileSource { height_um: Some(FULL_UM), ..integers(&put(&dir, "a.png", bytes)) };
-    height::load(&surface(FileSource { pixel_um: Some(0.05), ..source })).unwrap()
+    input::load_surface(&surface(FileSource { pixel_um: Some(0.05), ..source })).unwrap()
 }
 
 fn as_8_bits(field: &HeightField) -> Vec<u8> {
@@ -65,7 +65,7 @@ fn the_step_is_told() {
     // floats have no steps
     let dir = folder();
     let text = floats(&put(&dir, "a.txt", b"0 0.1\n0.2 0.3\n"));
-    assert!(height::load(&surface(text)).unwrap().notes.is_empty());
+    assert!(input::load_surface(&surface(text)).unwrap().notes.is_empty());
 }
 
 /// The exact colours of a file's heights against those of the heights that it was made from, across the plane of

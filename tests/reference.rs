@@ -39,7 +39,7 @@ fn uniform(
 ) -> Vec<[f64; 3]> {
     let all = directions.iter().copied();
     let reference = Reference::new(height, 0.0, optics, Reference::VISIBLE_NM, all).unwrap();
-    let samples = Spectrum::new("D65").unwrap().samples(&Wavelengths {
+    let samples = Spectrum::new(&"D65".into()).unwrap().samples(&Wavelengths {
         min_nm: 380.0,
         max_nm: 780.0,
         step_nm,
@@ -176,7 +176,7 @@ fn amplitudes_of_terms_are_summed_not_intensities() {
 /// Sampling uniformly in 1/λ needs `dλ = λ² d(1/λ)`; without it white turns blue and purple.
 #[test]
 fn wavenumber_sampling_needs_its_jacobian() {
-    let spectrum = Spectrum::new("D65").unwrap();
+    let spectrum = Spectrum::new(&"D65".into()).unwrap();
     let nodes = 4000;
     let (low, high) = (1.0 / 780.0, 1.0 / 380.0);
     let step = (high - low) / f64::from(nodes);
@@ -202,7 +202,7 @@ fn the_mirror_direction_shows_the_zero_order() {
     let optics = Optics::standard();
     let reference = Reference::new(&height, 0.0, &optics, Reference::VISIBLE_NM, [d]).unwrap();
     let got = reference.tristimulus(d, &mut Scratch::default());
-    let spectrum = Spectrum::new("D65").unwrap();
+    let spectrum = Spectrum::new(&"D65".into()).unwrap();
     let closed = (380..=780).fold([0.0; 3], |sum: [f64; 3], nm| {
         let z = TAU / (f64::from(nm) * 1e-3) * (d.wi.z + d.wr.z);
         // the sampled ramp: a geometric sum

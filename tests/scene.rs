@@ -9,7 +9,7 @@ use diffraction_shaders::runner::{Prepared, Subject};
 use diffraction_shaders::scene::picture::{display, exr, png, stacked};
 use diffraction_shaders::scene::{ColourMap, Light, Mesh, Orbit, Snake, snake, sphere};
 use diffraction_shaders::studio::{Hdr, Look, Studio, Truth, relative_radiance, truth};
-use diffraction_shaders::twin::mesh::{OrientationMap, Vertex};
+use diffraction_shaders::variant::mesh::{OrientationMap, Vertex};
 use exr::prelude::{ReadChannels, ReadLayers};
 use glam::{DMat4, DVec3, DVec4};
 

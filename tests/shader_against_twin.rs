@@ -286,7 +286,7 @@ fn a_measured_scan_agrees_at_two_angles() {
         level: Level::None,
         clip_percent: 0.0,
     };
-    let height = height::load(&spec).unwrap().field;
+    let height = input::load_surface(&spec).unwrap().field;
     for gpu in adapters() {
         for theta_i in [0.0, 20.0] {
             let c = difference(&gpu, &height, &standard(19), 0.0, theta_i, 128);

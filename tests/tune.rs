@@ -7,7 +7,7 @@ use diffraction_shaders::plan::{Auto, Mode, Plan, Variant};
 use diffraction_shaders::profile::Profile;
 use diffraction_shaders::record::{LightError, Time, Tune, Verdict};
 use diffraction_shaders::report::front_picture;
-use diffraction_shaders::resolve::resolve;
+use diffraction_shaders::variant::Form;
 use diffraction_shaders::runner::Subject;
 use diffraction_shaders::tune::candidates::candidates;
 use diffraction_shaders::tune::colours::Truth;
@@ -42,7 +42,7 @@ fn plan() -> Plan {
 }
 
 fn surface(plan: &Plan) -> height::HeightField {
-    height::load(&plan.surfaces[0]).expect("a surface").field
+    input::load_surface(&plan.surfaces[0]).expect("a surface").field
 }
 
 fn of<'a>(lost: &'a [Lost], name: &str) -> &'a Lost {
@@ -77,7 +77,7 @@ fn candidates_are_presets_of_the_plan_and_keep_its_optics() {
     // the counts of each basis are those that its errors ask for
     let terms = |basis: &str| -> Vec<u32> {
         let of = kept.iter().filter(|c| name(c).starts_with(&format!("adaptive-{basis}-")));
-        let mut all: Vec<u32> = of.map(|c| c.resolved.expansion.terms).collect();
+        let mut all: Vec<u32> = of.map(|c| c.form.series().unwrap().expansion().terms).collect();
         all.sort_unstable();
         all.dedup();
         all

@@ -34,7 +34,7 @@ fn surface(path: &Path) -> HeightField {
         level: Level::None,
         clip_percent: 0.0,
     };
-    height::load(&spec).unwrap().field
+    input::load_surface(&spec).unwrap().field
 }
 
 /// Directions and XYZ of a file.

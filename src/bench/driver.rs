@@ -133,7 +133,7 @@ fn build(gpu: &Gpu, scene: &Scene<'_>, case: &Case, clock: &dyn Clock) -> Result
             let height = height.as_deref().unwrap_or(scene.height);
             let subject = Subject { height, rotate_deg: scene.rotate_deg, variant };
             let prepared = Prepared::new(subject)?;
-            let cost = prepared.resolved.cost;
+            let cost = prepared.form.cost();
             let timed = Timed {
                 table_bytes: cost.table_bytes,
                 fetches: cost.fetches_mean,

@@ -2,11 +2,11 @@
 
 use crate::error::Result;
 use crate::height::HeightField;
-use crate::plan::{Auto, Mode, Optics, Variant};
-use crate::resolve::resolve;
+use crate::plan::{Mode, Optics, Variant};
 use crate::runner::{Prepared, Subject};
 use crate::tables::{SPECTRUM, Table, TexelFormat};
 use crate::template::Sources;
+use crate::variant::{Form, Gems};
 
 /// A shader that is drawn beside the variants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,14 +86,13 @@ pub fn prepared<'a>(
     height: &'a HeightField,
     variant: &'a Variant,
 ) -> Result<Prepared<'a>> {
-    let counts = Variant { terms: Auto::Value(1), mode: Mode::Full, ..variant.clone() };
     let mut sources = Sources::builtin();
     sources.0.insert("gems".to_owned(), what.template().to_owned());
     Ok(Prepared {
         // turning a surface that is not read takes its table
         subject: Subject { height, rotate_deg: 0.0, variant },
         sources,
-        resolved: resolve(&counts, height)?,
+        form: Form::Gems(Gems),
         terms: Table::ABSENT,
         spectrum: match what {
             Yardstick::Empty => Table::ABSENT,

@@ -15,14 +15,13 @@ use crate::optics::direction;
 use crate::plan::{
     Auto, Basis, Grating, Mode, Optics, Packing, Reconstruction, Sampling, TableFormat, Variant,
 };
-use crate::record::{self, Part, Record, Tolerance};
+use crate::record::{self, Record};
 use crate::reference::Directions;
-use crate::resolve::Resolved;
 use crate::runner::routes::Route;
 use crate::runner::{Prepared, Subject, TwinRunner, rounded};
 use crate::tables::Table;
+use crate::variant::{Part, Tolerance};
 
-use super::tolerance::{is_inside, tolerance};
 use super::{PATIENCE, Sink, Truth, failed};
 
 /// Light of the controls, theta and phi in degrees.
@@ -62,7 +61,7 @@ impl Control {
         let Right { truth, allowed, max_abs } = right;
         let wrong = truth.ask(route.runner(prepared).as_ref(), SIZE)?;
         let wrong = compare(self.name, &truth.colours, &wrong, Some(truth.exposure))?;
-        let inside = |max_abs| is_inside(&Some(*allowed), max_abs, [0.0; 2]);
+        let inside = |max_abs| allowed.contains(max_abs, [0.0; 2]);
         Ok(record::Control {
             surface: SURFACE.to_owned(),
             variant: subject.variant.name.clone(),
@@ -213,7 +212,10 @@ impl Right {
         };
         truth.colours = truth.ask(&TwinRunner::new(prepared.subject, true)?, SIZE)?;
         truth.exposure = auto_exposure(&truth.colours).unwrap_or(1.0);
-        let allowed = tolerance(Part::Arithmetic, variant, &prepared.resolved)
+        let allowed = prepared
+            .form
+            .promise()
+            .tolerance(Part::Arithmetic)
             .unwrap_or(Tolerance { max_abs: Some(0.0), de2000_p95: None, map_p95: None });
         let found = truth.ask(route.runner(prepared.clone()).as_ref(), SIZE)?;
         let max_abs = compare("right", &truth.colours, &found, Some(truth.exposure))?.max_abs;
@@ -293,7 +295,8 @@ fn drop_largest(terms: &mut Table) {
 /// Terms as they come out of 16-bit floats that hold the transforms of `h^n` in µm, as the texts define them, without a
 /// scale: the high powers fall below the least number of the format.
 fn forget_scale(prepared: &mut Prepared<'_>) {
-    let Resolved { expansion, .. } = &prepared.resolved;
+    let Some(series) = prepared.form.series() else { return };
+    let expansion = series.expansion();
     let factor = |term: usize| (1..=term).map(|n| expansion.z_max / n as f64).product::<f64>();
     let terms = &mut prepared.terms;
     let (channels, texels) = (terms.format.channels(), terms.width * terms.height);

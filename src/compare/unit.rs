@@ -8,11 +8,11 @@ use crate::measure::{Comparison, auto_exposure, compare, compare_map, standard};
 use crate::optics::direction;
 use crate::picture;
 use crate::plan::Colour;
-use crate::record::{Compare, MapColours, Part, Record};
+use crate::record::{Compare, MapColours, Record};
 use crate::runner::routes::Route;
 use crate::runner::{Exact, Prepared, Runner, Subject, TwinRunner, rounded};
+use crate::variant::Part;
 
-use super::tolerance::{is_inside, tolerance};
 use super::{Request, Sink, Truth, Unit, difference, failed, mean_flip};
 
 /// Routes of the two twins in records.
@@ -123,9 +123,10 @@ impl Judged<'_, '_> {
             }
         };
         let map = self.map_colours(&subject, expected, colours);
-        let tolerance = tolerance(part, variant, &self.prepared.resolved);
+        let tolerance = self.prepared.form.promise().tolerance(part);
         let map_p95 = map.map_or(0.0, |map| map.de2000.p95);
-        let pass = is_inside(&tolerance, measured.max_abs, [measured.de2000.p95, map_p95]);
+        let pass = tolerance
+            .is_none_or(|t| t.contains(measured.max_abs, [measured.de2000.p95, map_p95]));
         let frames = [expected, colours].map(|colours| self.truth.frame(colours, size));
         let pictures = match pictures {
             None if !pass => {

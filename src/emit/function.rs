@@ -1,4 +1,5 @@
-//! Function forms: [`FUNCTIONS`](super::FUNCTIONS) and what they need, without entry points and bindings.
+//! Function forms: the functions that a shader offers and what they need, without entry points and bindings. The first of
+//! them stands first in `.fn.wgsl`; the others may be missing.
 //!
 //! - `.fn.wgsl` is the specialised text with its comments. Textures and the sampler are parameters behind the directions, threaded
 //!   through every function that reads them, since node systems such as that of three.js know no free names. The text
@@ -12,14 +13,14 @@ mod wgsl;
 
 use crate::{error::Result, module::Module, plan::Target, template::GENERATED};
 
-use super::{EmittedFile, FUNCTIONS, Function, bindings, failure, glsl, hlsl};
+use super::{EmittedFile, Function, bindings, failure, glsl, hlsl};
 
 use self::core::Core;
 
 /// The function form that belongs to a target; `None` for targets whose engines take whole shaders only.
 pub fn emit(module: &Module, target: Target) -> Result<Option<EmittedFile>> {
     let fail = |cause: String| failure(module, target, format!("function form: {cause}"));
-    let core = || core::extract(module, &FUNCTIONS).map_err(fail);
+    let core = || core::extract(module, module.functions()).map_err(fail);
     let mut sampler_names = glsl::SamplerTextures::new();
     let (language, core, text) = match target {
         Target::Wgsl => {

@@ -1,4 +1,4 @@
-//! Height fields from files: PNG, TIFF, EXR, NPY, GSF and text matrices.
+//! Height fields from the bytes of files: PNG, TIFF, EXR, NPY, GSF and text matrices.
 //!
 //! **Orientation.** The first row of the file is the top row, in every format.
 //!
@@ -19,7 +19,6 @@ mod text;
 mod tiff;
 mod units;
 
-use std::fs;
 use std::path::Path;
 
 use crate::error::{Error, Result, Stage};
@@ -76,24 +75,26 @@ impl Samples {
     }
 }
 
-/// Reads the heights of surface `name` from a file.
+/// Decodes the heights of surface `name` from the bytes of its file; `source.path` gives their format and is not opened.
 ///
 /// The format is that of the extension, and the content must agree with it. Errors name the surface, the file, the key or
 /// the place in the file, the value, and what to do.
-pub fn read(source: &FileSource, name: &str) -> Result<Reading> {
-    let subject = &subject(name, &source.path);
-    units::check_keys(source, subject)?;
-    let (format, bytes) = open(&source.path, subject)?;
-    finish(source, subject, decode(format, &bytes, subject)?)
-}
-
-/// Like [`read`], of the bytes of a file that are in memory already; `source.path` gives their format and is not opened.
 pub fn parse(source: &FileSource, name: &str, bytes: &[u8]) -> Result<Reading> {
     let subject = &subject(name, &source.path);
-    units::check_keys(source, subject)?;
+    check_source(source, subject)?;
     let format = of_path(&source.path, subject)?;
     check_content(format, bytes, &source.path, subject)?;
     finish(source, subject, decode(format, bytes, subject)?)
+}
+
+/// Checks the numbers that the plan gives for a file.
+pub fn check_source(source: &FileSource, subject: &str) -> Result<()> {
+    units::check_keys(source, subject)
+}
+
+/// Checks that the extension of a file is that of a known format.
+pub fn check_extension(path: &Path, subject: &str) -> Result<()> {
+    of_path(path, subject).map(drop)
 }
 
 fn decode(format: Format, bytes: &[u8], subject: &str) -> Result<Raster> {
@@ -177,25 +178,6 @@ impl Format {
             Format::Text => "text",
         }
     }
-}
-
-/// The whole file and its format.
-fn open(path: &Path, subject: &str) -> Result<(Format, Vec<u8>)> {
-    let error = |cause: &str| Error::new(Stage::Height, subject, cause);
-    let meta = fs::metadata(path).map_err(|e| {
-        error("cannot be read").source(e).remedy("`file` is relative to the folder of the plan")
-    })?;
-    if !meta.is_file() {
-        return Err(error("is not a regular file").remedy("give the path of a height field"));
-    }
-    let format = of_path(path, subject)?;
-    if meta.len() > MAX_FILE_BYTES {
-        let cause = format!("the file has {} bytes, the limit is {MAX_FILE_BYTES}", meta.len());
-        return Err(error(&cause).remedy("crop the surface"));
-    }
-    let bytes = fs::read(path).map_err(|e| error("cannot be read").source(e))?;
-    check_content(format, &bytes, path, subject)?;
-    Ok((format, bytes))
 }
 
 /// The extension of a path, or nothing.

@@ -8,8 +8,9 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result, Stage};
+use crate::hash::sha256;
 
-use super::{Package, folder, sha256, write};
+use super::{Package, folder, write};
 
 /// Hashes of all that a package was made from and of every file in it, to the byte. It lies outside the package, on the
 /// machine that made it, because numbers may differ in their last digits between processors.

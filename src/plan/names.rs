@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 
-use super::constraints;
+use crate::hash::sha256;
+
+use super::mode;
 use super::variants::Draft;
-use super::{Auto, Basis, Coherence, CoherenceScaling, Colour, Mode, Optics, Packing};
+use super::{Auto, Basis, Mode, Optics, Packing};
 use super::{Reconstruction, Sampling, TableFormat, Variant, Wavelengths};
 
 impl Variant {
@@ -40,7 +41,6 @@ impl Variant {
     /// The configuration as one line of JSON with sorted keys: what the hash is of. The name is not in it, nor is
     /// anything that the variant does not read.
     pub fn canonical(&self) -> String {
-        let optics = &self.optics;
         let waves = &self.wavelengths;
         let mut map: BTreeMap<&str, Value> = BTreeMap::from([
             ("mode", json!(self.mode)),
@@ -52,14 +52,8 @@ impl Variant {
             ("table", json!(self.table)),
             ("packing", json!(self.packing)),
             ("hoist", json!(self.hoist)),
-            ("coherence_um", json!(optics.coherence_um)),
-            ("coherence", json!(optics.coherence)),
-            ("coherence_scaling", json!(optics.coherence_scaling)),
-            ("refractive_index", json!(optics.refractive_index)),
-            ("shadowing", json!(optics.shadowing)),
-            ("illuminant", json!(optics.illuminant)),
-            ("colour", json!(optics.colour)),
         ]);
+        map.extend(self.optics.settings());
         if self.terms == Auto::Auto {
             map.insert("term_error", json!(self.term_error));
         }
@@ -71,7 +65,7 @@ impl Variant {
             (Mode::Pq, None) => map.insert("periods", json!("auto")),
             _ => None,
         };
-        map.retain(|key, _| constraints::reads(self.mode, self.periods.is_some(), key));
+        map.retain(|key, _| mode::reads(self.mode, self.periods.is_some(), key));
         if self.reconstruction == Reconstruction::Prefiltered {
             map.insert("reconstruction", json!(self.reconstruction));
             map.retain(|key, _| !["window_radius", "hoist"].contains(key));
@@ -88,9 +82,14 @@ impl Variant {
         format!("{{{}}}", pairs.join(","))
     }
 
+    /// Whether its wavelengths are those of its configuration, the same for every direction.
+    pub fn has_uniform_wavelengths(&self) -> bool {
+        mode::reads(self.mode, self.periods.is_some(), "step_nm")
+    }
+
     /// Whether its shader reads what lies between the texels of a table, so that `sampling` means something.
     pub fn reads_between(&self) -> bool {
-        constraints::reads_between(self.mode, Some(self.reconstruction))
+        mode::reads_between(self.mode, Some(self.reconstruction))
     }
 
     /// Whether its shader reads a table through a linear filter.
@@ -100,7 +99,7 @@ impl Variant {
 
     /// SHA-256 of [`Variant::canonical`], hexadecimal: the identity of the configuration.
     pub fn hash(&self) -> String {
-        sha256_hex(self.canonical().as_bytes())
+        sha256(self.canonical().as_bytes())
     }
 }
 
@@ -121,11 +120,6 @@ impl Wavelengths {
         }
         nodes
     }
-}
-
-/// SHA-256 of bytes, hexadecimal.
-pub(super) fn sha256_hex(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// The canonical name: mode, basis and terms, then every part that is read and differs from its documented default.
@@ -162,17 +156,7 @@ pub(super) fn name_of(draft: &Draft) -> String {
     add(!draft.hoist, "nohoist".to_owned());
     add(draft.bake_error != standard.bake_error, format!("e{}", number(draft.bake_error)));
     add(draft.bake_mib != standard.bake_mib, format!("m{}", number(draft.bake_mib)));
-    let (optics, plain) = (&draft.optics, &standard.optics);
-    add(optics.coherence_um != plain.coherence_um, format!("lc{}", number(optics.coherence_um)));
-    add(optics.coherence == Coherence::Ensemble, "ensemble".to_owned());
-    add(optics.coherence_scaling == CoherenceScaling::Wavelength, "lcwave".to_owned());
-    add(
-        optics.refractive_index != plain.refractive_index,
-        format!("n{}", number(optics.refractive_index)),
-    );
-    add(!optics.shadowing, "noshadow".to_owned());
-    add(optics.illuminant != plain.illuminant, illuminant(&optics.illuminant));
-    add(optics.colour == Colour::Thesis, "thesis".to_owned());
+    parts.extend(draft.optics.name_parts());
     parts.join("-")
 }
 
@@ -201,22 +185,10 @@ fn wavelengths(draft: &Draft) -> String {
 }
 
 /// A number in a file name: the decimal point is a `p`.
-fn number(x: f64) -> String {
+pub(super) fn number(x: f64) -> String {
     format!("{x}").replace('.', "p")
 }
 
 fn exponent(x: f64) -> String {
     format!("{x:e}").replace('.', "p")
-}
-
-/// `ill-f2` for a plain name; a path keeps its readable part and gains eight digits of its hash.
-fn illuminant(text: &str) -> String {
-    let plain = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit();
-    if !text.is_empty() && text.len() <= 16 && text.chars().all(plain) {
-        return format!("ill-{}", text.to_ascii_lowercase());
-    }
-    let stem = text.rsplit(['/', '\\']).next().unwrap_or(text);
-    let stem = stem.split('.').next().unwrap_or(stem).to_ascii_lowercase();
-    let readable: String = stem.chars().filter(|c| c.is_ascii_alphanumeric()).take(24).collect();
-    format!("ill-{readable}-{}", &sha256_hex(text.as_bytes())[..8])
 }

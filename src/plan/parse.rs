@@ -2,38 +2,24 @@
 
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use toml::de::DeTable;
 
 use crate::error::{Error, Result, Stage};
+use crate::hash::sha256;
 
-use super::constraints;
-use super::item::{Item, Source, Table, suggest};
-use super::names::{name_of, sha256_hex};
+use super::mode;
+use super::item::{Item, Source, Table};
+use super::names::name_of;
+use super::target::TARGETS;
 use super::variants::{Draft, read_optics, read_preset, read_product};
 use super::words::{self, Words, unavailable};
 use super::{Container, Optics, Plan, Rejected, SurfaceSpec, Target, Variant, surface};
 
-/// Largest plan that is read.
-pub const MAX_PLAN_BYTES: u64 = 4 << 20;
-
 const SECTIONS: [&str; 6] = ["schema", "surface", "optics", "variants", "preset", "targets"];
 
 impl Plan {
-    /// Reads and checks a plan; the error is the first of [`Plan::read_all`].
-    pub fn read(path: &Path) -> Result<Plan> {
-        Plan::read_all(path).map_err(first)
-    }
-
-    /// Reads and checks a plan; returns all errors, in the order of the text.
-    pub fn read_all(path: &Path) -> Result<Plan, Vec<Error>> {
-        let text = read_text(path).map_err(|error| vec![error])?;
-        Plan::parse_all(&text, path)
-    }
-
     /// Checks the text of a plan; `path` names it in messages, and its folder is what files are relative to.
     pub fn parse(text: &str, path: &Path) -> Result<Plan> {
         Plan::parse_all(text, path).map_err(first)
@@ -41,7 +27,7 @@ impl Plan {
 
     /// Like [`Plan::parse`], with all errors.
     pub fn parse_all(text: &str, path: &Path) -> Result<Plan, Vec<Error>> {
-        let hash = sha256_hex(text.as_bytes());
+        let hash = sha256(text.as_bytes());
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let source = Source::new(text, path.display());
         let (document, faults) = DeTable::parse_recoverable(text);
@@ -88,32 +74,6 @@ impl Plan {
 
 fn first(errors: Vec<Error>) -> Error {
     errors.into_iter().next().unwrap_or_else(|| Error::new(Stage::Plan, "plan", "is no plan"))
-}
-
-fn read_text(path: &Path) -> Result<String> {
-    let error = |cause: &str| Error::new(Stage::Plan, path.display(), cause);
-    let unreadable = |e: std::io::Error| {
-        let remedy = "write one, or name another with --plan";
-        error("cannot be read").source(e).remedy(remedy)
-    };
-    let file = File::open(path).map_err(unreadable)?;
-    if file.metadata().map_err(unreadable)?.is_dir() {
-        return Err(error("is a folder")
-            .remedy(format!("name the file, such as {}", path.join("plan.toml").display())));
-    }
-    let mut bytes = Vec::new();
-    file.take(MAX_PLAN_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
-    if bytes.len() as u64 > MAX_PLAN_BYTES {
-        return Err(
-            error("is larger than 4 MiB").remedy("a plan is a short text: is this the right file?")
-        );
-    }
-    String::from_utf8(bytes).map_err(|e| {
-        let valid = e.utf8_error().valid_up_to();
-        let line = e.as_bytes()[..valid].iter().filter(|byte| **byte == b'\n').count() + 1;
-        Error::new(Stage::Plan, format!("{}:{line}", path.display()), "is not UTF-8 text")
-            .remedy("save it as UTF-8")
-    })
 }
 
 fn folder(path: &Path) -> PathBuf {
@@ -190,7 +150,7 @@ fn product(
     };
     let mut seen: BTreeMap<String, u32> = BTreeMap::new();
     let mut variants = Vec::new();
-    for draft in drafts.into_iter().map(constraints::normalised) {
+    for draft in drafts.into_iter().map(mode::normalised) {
         let name = name_of(&draft);
         let times = seen.entry(name.clone()).or_default();
         *times += 1;
@@ -284,7 +244,7 @@ fn targets(table: Option<&Table>) -> (Vec<Target>, Vec<Container>) {
     let mut targets = Vec::new();
     match table.get("emit") {
         Some(item) => {
-            for target in listed(&item, "target", words::TARGETS) {
+            for target in listed(&item, "target", TARGETS) {
                 if !targets.contains(&target) {
                     targets.push(target);
                 }
@@ -315,19 +275,4 @@ fn listed<T: Copy>(item: &Item, what: &str, known: Words<T>) -> Vec<T> {
         value
     };
     items.iter().filter_map(read).collect()
-}
-
-impl Target {
-    /// Reads one word of `--target`.
-    pub fn parse(word: &str) -> Result<Target> {
-        let error = |cause: String| Error::new(Stage::Plan, format!("target \"{word}\""), cause);
-        match words::TARGETS.iter().find(|(known, _)| *known == word) {
-            Some((_, Some(target))) => Ok(*target),
-            Some((_, None)) => Err(error("is not available in this version".to_owned())),
-            None => {
-                let known: Vec<&str> = words::TARGETS.iter().map(|(known, _)| *known).collect();
-                Err(error("is unknown".to_owned()).remedy(suggest(word, &known)))
-            }
-        }
-    }
 }

@@ -1,11 +1,11 @@
 //! Axes of the product and keys of presets: one reader per key, one list that fixes their order.
 
-use super::constraints;
 use super::item::{Item, Table};
+use super::mode::{self, MODES};
+use super::optics::{OPTICS, OpticsSetting};
 use super::words::{self, unavailable};
 use super::{
-    Auto, Basis, Coherence, CoherenceScaling, Colour, Mode, Optics, Packing, Reconstruction,
-    Sampling, TableFormat, Variant, Wavelengths,
+    Auto, Basis, Mode, Optics, Packing, Reconstruction, Sampling, TableFormat, Variant, Wavelengths,
 };
 
 /// Most combinations that the axes of a plan may span.
@@ -54,20 +54,15 @@ pub(super) enum Setting {
     BakeMib(f64),
     Sampling(Sampling),
     Hoist(bool),
-    CoherenceUm(f64),
-    Coherence(Coherence),
-    CoherenceScaling(CoherenceScaling),
-    RefractiveIndex(f64),
-    Shadowing(bool),
-    Illuminant(String),
-    Colour(Colour),
+    Optics(OpticsSetting),
 }
 
-type Axis = (&'static str, fn(&Item) -> Option<Setting>);
+/// A key and its reader.
+pub(super) type Axis = (&'static str, fn(&Item) -> Option<Setting>);
 
 /// Keys of `[variants]` and of a preset in the order of the product: the first varies slowest.
 const AXES: [Axis; 14] = [
-    ("mode", |item| item.word(words::MODES).map(Setting::Mode)),
+    ("mode", |item| item.word(MODES).map(Setting::Mode)),
     ("basis", |item| item.word(words::BASES).map(Setting::Basis)),
     ("terms", |item| auto(item, 1..201, "the number of terms, or \"auto\"").map(Setting::Terms)),
     ("term_error", term_error),
@@ -84,19 +79,6 @@ const AXES: [Axis; 14] = [
     ("hoist", |item| item.boolean().map(Setting::Hoist)),
     ("bake_error", bake_error),
     ("bake_mib", bake_mib),
-];
-
-/// Keys of `[optics]`, which are axes too; they vary fastest.
-const OPTICS: [Axis; 7] = [
-    ("coherence_um", coherence_um),
-    ("coherence", |item| item.word(words::COHERENCES).map(|(_, word)| Setting::Coherence(word))),
-    ("coherence_scaling", |item| {
-        item.word(words::SCALINGS).map(|(_, word)| Setting::CoherenceScaling(word))
-    }),
-    ("refractive_index", refractive_index),
-    ("shadowing", |item| item.boolean().map(Setting::Shadowing)),
-    ("illuminant", illuminant),
-    ("colour", |item| item.word(words::COLOURS).map(|(_, word)| Setting::Colour(word))),
 ];
 
 /// Reads `[optics]` over the documented defaults.
@@ -144,7 +126,7 @@ pub(super) fn read_preset(table: &Table, base: &Draft) -> Option<Variant> {
     let draft = preset_values(table, &axes)
         .into_iter()
         .fold(base.clone(), |draft, (_, value)| draft.with(value));
-    match constraints::normalised(draft).build(String::new()) {
+    match mode::normalised(draft).build(String::new()) {
         Ok(variant) => Some(variant),
         Err(refusals) => {
             for (key, reason) in refusals {
@@ -192,7 +174,7 @@ impl Draft {
         else {
             return Err(refusals);
         };
-        refusals.extend(constraints::broken(mode, self));
+        refusals.extend(mode::broken(mode, self));
         if !refusals.is_empty() {
             return Err(refusals);
         }
@@ -237,13 +219,7 @@ impl Draft {
             Setting::BakeMib(x) => self.bake_mib = x,
             Setting::Sampling(x) => self.sampling = x,
             Setting::Hoist(x) => self.hoist = x,
-            Setting::CoherenceUm(x) => self.optics.coherence_um = x,
-            Setting::Coherence(x) => self.optics.coherence = x,
-            Setting::CoherenceScaling(x) => self.optics.coherence_scaling = x,
-            Setting::RefractiveIndex(x) => self.optics.refractive_index = x,
-            Setting::Shadowing(x) => self.optics.shadowing = x,
-            Setting::Illuminant(x) => self.optics.illuminant = x,
-            Setting::Colour(x) => self.optics.colour = x,
+            Setting::Optics(setting) => setting.apply(&mut self.optics),
         }
     }
 }
@@ -312,27 +288,6 @@ fn bake_error(item: &Item) -> Option<Setting> {
 fn bake_mib(item: &Item) -> Option<Setting> {
     let what = "the most that a baked table may have, in MiB";
     item.number("from 0.25 to 512", what, |x| (0.25..=512.0).contains(&x)).map(Setting::BakeMib)
-}
-
-fn coherence_um(item: &Item) -> Option<Setting> {
-    let what = "the coherence length in µm; sunlight has about 65";
-    item.number("from 0.1 to 10000", what, |x| (0.1..=10000.0).contains(&x))
-        .map(Setting::CoherenceUm)
-}
-
-fn refractive_index(item: &Item) -> Option<Setting> {
-    let what = "an index of 1 reflects nothing, and the gain divides by the reflectance at normal incidence";
-    item.number("above 1 and at most 5", what, |n| n > 1.0 && n <= 5.0)
-        .map(Setting::RefractiveIndex)
-}
-
-fn illuminant(item: &Item) -> Option<Setting> {
-    let text = item.string("the name of an illuminant, such as \"D65\", or a CSV file")?;
-    if text.is_empty() || text.chars().any(char::is_control) {
-        item.fail("names no illuminant", "use a name such as \"D65\", or a CSV file");
-        return None;
-    }
-    Some(Setting::Illuminant(text.to_owned()))
 }
 
 fn is_pair(item: &Item) -> bool {

@@ -1,20 +1,12 @@
 //! The words of a plan: which exist, and which of them this version builds.
 
 use super::{
-    Basis, Coherence, CoherenceScaling, Colour, Container, Level, Mode, Packing, Reconstruction,
-    Sampling, TableFormat, Target,
+    Basis, Coherence, CoherenceScaling, Colour, Container, Level, Packing, Reconstruction, Sampling,
+    TableFormat,
 };
 
 /// Words with what they mean; `None`: planned, not available in this version.
 pub(super) type Words<T> = &'static [(&'static str, Option<T>)];
-
-pub(super) const MODES: Words<Mode> = &[
-    ("full", Some(Mode::Full)),
-    ("pq", Some(Mode::Pq)),
-    ("adaptive", Some(Mode::Adaptive)),
-    ("gems", Some(Mode::Gems)),
-    ("baked", Some(Mode::Baked)),
-];
 
 pub(super) const BASES: Words<Basis> = &[
     ("taylor", Some(Basis::Taylor)),
@@ -39,15 +31,6 @@ pub(super) const CONTAINERS: Words<Option<Container>> = &[
     ("exr", Some(Some(Container::Exr))),
 ];
 
-pub(super) const TARGETS: Words<Target> = &[
-    ("wgsl", Some(Target::Wgsl)),
-    ("glsl450", Some(Target::Glsl450)),
-    ("glsl-es300", Some(Target::GlslEs300)),
-    ("spirv", Some(Target::Spirv)),
-    ("hlsl", Some(Target::Hlsl)),
-    ("msl", Some(Target::Msl)),
-];
-
 pub(super) const PACKINGS: &[(&str, Packing)] =
     &[("paired", Packing::Paired), ("single", Packing::Single)];
 
@@ -68,13 +51,6 @@ pub(super) const LEVELS: &[(&str, Level)] =
 /// Why a planned word is refused.
 pub(super) fn unavailable(key: &str, word: &str) -> String {
     format!("{key} \"{word}\" is not available in this version")
-}
-
-impl Mode {
-    /// The word of the plan.
-    pub fn as_str(self) -> &'static str {
-        word_of(MODES, self)
-    }
 }
 
 impl Basis {
@@ -118,18 +94,6 @@ impl Container {
     }
 }
 
-impl Target {
-    /// Every language that this version emits, in the order of the manual.
-    pub fn all() -> Vec<Target> {
-        TARGETS.iter().filter_map(|(_, target)| *target).collect()
-    }
-
-    /// The word of the plan and of `--target`.
-    pub fn as_str(self) -> &'static str {
-        word_of(TARGETS, self)
-    }
-}
-
-fn word_of<T: Copy + PartialEq>(words: Words<T>, value: T) -> &'static str {
+pub(super) fn word_of<T: Copy + PartialEq>(words: Words<T>, value: T) -> &'static str {
     words.iter().find(|(_, v)| *v == Some(value)).map_or("?", |(word, _)| word)
 }

@@ -1,12 +1,11 @@
 //! Evaluation in f64 on all cores.
 
-use crate::assemble;
 use crate::error::Result;
 use crate::optics::path_difference;
 use crate::reference::{Directions, Reference, evaluate_all};
-use crate::resolve::{Resolved, resolve};
+use crate::specialise;
 use crate::tables::Table;
-use crate::twin::Twin;
+use crate::variant::{Form, Twin};
 
 use super::{Progress, Runner, Subject, has_wavelengths};
 
@@ -43,7 +42,7 @@ impl Runner for Exact<'_> {
 /// The f64 copy of the variant's template, on its tables.
 pub struct TwinRunner<'a> {
     subject: Subject<'a>,
-    resolved: Resolved,
+    form: Form,
     tables: Vec<Table>,
 }
 
@@ -51,16 +50,16 @@ impl<'a> TwinRunner<'a> {
     /// Computes the tables; `packed`: rounded as the shader reads them.
     pub fn new(subject: Subject<'a>, packed: bool) -> Result<TwinRunner<'a>> {
         let Subject { height, rotate_deg, variant } = subject;
-        let resolved = resolve(variant, height)?;
+        let form = Form::new(variant, height)?;
         let round = |table: Table| if packed { table.rounded() } else { table };
-        let tables = assemble::tables(variant, &resolved, height, rotate_deg)?;
+        let tables = specialise::tables(&form, height, rotate_deg)?;
         let tables = tables.into_iter().map(round).collect();
-        Ok(TwinRunner { subject, resolved, tables })
+        Ok(TwinRunner { subject, form, tables })
     }
 
     fn twin(&self) -> Twin<'_> {
         let Subject { rotate_deg, variant, .. } = self.subject;
-        Twin::new(&self.resolved, &self.tables, variant, rotate_deg)
+        Twin::new(&self.form, &self.tables, &variant.optics, rotate_deg)
     }
 }
 
@@ -79,7 +78,7 @@ impl Runner for TwinRunner<'_> {
     }
 
     fn response(&self, directions: &[Directions], lambda_nm: f64) -> Result<Vec<f64>> {
-        has_wavelengths(self.subject.variant)?;
+        has_wavelengths(&self.subject.variant.name, &self.form)?;
         let twin = self.twin();
         let response = |d: Directions, (): &mut ()| {
             let path = path_difference(d.wi, d.wr, self.subject.rotate_deg);

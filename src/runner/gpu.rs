@@ -35,7 +35,7 @@ use std::sync::Arc;
 
 use self::guard::Shared;
 use crate::error::Result;
-use crate::twin::mesh::Vertex;
+use crate::variant::mesh::Vertex;
 
 /// An open device of one adapter.
 #[derive(Clone, Debug)]

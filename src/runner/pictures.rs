@@ -4,17 +4,20 @@ use std::cell::RefCell;
 
 use glam::DVec3;
 
-use crate::assemble;
 use crate::diagnostic::Diagnostic;
 use crate::error::{Error, Result, Stage};
 use crate::frame::{Frame, view_direction};
 use crate::module::Module;
 use crate::optics::gain;
 use crate::reference::Directions;
-use crate::resolve::{Resolved, resolve};
+use crate::specialise;
 use crate::spectrum::from_rgb;
-use crate::tables::{COEFFICIENTS, DIRECTIONS, SPECTRUM, TERMS, Table, TexelFormat};
+use crate::tables::{
+    COEFFICIENTS, DIRECTIONS, SPECTRUM, Scale, Settings, TERMS, Table, TexelFormat,
+    single_wavelength,
+};
 use crate::template::Sources;
+use crate::variant::Form;
 
 use super::{Progress, Runner, Subject, has_wavelengths};
 
@@ -62,8 +65,8 @@ pub struct Prepared<'a> {
     pub subject: Subject<'a>,
     /// Where the shader comes from.
     pub sources: Sources,
-    /// The variant's numbers.
-    pub resolved: Resolved,
+    /// How the variant computes.
+    pub form: Form,
     /// The term table; empty where the mode has none.
     pub terms: Table,
     /// The spectrum table.
@@ -76,8 +79,8 @@ impl<'a> Prepared<'a> {
     /// Computes the tables.
     pub fn new(subject: Subject<'a>) -> Result<Prepared<'a>> {
         let Subject { height, rotate_deg, variant } = subject;
-        let resolved = resolve(variant, height)?;
-        let mut tables = assemble::tables(variant, &resolved, height, rotate_deg)?;
+        let form = Form::new(variant, height)?;
+        let mut tables = specialise::tables(&form, height, rotate_deg)?;
         let mut take = |binding: u32| {
             let place = tables.iter().position(|table| table.binding == binding);
             place.map_or(Table::ABSENT, |place| tables.swap_remove(place))
@@ -86,7 +89,7 @@ impl<'a> Prepared<'a> {
         Ok(Prepared {
             subject,
             sources: Sources::builtin(),
-            resolved,
+            form,
             terms,
             spectrum,
             coefficients,
@@ -96,8 +99,8 @@ impl<'a> Prepared<'a> {
     /// The shader that reads a spectrum table of so many wavelengths.
     pub fn module(&self, wavelengths: usize) -> Result<Module> {
         let Subject { rotate_deg, variant, .. } = self.subject;
-        let defines = assemble::defines(variant, &self.resolved, rotate_deg, wavelengths);
-        assemble::shader(&self.sources, &variant.name, &defines).map_err(first)
+        let defines = specialise::defines(variant, &self.form, rotate_deg, wavelengths);
+        specialise::shader(&self.sources, &variant.name, &self.form, &defines).map_err(first)
     }
 
     /// Compiles the entry point `map` with its tables; its uniform block is [`params`].
@@ -175,8 +178,9 @@ impl<D: Driver> Runner for DriverRunner<'_, D> {
     /// The shader with a single wavelength of weight 1 returns `C·|P|²`; the gain is taken off again in f64.
     fn response(&self, directions: &[Directions], lambda_nm: f64) -> Result<Vec<f64>> {
         let Subject { rotate_deg, variant, .. } = self.prepared.subject;
-        has_wavelengths(variant)?;
-        let spectrum = assemble::single_wavelength(&self.prepared.resolved, lambda_nm, rotate_deg);
+        has_wavelengths(&variant.name, &self.prepared.form)?;
+        let scale = self.prepared.form.series().map_or(Scale::NONE, |series| series.scale());
+        let spectrum = single_wavelength(lambda_nm, Settings { rotate_deg, scale });
         let rho = self.probe(&spectrum, directions, &|_| ())?;
         let gains = directions.iter().map(|d| gain(d.wi, d.wr, &variant.optics));
         Ok(rho

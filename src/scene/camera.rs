@@ -3,7 +3,7 @@
 use glam::{DVec3, dcamera};
 
 use crate::error::{Error, Result, Stage};
-use crate::twin::mesh::MeshParams;
+use crate::variant::mesh::MeshParams;
 
 use super::mesh::Mesh;
 

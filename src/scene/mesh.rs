@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
 use crate::error::{Error, Result, Stage};
-use crate::twin::mesh::{OrientationMap, Vertex};
+use crate::variant::mesh::{OrientationMap, Vertex};
 
 use super::{ColourMap, gltf, obj, tangents};
 

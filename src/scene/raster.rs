@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result, Stage};
-use crate::twin::mesh::{MeshParams, MeshVertex, mesh_vert};
+use crate::variant::mesh::{MeshParams, MeshVertex, mesh_vert};
 
 use super::mesh::Mesh;
 

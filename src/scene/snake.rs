@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use crate::twin::mesh::Vertex;
+use crate::variant::mesh::Vertex;
 
 use super::mesh::Mesh;
 use super::pattern::corn_snake;

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3};
 
-use crate::twin::mesh::Vertex;
+use crate::variant::mesh::Vertex;
 
 use super::mesh::Mesh;
 

@@ -28,7 +28,7 @@ pub(super) fn generate(mesh: &mut Mesh) -> Result<usize> {
         let tangent = tangent.unwrap_or_else(|| any_tangent(vertex.normal));
         *index = *known.entry((*index, tangent.map(f32::to_bits))).or_insert_with(|| {
             let tangent = DVec4::from(tangent.map(f64::from));
-            vertices.push(crate::twin::mesh::Vertex { tangent, ..vertex });
+            vertices.push(crate::variant::mesh::Vertex { tangent, ..vertex });
             vertices.len() as u32 - 1
         });
     }
@@ -49,7 +49,7 @@ struct Corners<'a> {
 }
 
 impl Corners<'_> {
-    fn vertex(&self, face: usize, corner: usize) -> &crate::twin::mesh::Vertex {
+    fn vertex(&self, face: usize, corner: usize) -> &crate::variant::mesh::Vertex {
         &self.mesh.vertices[self.mesh.triangles[face][corner] as usize]
     }
 }

@@ -7,8 +7,8 @@ use crate::runner::gpu::Gpu;
 use crate::scene::{Mesh, raster};
 use crate::spectrum::from_rgb;
 use crate::tables::Table;
-use crate::twin::Twin;
-use crate::twin::mesh::{MeshParams, Vertex, in_frame, mesh as shaded};
+use crate::variant::Twin;
+use crate::variant::mesh::{MeshParams, Vertex, in_frame, mesh as shaded};
 
 use super::{directions, relative_radiance};
 
@@ -48,7 +48,7 @@ pub fn truth(
         .map(|t| t.clone().rounded())
         .into();
     let subject = prepared.subject;
-    let twin = Twin::new(&prepared.resolved, &tables, subject.variant, subject.rotate_deg);
+    let twin = Twin::new(&prepared.form, &tables, &subject.variant.optics, subject.rotate_deg);
     let colour = subject.variant.optics.colour;
     let (mut edges, mut facing, mut apart) = (0, 0, Vec::new());
     let (mut exact, mut shading, mut picture) = (Vec::new(), Vec::new(), Vec::new());

@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use crate::error::Result;
 use crate::field::Scratch;
 use crate::optics::{path_difference, window_sigma_um};
-use crate::plan::{Grating, Mode};
+use crate::plan::Grating;
 use crate::reference::{Reference, evaluate_all};
-use crate::resolve::resolve;
+use crate::variant::Form;
 use crate::runner::{Runner, Subject};
 
 use super::{Lobe, Measurement, Profile, Protocol, measure};
@@ -75,10 +75,7 @@ pub fn yardstick(
 ) -> Result<Option<Measurement>> {
     let Some(closed) = Profile::new(grating) else { return Ok(None) };
     let optics = &subject.variant.optics;
-    let replicas = match subject.variant.mode {
-        Mode::Pq => Some(replicas(subject)?),
-        _ => None,
-    };
+    let replicas = Form::new(subject.variant, subject.height)?.replicas();
     let lobe = |lambda_nm: f64| match replicas {
         Some([(periods, _), (rows, side_um)]) => {
             Lobe::Replicas { periods, length_um: rows * side_um }
@@ -95,15 +92,9 @@ pub fn yardstick(
 /// length, or for replicas the whole surface.
 pub fn extent_um(subject: Subject<'_>, longest_nm: f64) -> Result<f64> {
     let coherence_um = 4.0 * window_sigma_um(&subject.variant.optics, longest_nm);
-    if subject.variant.mode != Mode::Pq {
-        return Ok(coherence_um);
-    }
-    let sides = replicas(subject)?.map(|(count, side_um)| count * side_um);
-    Ok(coherence_um.max(sides[0]).max(sides[1]))
-}
-
-/// How often the patch is repeated along x and y, and its sides, µm.
-fn replicas(subject: Subject<'_>) -> Result<[(f64, f64); 2]> {
-    let resolved = resolve(subject.variant, subject.height)?;
-    Ok([0, 1].map(|i| (f64::from(resolved.periods[i]), resolved.patch_um[i])))
+    let replicas = Form::new(subject.variant, subject.height)?.replicas();
+    Ok(replicas.map_or(coherence_um, |replicas| {
+        let sides = replicas.map(|(count, side_um)| count * side_um);
+        coherence_um.max(sides[0]).max(sides[1])
+    }))
 }

@@ -9,7 +9,8 @@ use crate::error::Error;
 use crate::height::HeightField;
 use crate::plan::{Auto, Basis, Plan, Variant};
 use crate::record::Verdict;
-use crate::resolve::resolve;
+use crate::variant::Form;
+use crate::tables::Series;
 
 use super::grid::{GRIDS, name, product};
 use super::preset::of_grid;
@@ -108,11 +109,11 @@ fn lay(
         let why = "[optics] says what is right; give it these values to tune for them".to_owned();
         return Err(lose(name, preset, Verdict::Optics, why));
     }
-    match resolve(&variant, height) {
-        Ok(resolved) => {
-            let bounds = prune::bounds(&variant, &resolved);
-            let form = form(&variant);
-            Ok(Candidate { variant, resolved, preset, form, bounds })
+    match Form::new(&variant, height) {
+        Ok(on) => {
+            let bounds = prune::bounds(&variant, &on);
+            let (kind, cost) = (kind(&variant), on.cost());
+            Ok(Candidate { variant, on, preset, kind, bounds, cost })
         }
         Err(error) => {
             let why = plain(&[error], &name);
@@ -130,7 +131,7 @@ fn differs_in_optics(variant: &Variant, plan: &Plan) -> bool {
 /// Numbers of a configuration that counts and bounds are about.
 const NUMBERS: [&str; 5] = ["terms", "term_error", "window_radius", "step_nm", "periods"];
 
-fn form(variant: &Variant) -> String {
+fn kind(variant: &Variant) -> String {
     let mut settings: BTreeMap<String, serde_json::Value> =
         serde_json::from_str(&variant.canonical()).unwrap_or_default();
     settings.retain(|key, _| !NUMBERS.contains(&key.as_str()));
@@ -139,10 +140,10 @@ fn form(variant: &Variant) -> String {
 
 /// The configuration with the counts that were left to the tool.
 fn effective(candidate: &Candidate) -> String {
-    let Candidate { variant, resolved, .. } = candidate;
+    let Candidate { variant, on, .. } = candidate;
     let counted = Variant {
-        terms: Auto::Value(resolved.expansion.terms),
-        window_radius: Auto::Value(resolved.window_radius),
+        terms: on.series().map(Series::terms).map_or(variant.terms, Auto::Value),
+        window_radius: on.window_radius().map_or(variant.window_radius, Auto::Value),
         ..variant.clone()
     };
     counted.hash()

@@ -2,13 +2,13 @@
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
-use crate::assemble;
 use crate::manifest::extent;
 use crate::optics;
-use crate::plan::{Mode, Variant};
+use crate::plan::Variant;
 use crate::profile::Profile;
 use crate::record::{Bounds, Verdict};
-use crate::resolve::{Resolved, replica_tail, window_tail};
+use crate::specialise;
+use crate::variant::Form;
 
 use super::{Candidate, Lost};
 
@@ -53,32 +53,16 @@ pub fn prune(
     (kept.collect(), lost)
 }
 
-/// What is known of a variant's error; 0 for what its mode does not have.
-pub fn bounds(variant: &Variant, resolved: &Resolved) -> Bounds {
+/// What is known of a variant's error; 0 for what its form does not have.
+pub fn bounds(variant: &Variant, form: &Form) -> Bounds {
     let settings: serde_json::Value =
         serde_json::from_str(&variant.canonical()).unwrap_or_default();
-    let reads = |key: &str| settings.get(key).is_some();
-    let tail = match variant.mode {
-        Mode::Pq => replica_tail(resolved.periods, resolved.taps, resolved.pixels),
-        _ => missed(variant, resolved),
-    };
+    let has_step = settings.get("step_nm").is_some();
     Bounds {
-        phase: if reads("terms") { resolved.expansion.bound() } else { 0.0 },
-        tail: if reads("window_radius") { tail } else { 0.0 },
-        step: if reads("step_nm") { aliasing(variant) } else { 0.0 },
+        phase: form.series().map_or(0.0, |series| series.expansion().bound()),
+        tail: form.missed(),
+        step: if has_step { aliasing(variant) } else { 0.0 },
     }
-}
-
-/// Light of a lobe in bins that are not read. The share of what is at a place ([`window_tail`]) is large between narrow
-/// lobes, where there is next to nothing; so the share of the lobe's greatest value counts where it is smaller.
-fn missed(variant: &Variant, resolved: &Resolved) -> f64 {
-    let radius = resolved.window_radius;
-    let widest = [variant.wavelengths.min_nm, variant.wavelengths.max_nm].map(|nm| {
-        let longest = resolved.patch_um[0].max(resolved.patch_um[1]);
-        longest / (TAU * optics::window_sigma_um(&variant.optics, nm))
-    });
-    let nearest = (f64::from(radius) + 0.5) / widest[0].max(widest[1]);
-    window_tail(variant, resolved.patch_um, radius).min((-nearest * nearest).exp())
 }
 
 /// Sum of a Gaussian lobe at equal steps against its integral: Poisson's formula has `2 exp(-2π² (σ/step)²)` as its first
@@ -92,7 +76,6 @@ fn aliasing(variant: &Variant) -> f64 {
 }
 
 fn unfit(candidate: &Candidate, limits: &Limits, rotate_deg: f64) -> Option<(Verdict, String)> {
-    let Candidate { variant, resolved, .. } = candidate;
     if let Some(most) = limits.max_table_mib {
         let mib = mib(candidate.table_bytes());
         if mib > most {
@@ -101,10 +84,7 @@ fn unfit(candidate: &Candidate, limits: &Limits, rotate_deg: f64) -> Option<(Ver
         }
     }
     let profile = limits.fits?;
-    let tables = match assemble::shapes(variant, resolved, rotate_deg) {
-        Ok(tables) => tables,
-        Err(error) => return Some((Verdict::Failed, error.to_string())),
-    };
+    let tables = specialise::shapes(&candidate.on, rotate_deg);
     let misfit = tables.iter().find(|table| !profile.limits().allow(extent(table)))?;
     let why = format!(
         "its table {} of {} × {} texels and {} layers is larger than {} guarantees",
@@ -126,13 +106,13 @@ fn too_far(candidate: &Candidate, limits: &Limits) -> Option<(Verdict, String)> 
     Some((Verdict::Bound, format!("{} up to {bound:.2} {}", names[at], what[at])))
 }
 
-/// A candidate of the same form that costs no more, has bounds no larger, and is better in one of them; of equals the
+/// A candidate of the same kind that costs no more, has bounds no larger, and is better in one of them; of equals the
 /// first is left.
 fn dominator(all: &[Candidate], at: usize) -> Option<usize> {
     let one = &all[at];
     let beats = |(i, other): &(usize, &Candidate)| {
         let (a, b) = (other.bounds.all(), one.bounds.all());
-        let no_worse = other.form == one.form
+        let no_worse = other.kind == one.kind
             && other.fetches() <= one.fetches()
             && other.table_bytes() <= one.table_bytes()
             && a.iter().zip(&b).all(|(a, b)| a <= b);

@@ -59,7 +59,7 @@ pub fn search<E>(
     let mut states: Vec<Option<State>> = vec![None; candidates.len()];
     // the fewest texels of any within the budget, and whose they are
     let mut best: Option<usize> = None;
-    for form in forms(candidates) {
+    for form in kinds(candidates) {
         let mut first = true;
         loop {
             if let Some(best) = best {
@@ -114,10 +114,10 @@ pub fn to_time(candidates: &[Candidate], states: &[State], budget_de: f64) -> Ve
     let mut within: Vec<usize> =
         measured.iter().filter(|(_, p95)| *p95 <= budget_de).map(|(i, _)| *i).collect();
     by_cost(candidates, &mut within);
-    // of every form one, since a texel of one form may take longer than one of another
+    // of every kind one, since a texel of one kind may take longer than one of another
     let mut seen = BTreeSet::new();
     let (firsts, rest): (Vec<usize>, Vec<usize>) =
-        within.iter().partition(|i| seen.insert(candidates[**i].form.as_str()));
+        within.iter().partition(|i| seen.insert(candidates[**i].kind.as_str()));
     let mut within = [firsts, rest].concat();
     within.truncate(MOST_WITHIN);
     by_cost(candidates, &mut within);
@@ -136,14 +136,14 @@ const MOST_WITHIN: usize = 12;
 /// Most of those that miss it.
 const MOST_NEAR: usize = 3;
 
-/// Candidates by their form, cheapest first; the form with the cheapest first.
-fn forms(candidates: &[Candidate]) -> Vec<Vec<usize>> {
+/// Candidates by their kind, cheapest first; the kind with the cheapest first.
+fn kinds(candidates: &[Candidate]) -> Vec<Vec<usize>> {
     let mut all: Vec<usize> = (0..candidates.len()).collect();
     by_cost(candidates, &mut all);
     let mut seen = BTreeSet::new();
-    let forms = all.iter().map(|i| candidates[*i].form.as_str()).filter(|form| seen.insert(*form));
-    let of = |form: &str| all.iter().copied().filter(|i| candidates[*i].form == form).collect();
-    forms.map(of).collect()
+    let kinds = all.iter().map(|i| candidates[*i].kind.as_str()).filter(|kind| seen.insert(*kind));
+    let of = |kind: &str| all.iter().copied().filter(|i| candidates[*i].kind == kind).collect();
+    kinds.map(of).collect()
 }
 
 fn by_cost(candidates: &[Candidate], places: &mut [usize]) {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::bench::result::settings;
 use crate::plan::{Plan, Variant};
 use crate::record::{Bench, LightError, Time, Tune, Verdict};
-use crate::resolve::Cost;
+use crate::variant::Cost;
 
 use super::prune::Limits;
 use super::search::State;

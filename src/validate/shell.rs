@@ -7,7 +7,8 @@ use std::{
 
 use tempfile::TempDir;
 
-use crate::emit::FUNCTIONS;
+use crate::module::function_names;
+use crate::variant::{DIRECTIONAL, FUNCTIONS, Function as _};
 
 /// Begin of the names of shells.
 pub const NAME: &str = "shell";
@@ -88,10 +89,10 @@ fn shells(language: &str, text: &str) -> Result<Vec<(String, String)>, String> {
 
 /// The sum of all functions, called with that direction twice.
 fn calls(text: &str, begin: &str, direction: &str) -> Result<String, String> {
-    let declared = FUNCTIONS.iter().filter(|name| text.contains(&format!("\n{begin}{name}(")));
+    let declared = function_names(&FUNCTIONS).into_iter().filter(|name| text.contains(&format!("\n{begin}{name}(")));
     let calls: Vec<String> =
         declared.map(|name| format!("{name}({direction}, {direction})")).collect();
-    let [first, ..] = FUNCTIONS;
+    let first = DIRECTIONAL.name();
     if !calls.iter().any(|call| call.starts_with(first)) {
         return Err(format!("there is no function `{first}`"));
     }
@@ -100,14 +101,14 @@ fn calls(text: &str, begin: &str, direction: &str) -> Result<String, String> {
 
 /// Textures and the sampler are parameters in WGSL: the shell binds one for each.
 fn wgsl(text: &str) -> Result<String, String> {
-    let [first, ..] = FUNCTIONS;
+    let first = DIRECTIONAL.name();
     if !text.starts_with(&format!("fn {first}(")) {
         return Err(format!("the text does not begin with `fn {first}(`"));
     }
     let mut shell = text.to_owned();
     let mut calls = Vec::new();
     let mut bound: Vec<String> = Vec::new();
-    for name in FUNCTIONS {
+    for name in function_names(&FUNCTIONS) {
         let mut lines = text.lines();
         let Some(parameters) = lines.find_map(|l| l.strip_prefix(&format!("fn {name}("))) else {
             continue;

@@ -10,6 +10,7 @@ use std::{
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use crate::{
+    variant::FUNCTIONS,
     module::{Contract, Stage},
     process::{GLSLANG, GLSLANG_PACKAGE, accepted, hlsl_options, hlsl_to_spirv, on_path, run},
 };
@@ -215,7 +216,7 @@ impl Tool for HlslSpirv {
         let spirv = folder.path().join("shader.spv");
         for Input { name, file } in shell::inputs(file)?.files {
             let text = fs::read_to_string(&file).map_err(|error| error.to_string())?;
-            let mesh = Contract::package(true).entry_points.into_iter();
+            let mesh = Contract::package(&FUNCTIONS, true).entry_points.into_iter();
             let known = hlsl_entries(&name);
             let more = mesh
                 .filter(|point| !known.contains(point) && text.contains(&format!(" {}(", point.0)));

@@ -164,7 +164,7 @@ packing = \"single\"
 hoist = false
 ";
     fs::write(&plan, text).unwrap();
-    let plan = Plan::read_all(&plan).unwrap_or_else(|errors| panic!("{errors:#?}"));
+    let plan = input::read_plan(&plan).unwrap_or_else(|errors| panic!("{errors:#?}"));
     let request = Request {
         surfaces: &plan.surfaces,
         variants: &plan.variants,

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use anyhow::Result;
+use diffraction_shaders::input;
 use diffraction_shaders::plan::Plan;
 
 use crate::console::{Console, Errors};
@@ -19,7 +20,7 @@ pub(crate) struct PlanArgs {
 impl PlanArgs {
     /// Reads the plan and tells its notes; the error holds every fault.
     pub(crate) fn read(&self, console: &Console) -> Result<Plan> {
-        let plan = Plan::read_all(&self.plan).map_err(Errors)?;
+        let plan = input::read_plan(&self.plan).map_err(Errors)?;
         plan.notes.iter().for_each(|note| console.note(note));
         Ok(plan)
     }

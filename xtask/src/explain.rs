@@ -3,10 +3,10 @@
 use std::num::NonZeroUsize;
 
 use anyhow::{Context, Result, bail};
-use diffraction_shaders::assemble;
+use diffraction_shaders::specialise;
 use diffraction_shaders::diagnostic::Diagnostic;
-use diffraction_shaders::height;
-use diffraction_shaders::resolve::resolve;
+use diffraction_shaders::input;
+use diffraction_shaders::variant::Form;
 use diffraction_shaders::template::{Origin, Sources, Specialised, specialise};
 
 use crate::Outcome;
@@ -40,16 +40,15 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         Some(name) => plan.surface(name)?,
         None => plan.surfaces.first().context("the plan has no surface")?,
     };
-    let loaded = height::load(spec)?;
-    let resolved = resolve(&variant, &loaded.field)?;
-    let tables = assemble::shapes(&variant, &resolved, spec.rotate_deg)?;
-    let nodes = assemble::node_count(&tables);
-    let defines = assemble::defines(&variant, &resolved, spec.rotate_deg, nodes);
+    let loaded = input::load_surface(spec)?;
+    let form = Form::new(&variant, &loaded.field)?;
+    let nodes = specialise::node_count(&specialise::shapes(&form, spec.rotate_deg));
+    let defines = specialise::defines(&variant, &form, spec.rotate_deg, nodes);
     let sources = Sources::builtin();
     let label = format!("{} {}", spec.name, variant.name);
     let named = |all: Vec<Diagnostic>| all.into_iter().map(|d| d.variant(&label)).collect();
     let specialised =
-        specialise(&sources, assemble::ROOT, &defines).map_err(|all| Diagnostics(named(all)))?;
+        specialise(&sources, specialise::ROOT, &defines).map_err(|all| Diagnostics(named(all)))?;
     let text = match args.line {
         Some(line) => one(&specialised, &sources, line.get())
             .with_context(|| format!("--line {line}: {label}"))?,

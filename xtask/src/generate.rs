@@ -6,7 +6,10 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::{Context, Result};
+use diffraction_shaders::diagnostic::Diagnostic;
+use diffraction_shaders::error::Error;
 use diffraction_shaders::generate::{self, Generated, Request, Step};
+use diffraction_shaders::input::read_surfaces;
 use diffraction_shaders::package::{self, Compare, Package, Report, Stamp};
 use diffraction_shaders::plan::{Plan, Target, Variant};
 use diffraction_shaders::readme;
@@ -81,8 +84,10 @@ fn build(
     let keep = |path: &str, target: Target| {
         !selection.targets.contains(&target) && out.join(path).is_file()
     };
+    let errors = |all: Vec<Error>| Diagnostics(all.iter().map(Diagnostic::from).collect());
+    let surfaces = read_surfaces(&plan.surfaces).map_err(errors)?;
     let request = Request {
-        surfaces: &plan.surfaces,
+        surfaces: &surfaces,
         variants: &selection.variants,
         targets: &targets,
         containers: &plan.containers,

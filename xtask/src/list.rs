@@ -5,11 +5,12 @@ pub(crate) mod table;
 use std::collections::BTreeMap;
 
 use anyhow::Result;
-use diffraction_shaders::height;
+use diffraction_shaders::input;
 use diffraction_shaders::plan::{
-    Auto, Grating, Mode, Plan, Rejected, SurfaceSource, SurfaceSpec, Variant,
+    Auto, Grating, Plan, Rejected, SurfaceSource, SurfaceSpec, Variant,
 };
-use diffraction_shaders::resolve::{Resolved, resolve};
+use diffraction_shaders::tables::Series;
+use diffraction_shaders::variant::Form;
 use serde_json::{Value, json};
 
 use crate::Outcome;
@@ -38,17 +39,17 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
 }
 
 /// Each variant on each surface that can be read, by the names of variant and surface.
-type Costs = BTreeMap<(String, String), Resolved>;
+type Costs = BTreeMap<(String, String), Form>;
 
 fn costs(plan: &Plan, console: &Console) -> Costs {
     let mut costs = Costs::new();
     for spec in &plan.surfaces {
-        match height::load(spec) {
+        match input::load_surface(spec) {
             Ok(surface) => {
                 for variant in &plan.variants {
                     let key = (variant.name.clone(), spec.name.clone());
-                    match resolve(variant, &surface.field) {
-                        Ok(resolved) => drop(costs.insert(key, resolved)),
+                    match Form::new(variant, &surface.field) {
+                        Ok(form) => drop(costs.insert(key, form)),
                         Err(reason) => console.note(&format!("{}: left out: {reason}", spec.name)),
                     }
                 }
@@ -84,16 +85,17 @@ pub(crate) fn surface_object(surface: &SurfaceSpec) -> Value {
 fn variant_object(variant: &Variant, plan: &Plan, costs: &Costs) -> Value {
     let cost = plan.surfaces.iter().filter_map(|surface| {
         let on = costs.get(&(variant.name.clone(), surface.name.clone()))?;
+        let counted = on.cost();
         let cost = json!({
             "surface": surface.name,
-            "terms": on.expansion.terms,
-            "window_radius": on.window_radius,
-            "evaluations_mean": on.cost.evaluations_mean,
-            "evaluations_worst": on.cost.evaluations,
-            "term_fetches": on.cost.term_fetches,
-            "fetches": on.cost.fetches,
-            "fetches_mean": on.cost.fetches_mean,
-            "table_bytes": on.cost.table_bytes,
+            "terms": on.series().map(Series::terms),
+            "window_radius": on.window_radius(),
+            "evaluations_mean": counted.evaluations_mean,
+            "evaluations_worst": counted.evaluations,
+            "term_fetches": counted.term_fetches,
+            "fetches": counted.fetches,
+            "fetches_mean": counted.fetches_mean,
+            "table_bytes": counted.table_bytes,
         });
         Some(cost)
     });
@@ -118,9 +120,10 @@ fn variant_object(variant: &Variant, plan: &Plan, costs: &Costs) -> Value {
 
 /// Wavelength nodes of a mode that has them.
 fn samples(variant: &Variant) -> Value {
-    match variant.mode {
-        Mode::Full | Mode::Pq => json!(variant.wavelengths.nodes_nm().len()),
-        Mode::Adaptive | Mode::Gems | Mode::Baked => Value::Null,
+    if variant.has_uniform_wavelengths() {
+        json!(variant.wavelengths.nodes_nm().len())
+    } else {
+        Value::Null
     }
 }
 
@@ -155,6 +158,11 @@ fn human(plan: &Plan, costs: &Costs) -> String {
     text
 }
 
+/// A number, or a dash where there is none.
+pub(crate) fn or_dash(number: Option<u32>) -> String {
+    number.map_or_else(|| "-".to_owned(), |number| number.to_string())
+}
+
 /// One line for each cost, with the surfaces that share it.
 fn cost_table(plan: &Plan, costs: &Costs) -> String {
     let mut rows: Vec<Vec<String>> = Vec::new();
@@ -164,15 +172,16 @@ fn cost_table(plan: &Plan, costs: &Costs) -> String {
             let Some(on) = costs.get(&(variant.name.clone(), surface.name.clone())) else {
                 continue;
             };
+            let cost = on.cost();
             let numbers = [
-                on.expansion.terms.to_string(),
-                on.window_radius.to_string(),
-                format!("{:.1}", on.cost.evaluations_mean),
-                on.cost.evaluations.to_string(),
-                on.cost.term_fetches.to_string(),
-                format!("{:.1}", on.cost.fetches_mean),
-                on.cost.fetches.to_string(),
-                format!("{:.1}", on.cost.table_bytes as f64 / 1024.0),
+                or_dash(on.series().map(Series::terms)),
+                or_dash(on.window_radius()),
+                format!("{:.1}", cost.evaluations_mean),
+                cost.evaluations.to_string(),
+                cost.term_fetches.to_string(),
+                format!("{:.1}", cost.fetches_mean),
+                cost.fetches.to_string(),
+                format!("{:.1}", cost.table_bytes as f64 / 1024.0),
             ];
             match rows[begin..].iter_mut().find(|row| row[2..] == numbers) {
                 Some(row) => row[1] = format!("{}, {}", row[1], surface.name),

@@ -2,6 +2,7 @@
 
 use anyhow::{Result, bail};
 use diffraction_shaders::height::{self, Surface};
+use diffraction_shaders::input;
 use diffraction_shaders::plan::{Plan, SurfaceSpec, Variant};
 use diffraction_shaders::runner::{Exact, Runner, Subject, TwinRunner};
 
@@ -40,7 +41,7 @@ impl Job {
                 (variant, min_nm)
             }
         };
-        let surface = height::load(&spec)?;
+        let surface = input::load_surface(&spec)?;
         surface.notes.iter().for_each(|note| console.note(note));
         surface.field.check_pitch(&height::subject(&spec), min_nm)?;
         Ok(Job { spec, surface, variant })

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use diffraction_shaders::height::{self, Surface};
+use diffraction_shaders::input;
 use diffraction_shaders::plan::{Plan, SurfaceSpec};
 use diffraction_shaders::record::{self, Gap, Log, Record, Testbench};
 use diffraction_shaders::testbench::{
@@ -37,7 +38,7 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     if let ([], [gap]) = (tasks.as_slice(), gaps.as_slice()) {
         bail!("variant {}: {}", gap.variant.as_deref().unwrap_or_default(), gap.reason);
     }
-    let surface = height::load(spec)?;
+    let surface = input::load_surface(spec)?;
     surface.notes.iter().for_each(|note| console.note(note));
     let protocol = protocol(args, spec, &surface)?;
     let crops = crops(args, spec, &surface)?;

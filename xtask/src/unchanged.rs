@@ -16,7 +16,7 @@ const KEPT: Duration = Duration::from_secs(7 * 24 * 3600);
 /// Hash of this very program, so that no other's numbers are taken for its own.
 pub(crate) fn program() -> Option<String> {
     let bytes = fs::read(std::env::current_exe().ok()?).ok()?;
-    Some(diffraction_shaders::package::sha256(&bytes))
+    Some(diffraction_shaders::hash::sha256(&bytes))
 }
 
 /// The folder of this program's finished tables, stamps among them.
@@ -52,8 +52,8 @@ impl Expected {
         out: &Path,
         program: &str,
     ) -> Option<Expected> {
-        let hash = |text: String| diffraction_shaders::package::sha256(text.as_bytes());
-        let inputs = input_hash(request).ok()?;
+        let hash = |text: String| diffraction_shaders::hash::sha256(text.as_bytes());
+        let inputs = input_hash(request);
         let out = std::path::absolute(out).ok()?;
         let name = format!("stamp-{}.json", hash(out.display().to_string()));
         let file = request.cache?.join(name);

@@ -8,7 +8,7 @@ use super::program::{Texture, dimension, layout_entry, linear, samplers, upload}
 use super::readback::read_back;
 use crate::error::{Error, Result, Stage};
 use crate::scene::ColourMap;
-use crate::twin::mesh::Vertex;
+use crate::variant::mesh::Vertex;
 
 /// Numbers of a vertex: position, normal, tangent, texture coordinates, angle.
 pub const VERTEX_NUMBERS: usize = 13;

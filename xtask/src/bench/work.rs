@@ -12,9 +12,10 @@ use diffraction_shaders::bench::scaling::{self, Axis};
 use diffraction_shaders::bench::stats::median;
 use diffraction_shaders::bench::yardstick::Yardstick;
 use diffraction_shaders::height::{self, Surface};
+use diffraction_shaders::input;
 use diffraction_shaders::plan::{SurfaceSpec, Variant};
 use diffraction_shaders::record::Gap;
-use diffraction_shaders::resolve::resolve;
+use diffraction_shaders::variant::Form;
 use diffraction_shaders::runner::gpu::{AdapterInfo, Gpu};
 use indicatif::ProgressBar;
 
@@ -65,7 +66,7 @@ pub(super) fn run(args: &Args, budget: Duration, console: &Console) -> Result<Ou
     let mut output = Output::open(args, console)?;
     let mut surfaces = Vec::new();
     for spec in specs {
-        let surface = height::load(&spec)?;
+        let surface = input::load_surface(&spec)?;
         surface.notes.iter().for_each(|note| console.note(note));
         surfaces.push((spec, surface));
     }
@@ -203,7 +204,7 @@ impl Run<'_> {
                 let mut possible = Vec::new();
                 for point in points {
                     let height = point.height.as_ref().unwrap_or(surface);
-                    match resolve(&point.variant, height) {
+                    match Form::new(&point.variant, height) {
                         Ok(_) => possible.push(point),
                         Err(error) => {
                             let why = format!("{} {}: {error}", axis.name(), point.value);

@@ -4,7 +4,7 @@ use diffraction_shaders::height::inspect::{Axis, Facts, TRIM_PERCENT};
 use diffraction_shaders::inspect::{Inspection, TERM_ERRORS};
 use diffraction_shaders::plan::{SurfaceSource, SurfaceSpec};
 
-use crate::list::{source, table};
+use crate::list::{or_dash, source, table};
 
 /// Columns of a line, beyond which sentences are broken.
 const WIDTH: usize = 100;
@@ -235,8 +235,8 @@ fn cost(found: &Inspection) -> String {
     let rows = found.variants.iter().map(|variant| {
         vec![
             variant.name.clone(),
-            variant.terms.to_string(),
-            variant.window_radius.to_string(),
+            or_dash(variant.terms),
+            or_dash(variant.window_radius),
             variant.cost.evaluations.to_string(),
             variant.cost.fetches.to_string(),
             format!("{:.1}", variant.cost.table_bytes as f64 / 1024.0),

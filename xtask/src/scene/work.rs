@@ -6,6 +6,7 @@ use std::time::Instant;
 use anyhow::{Result, bail};
 use diffraction_shaders::compare::tolerance;
 use diffraction_shaders::height::{self, Surface};
+use diffraction_shaders::input;
 use diffraction_shaders::plan::{Plan, SurfaceSpec, Variant};
 use diffraction_shaders::record::Part;
 use diffraction_shaders::runner::gpu::{Backend, Gpu};
@@ -50,7 +51,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let mut skins = Vec::new();
     for name in &args.surface {
         let spec = plan.surface(name)?.clone();
-        let surface = height::load(&spec)?;
+        let surface = input::load_surface(&spec)?;
         surface.notes.iter().for_each(|note| console.note(note));
         surface.field.check_pitch(&height::subject(&spec), variant.wavelengths.min_nm)?;
         skins.push(Skin { spec, surface });
@@ -200,7 +201,7 @@ fn judge(
     for skin in skins {
         let (height, rotate_deg) = (&skin.surface.field, skin.spec.rotate_deg);
         let mut prepared = Prepared::new(Subject { height, rotate_deg, variant })?;
-        let allowed = tolerance(Part::Arithmetic, variant, &prepared.resolved);
+        let allowed = prepared.form.promise().tolerance(Part::Arithmetic);
         let allowed = allowed.and_then(|t| t.max_abs).unwrap_or_default();
         let agrees = |found: &Truth| {
             found.shading.max_abs <= allowed

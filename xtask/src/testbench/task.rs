@@ -5,7 +5,7 @@ use diffraction_shaders::height::inspect::facts;
 use diffraction_shaders::height::{HeightField, Surface, subject};
 use diffraction_shaders::plan::{Mode, Plan, SurfaceSource, SurfaceSpec, Variant, Wavelengths};
 use diffraction_shaders::record::{Gap, Testbench};
-use diffraction_shaders::resolve::resolve;
+use diffraction_shaders::variant::Form;
 use diffraction_shaders::testbench::{self, Crop, Measurement, Protocol};
 
 use super::Args;
@@ -94,7 +94,7 @@ impl Task {
     /// Why the variant has no meaning on the heights, if it has none.
     pub(super) fn refusal(&self, field: &HeightField) -> Option<String> {
         let applies = self.runner.runner != Runner::Exact;
-        let refused = applies.then(|| resolve(&self.variant, field).err()).flatten();
+        let refused = applies.then(|| Form::new(&self.variant, field).err()).flatten();
         refused.map(|error| format!("not applicable: {error}"))
     }
 

@@ -6,11 +6,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::{Context, Result, bail};
 use diffraction_shaders::bench::driver::Scene;
 use diffraction_shaders::height::{self, HeightField};
+use diffraction_shaders::input;
 use diffraction_shaders::plan::{Plan, SurfaceSpec, Variant};
 use diffraction_shaders::profile::Profile;
 use diffraction_shaders::record::{self, Log, Record, Tune, Verdict};
 use diffraction_shaders::report::front_picture;
-use diffraction_shaders::resolve::resolve;
+use diffraction_shaders::variant::Form;
 use diffraction_shaders::runner::Subject;
 use diffraction_shaders::runner::gpu::Gpu;
 use diffraction_shaders::tune::candidates::candidates;
@@ -36,7 +37,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let plan = args.surface.plan.read(console)?;
     let spec = plan.surface(&args.surface.surface)?.clone();
     let gpu = timing::open(args)?;
-    let surface = height::load(&spec)?;
+    let surface = input::load_surface(&spec)?;
     surface.notes.iter().for_each(|note| console.note(note));
     surface.field.check_pitch(&height::subject(&spec), 380.0)?;
     if let Some(folder) = &args.out {
@@ -147,7 +148,7 @@ fn results(
     if stopped() {
         interrupt::exit();
     }
-    let cost = resolve(&texts, height)?.cost;
+    let cost = Form::new(&texts, height)?.cost();
     Ok(Results { candidates, states, lost, times, baseline: Baseline { errors, time, cost } })
 }
 

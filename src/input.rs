@@ -1,0 +1,196 @@
+//! What a run reads from files: a plan, and the spectra and height fields that it names.
+//!
+//! Every file is read once and hashed as it is read, so a file that changes meanwhile cannot lend its name to numbers of
+//! another content. What was read is handed on as bytes; nothing behind this module opens an input.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::Path;
+use std::sync::OnceLock;
+
+use serde_json::json;
+
+use crate::error::{Error, Result, Stage};
+use crate::hash::{of_value, sha256};
+use crate::height::{self, Origin, Surface, read::MAX_FILE_BYTES};
+use crate::plan::{FileSource, Illuminant, Plan, SurfaceSource, SurfaceSpec};
+use crate::spectrum;
+
+/// Largest plan that is read.
+pub const MAX_PLAN_BYTES: u64 = 4 << 20;
+
+/// Largest illuminant table that is read.
+const MAX_ILLUMINANT_BYTES: u64 = 1 << 20;
+
+/// Reads and checks a plan and the illuminants that it names, files relative to its folder; returns all errors, those of the
+/// plan in the order of its text.
+pub fn read_plan(path: &Path) -> Result<Plan, Vec<Error>> {
+    let text = read_text(path).map_err(|error| vec![error])?;
+    let mut plan = Plan::parse_all(&text, path)?;
+    let mut known = BTreeMap::new();
+    let mut errors = Vec::new();
+    let folder = plan.folder.clone();
+    let optics = plan.variants.iter_mut().map(|variant| &mut variant.optics);
+    for illuminant in optics.chain([&mut plan.optics]).map(|optics| &mut optics.illuminant) {
+        if spectrum::is_named(illuminant.name()) {
+            continue;
+        }
+        let name = illuminant.name().to_owned();
+        let read = known.entry(name).or_insert_with(|| {
+            read_illuminant(&folder, illuminant).map_err(|error| errors.push(error)).ok()
+        });
+        if let Some(read) = read {
+            *illuminant = read.clone();
+        }
+    }
+    if errors.is_empty() { Ok(plan) } else { Err(errors) }
+}
+
+fn read_text(path: &Path) -> Result<String> {
+    let error = |cause: &str| Error::new(Stage::Plan, path.display(), cause);
+    let unreadable = |e: std::io::Error| {
+        let remedy = "write one, or name another with --plan";
+        error("cannot be read").source(e).remedy(remedy)
+    };
+    let file = File::open(path).map_err(unreadable)?;
+    if file.metadata().map_err(unreadable)?.is_dir() {
+        return Err(error("is a folder")
+            .remedy(format!("name the file, such as {}", path.join("plan.toml").display())));
+    }
+    let mut bytes = Vec::new();
+    file.take(MAX_PLAN_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    if bytes.len() as u64 > MAX_PLAN_BYTES {
+        return Err(
+            error("is larger than 4 MiB").remedy("a plan is a short text: is this the right file?")
+        );
+    }
+    String::from_utf8(bytes).map_err(|e| {
+        let valid = e.utf8_error().valid_up_to();
+        let line = e.as_bytes()[..valid].iter().filter(|byte| **byte == b'\n').count() + 1;
+        Error::new(Stage::Plan, format!("{}:{line}", path.display()), "is not UTF-8 text")
+            .remedy("save it as UTF-8")
+    })
+}
+
+fn read_illuminant(folder: &Path, illuminant: &Illuminant) -> Result<Illuminant> {
+    let path = folder.join(illuminant.name());
+    let fail = |cause: String| {
+        Error::new(Stage::Spectrum, spectrum::illuminant_subject(illuminant), cause)
+            .remedy(spectrum::ILLUMINANT_REMEDY)
+    };
+    if !path.is_file() {
+        return Err(fail("is neither a known illuminant nor a file beside the plan".to_owned()));
+    }
+    let mut bytes = Vec::new();
+    File::open(&path)
+        .and_then(|file| file.take(MAX_ILLUMINANT_BYTES + 1).read_to_end(&mut bytes))
+        .map_err(|e| fail("cannot be read".to_owned()).source(e))?;
+    if bytes.len() as u64 > MAX_ILLUMINANT_BYTES {
+        return Err(fail("is longer than 1 MiB".to_owned())
+            .remedy("an illuminant table has at most a few thousand lines"));
+    }
+    Ok(illuminant.clone().with_content(bytes))
+}
+
+/// A surface of a plan with the bytes of its file, which are decoded when its heights are first asked for.
+#[derive(Debug)]
+pub struct SurfaceInput {
+    spec: SurfaceSpec,
+    bytes: Option<Vec<u8>>,
+    identity: String,
+    prepared: OnceLock<(Surface, Origin)>,
+}
+
+impl SurfaceInput {
+    /// Reads the file of a surface; a synthetic one has none.
+    pub fn read(spec: &SurfaceSpec) -> Result<SurfaceInput> {
+        let bytes = match &spec.source {
+            SurfaceSource::Grating(_) => None,
+            SurfaceSource::File(file) => Some(read_heights(file, &height::subject(spec))?),
+        };
+        let identity = identity(spec, bytes.as_deref());
+        Ok(SurfaceInput { spec: spec.clone(), bytes, identity, prepared: OnceLock::new() })
+    }
+
+    /// The surface as planned.
+    pub fn spec(&self) -> &SurfaceSpec {
+        &self.spec
+    }
+
+    /// Hash of what the heights are made from: the formula, or the file's bytes with scale and preparation. Neither name nor
+    /// path counts.
+    pub fn identity(&self) -> &str {
+        &self.identity
+    }
+
+    /// The heights, prepared; decoded once.
+    pub fn surface(&self) -> Result<&Surface> {
+        self.surface_with_origin().map(|(surface, _)| surface)
+    }
+
+    /// Like [`SurfaceInput::surface`], with what the file held.
+    pub fn surface_with_origin(&self) -> Result<&(Surface, Origin)> {
+        if let Some(prepared) = self.prepared.get() {
+            return Ok(prepared);
+        }
+        let prepared = height::prepare(&self.spec, self.bytes.as_deref())?;
+        Ok(self.prepared.get_or_init(|| prepared))
+    }
+}
+
+/// Reads the files of all surfaces, or returns every error that they have.
+pub fn read_surfaces(specs: &[SurfaceSpec]) -> Result<Vec<SurfaceInput>, Vec<Error>> {
+    let (mut inputs, mut errors) = (Vec::new(), Vec::new());
+    for spec in specs {
+        match SurfaceInput::read(spec) {
+            Ok(input) => inputs.push(input),
+            Err(error) => errors.push(error),
+        }
+    }
+    if errors.is_empty() {
+        return Ok(inputs);
+    }
+    errors.extend(inputs.iter().filter_map(|input| input.surface().err()));
+    Err(errors)
+}
+
+/// Reads and prepares one surface.
+pub fn load_surface(spec: &SurfaceSpec) -> Result<Surface> {
+    let input = SurfaceInput::read(spec)?;
+    input.surface()?;
+    let prepared = input.prepared.into_inner();
+    prepared.map(|(surface, _)| surface).ok_or_else(|| {
+        Error::new(Stage::Height, height::subject(spec), "has no heights")
+    })
+}
+
+/// The whole file; its size is checked before anything is allocated.
+fn read_heights(source: &FileSource, subject: &str) -> Result<Vec<u8>> {
+    let error = |cause: &str| Error::new(Stage::Height, subject, cause);
+    height::read::check_source(source, subject)?;
+    let meta = fs::metadata(&source.path).map_err(|e| {
+        error("cannot be read").source(e).remedy("`file` is relative to the folder of the plan")
+    })?;
+    if !meta.is_file() {
+        return Err(error("is not a regular file").remedy("give the path of a height field"));
+    }
+    height::read::check_extension(&source.path, subject)?;
+    if meta.len() > MAX_FILE_BYTES {
+        let cause = format!("the file has {} bytes, the limit is {MAX_FILE_BYTES}", meta.len());
+        return Err(error(&cause).remedy("crop the surface"));
+    }
+    fs::read(&source.path).map_err(|e| error("cannot be read").source(e))
+}
+
+fn identity(spec: &SurfaceSpec, bytes: Option<&[u8]>) -> String {
+    let SurfaceSpec { name: _, source, rotate_deg, level, clip_percent } = spec;
+    let source = match source {
+        SurfaceSource::Grating(grating) => json!(grating),
+        SurfaceSource::File(FileSource { path: _, size_um, pixel_um, height_um, z_unit_um }) => {
+            let content = sha256(bytes.unwrap_or_default());
+            json!([content, size_um, pixel_um, height_um, z_unit_um])
+        }
+    };
+    of_value(&json!([source, rotate_deg, level, clip_percent]))
+}

@@ -1,0 +1,302 @@
+//! Light and material: the keys of `[optics]`, which are axes of the product too. One file has all of them: what they are
+//! called, how they are read, what they add to a variant's name and to its configuration.
+
+use std::fmt;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize, Serializer};
+use serde_json::{Value, json};
+
+use crate::hash::sha256;
+
+use super::item::Item;
+use super::names::number;
+use super::variants::{Axis, Setting};
+use super::words;
+
+/// Light and material.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Optics {
+    /// Coherence length ℓc, µm; the window's standard deviation is `ℓc/4`.
+    pub coherence_um: f64,
+    /// How the orders add.
+    pub coherence: Coherence,
+    /// How the coherence length depends on the wavelength.
+    pub coherence_scaling: CoherenceScaling,
+    /// Refractive index `n` of the material.
+    pub refractive_index: f64,
+    /// V-cavity shadowing and masking.
+    pub shadowing: bool,
+    /// The light's spectrum.
+    pub illuminant: Illuminant,
+    /// Colour conversion.
+    pub colour: Colour,
+}
+
+/// How the orders add.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Coherence {
+    /// One coherence patch, centred on the surface: amplitudes add.
+    Single,
+    /// Mean over all positions of the coherence window: intensities add.
+    Ensemble,
+}
+
+/// How the coherence length depends on the wavelength.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CoherenceScaling {
+    /// One length for all wavelengths.
+    Fixed,
+    /// Proportional to the wavelength, as stated at 550 nm: a source of fixed angular size.
+    Wavelength,
+}
+
+/// Conversion from tristimulus values to RGB.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Colour {
+    /// Linear sRGB, IEC 61966-2-1.
+    Srgb,
+    /// The matrices of the thesis texts, for comparison only.
+    Thesis,
+}
+
+impl Optics {
+    /// The values that a plan means when it says nothing.
+    pub fn standard() -> Optics {
+        Optics {
+            coherence_um: 65.0,
+            coherence: Coherence::Single,
+            coherence_scaling: CoherenceScaling::Fixed,
+            refractive_index: 1.5,
+            shadowing: true,
+            illuminant: "D65".into(),
+            colour: Colour::Srgb,
+        }
+    }
+
+    /// What exact tristimulus values depend on: everything but the conversion to RGB.
+    pub fn identity(&self) -> Value {
+        let Optics {
+            coherence_um,
+            coherence,
+            coherence_scaling,
+            refractive_index,
+            shadowing,
+            illuminant,
+            colour: _,
+        } = self;
+        json!([
+            coherence_um,
+            coherence,
+            coherence_scaling,
+            refractive_index,
+            shadowing,
+            illuminant.identity()
+        ])
+    }
+
+    /// Keys and values of a variant's configuration.
+    pub(super) fn settings(&self) -> [(&'static str, Value); 7] {
+        let Optics {
+            coherence_um,
+            coherence,
+            coherence_scaling,
+            refractive_index,
+            shadowing,
+            illuminant,
+            colour,
+        } = self;
+        [
+            ("coherence_um", json!(coherence_um)),
+            ("coherence", json!(coherence)),
+            ("coherence_scaling", json!(coherence_scaling)),
+            ("refractive_index", json!(refractive_index)),
+            ("shadowing", json!(shadowing)),
+            ("illuminant", json!(illuminant)),
+            ("colour", json!(colour)),
+        ]
+    }
+
+    /// What differs from the documented defaults, as parts of a variant's name.
+    pub(super) fn name_parts(&self) -> Vec<String> {
+        let Optics {
+            coherence_um,
+            coherence,
+            coherence_scaling,
+            refractive_index,
+            shadowing,
+            illuminant,
+            colour,
+        } = self;
+        let plain = Optics::standard();
+        let parts = [
+            (*coherence_um != plain.coherence_um, format!("lc{}", number(*coherence_um))),
+            (*coherence == Coherence::Ensemble, "ensemble".to_owned()),
+            (*coherence_scaling == CoherenceScaling::Wavelength, "lcwave".to_owned()),
+            (*refractive_index != plain.refractive_index, format!("n{}", number(*refractive_index))),
+            (!shadowing, "noshadow".to_owned()),
+            (*illuminant != plain.illuminant, illuminant.name_part()),
+            (*colour == Colour::Thesis, "thesis".to_owned()),
+        ];
+        parts.into_iter().filter(|(differs, _)| *differs).map(|(_, part)| part).collect()
+    }
+}
+
+/// The Gaussian coherence window.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Window {
+    /// Coherence length ℓc, µm; the window's standard deviation is `ℓc/4`.
+    pub coherence_um: f64,
+    /// How the orders add.
+    pub coherence: Coherence,
+    /// How the coherence length depends on the wavelength.
+    pub coherence_scaling: CoherenceScaling,
+}
+
+impl From<&Optics> for Window {
+    fn from(optics: &Optics) -> Window {
+        let &Optics { coherence_um, coherence, coherence_scaling, .. } = optics;
+        Window { coherence_um, coherence, coherence_scaling }
+    }
+}
+
+/// The spectrum of a light: a CIE name, or the path of a file. A plan only names the file; whoever reads files adds its
+/// content with [`Illuminant::with_content`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Illuminant {
+    name: String,
+    content: Option<Arc<Content>>,
+}
+
+#[derive(Debug, PartialEq)]
+struct Content {
+    bytes: Vec<u8>,
+    /// SHA-256 of the bytes.
+    hash: String,
+}
+
+impl Illuminant {
+    /// As the plan has it.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The bytes of its file, where they were read.
+    pub fn content(&self) -> Option<&[u8]> {
+        self.content.as_deref().map(|content| content.bytes.as_slice())
+    }
+
+    /// The same with the bytes of its file.
+    #[must_use]
+    pub fn with_content(self, bytes: Vec<u8>) -> Illuminant {
+        let hash = sha256(&bytes);
+        Illuminant { content: Some(Arc::new(Content { bytes, hash })), ..self }
+    }
+
+    /// What its numbers come from: its name, or the hash of its file's content.
+    pub fn identity(&self) -> &str {
+        self.content.as_deref().map_or(&self.name, |content| &content.hash)
+    }
+
+    /// [`Illuminant::identity`] in place of the name, for values whose hash names something computed.
+    pub fn serialize_identity<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.identity())
+    }
+
+    /// `ill-f2` for a plain name; a path keeps its readable part and gains eight digits of its hash.
+    fn name_part(&self) -> String {
+        let text = self.name.as_str();
+        let plain = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit();
+        if !text.is_empty() && text.len() <= 16 && text.chars().all(plain) {
+            return format!("ill-{}", text.to_ascii_lowercase());
+        }
+        let stem = text.rsplit(['/', '\\']).next().unwrap_or(text);
+        let stem = stem.split('.').next().unwrap_or(stem).to_ascii_lowercase();
+        let readable: String =
+            stem.chars().filter(|c| c.is_ascii_alphanumeric()).take(24).collect();
+        format!("ill-{readable}-{}", &sha256(text.as_bytes())[..8])
+    }
+}
+
+impl<T: Into<String>> From<T> for Illuminant {
+    fn from(name: T) -> Illuminant {
+        Illuminant { name: name.into(), content: None }
+    }
+}
+
+impl Serialize for Illuminant {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(&self.name)
+    }
+}
+
+impl fmt::Display for Illuminant {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.name)
+    }
+}
+
+/// One value of one key.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum OpticsSetting {
+    CoherenceUm(f64),
+    Coherence(Coherence),
+    CoherenceScaling(CoherenceScaling),
+    RefractiveIndex(f64),
+    Shadowing(bool),
+    Illuminant(Illuminant),
+    Colour(Colour),
+}
+
+impl OpticsSetting {
+    pub(super) fn apply(self, optics: &mut Optics) {
+        match self {
+            OpticsSetting::CoherenceUm(x) => optics.coherence_um = x,
+            OpticsSetting::Coherence(x) => optics.coherence = x,
+            OpticsSetting::CoherenceScaling(x) => optics.coherence_scaling = x,
+            OpticsSetting::RefractiveIndex(x) => optics.refractive_index = x,
+            OpticsSetting::Shadowing(x) => optics.shadowing = x,
+            OpticsSetting::Illuminant(x) => optics.illuminant = x,
+            OpticsSetting::Colour(x) => optics.colour = x,
+        }
+    }
+}
+
+/// Keys of `[optics]`; as axes of the product they vary fastest.
+pub(super) const OPTICS: [Axis; 7] = [
+    ("coherence_um", coherence_um),
+    ("coherence", |item| {
+        Some(Setting::Optics(OpticsSetting::Coherence(item.word(words::COHERENCES)?.1)))
+    }),
+    ("coherence_scaling", |item| {
+        Some(Setting::Optics(OpticsSetting::CoherenceScaling(item.word(words::SCALINGS)?.1)))
+    }),
+    ("refractive_index", refractive_index),
+    ("shadowing", |item| Some(Setting::Optics(OpticsSetting::Shadowing(item.boolean()?)))),
+    ("illuminant", illuminant),
+    ("colour", |item| Some(Setting::Optics(OpticsSetting::Colour(item.word(words::COLOURS)?.1)))),
+];
+
+fn coherence_um(item: &Item) -> Option<Setting> {
+    let what = "the coherence length in µm; sunlight has about 65";
+    let length_um = item.number("from 0.1 to 10000", what, |x| (0.1..=10000.0).contains(&x))?;
+    Some(Setting::Optics(OpticsSetting::CoherenceUm(length_um)))
+}
+
+fn refractive_index(item: &Item) -> Option<Setting> {
+    let what = "an index of 1 reflects nothing, and the gain divides by the reflectance at normal incidence";
+    let index = item.number("above 1 and at most 5", what, |n| n > 1.0 && n <= 5.0)?;
+    Some(Setting::Optics(OpticsSetting::RefractiveIndex(index)))
+}
+
+fn illuminant(item: &Item) -> Option<Setting> {
+    let text = item.string("the name of an illuminant, such as \"D65\", or a CSV file")?;
+    if text.is_empty() || text.chars().any(char::is_control) {
+        item.fail("names no illuminant", "use a name such as \"D65\", or a CSV file");
+        return None;
+    }
+    Some(Setting::Optics(OpticsSetting::Illuminant(text.into())))
+}

@@ -1,0 +1,65 @@
+//! Output languages: one list of them, with the words of the plan.
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result, Stage};
+
+use super::item::suggest;
+use super::words::{Words, word_of};
+
+/// Output language.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub enum Target {
+    /// WGSL.
+    #[serde(rename = "wgsl")]
+    Wgsl,
+    /// Desktop GLSL 4.50.
+    #[serde(rename = "glsl450")]
+    Glsl450,
+    /// GLSL ES 3.00 (WebGL2).
+    #[serde(rename = "glsl-es300")]
+    GlslEs300,
+    /// SPIR-V 1.0.
+    #[serde(rename = "spirv")]
+    Spirv,
+    /// HLSL, shader model 5.1.
+    #[serde(rename = "hlsl")]
+    Hlsl,
+    /// Metal Shading Language 2.0.
+    #[serde(rename = "msl")]
+    Msl,
+}
+
+pub(super) const TARGETS: Words<Target> = &[
+    ("wgsl", Some(Target::Wgsl)),
+    ("glsl450", Some(Target::Glsl450)),
+    ("glsl-es300", Some(Target::GlslEs300)),
+    ("spirv", Some(Target::Spirv)),
+    ("hlsl", Some(Target::Hlsl)),
+    ("msl", Some(Target::Msl)),
+];
+
+impl Target {
+    /// Every language that this version emits, in the order of the manual.
+    pub fn all() -> Vec<Target> {
+        TARGETS.iter().filter_map(|(_, target)| *target).collect()
+    }
+
+    /// The word of the plan and of `--target`.
+    pub fn as_str(self) -> &'static str {
+        word_of(TARGETS, self)
+    }
+
+    /// Reads one word of `--target`.
+    pub fn parse(word: &str) -> Result<Target> {
+        let error = |cause: String| Error::new(Stage::Plan, format!("target \"{word}\""), cause);
+        match TARGETS.iter().find(|(known, _)| *known == word) {
+            Some((_, Some(target))) => Ok(*target),
+            Some((_, None)) => Err(error("is not available in this version".to_owned())),
+            None => {
+                let known: Vec<&str> = TARGETS.iter().map(|(known, _)| *known).collect();
+                Err(error("is unknown".to_owned()).remedy(suggest(word, &known)))
+            }
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! Axes of a table of colours over `(u, v, w)`.
+//!
+//! * **Columns**: the angle of `(u, v)`, in octants of [`octant`], a cheap stand-in for the arc tangent. A count that eight divides
+//!   puts the axes and their bisectors on columns. A turn wider than a texture is cut into pages.
+//! * **Rows**: `asinh(s·|(u, v)|)`: equal steps near the mirror direction, equal ratios away from it, since the integral over
+//!   wavelengths smears what lies at `λ f` in proportion.
+//! * **Layers**: `w²/(4 - |(u, v)|²)` from 0 to 1, which is all there is. The square makes them dense where directions are
+//!   steep and the phase `2πwh/λ` is large.
+
+use std::f64::consts::{SQRT_2, TAU};
+
+use serde::Serialize;
+
+use crate::optics::{REFERENCE_NM, window_sigma_um};
+use crate::plan::{TableFormat, Window};
+
+/// What the sizes of a table of colours aim at.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Aim {
+    /// 95th percentile of CIEDE2000.
+    pub error: f64,
+    /// Most MiB; above them the error is given up.
+    pub mib: f64,
+}
+
+/// Sizes of a table of colours.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Axes {
+    /// Columns of a full turn.
+    pub columns: u32,
+    /// Pages that the turn is cut into; each repeats the first column of the next.
+    pub pages: u32,
+    /// Rows, from the mirror direction to `|(u, v)| = 2`.
+    pub rows: u32,
+    /// Layers of a page.
+    pub levels: u32,
+    /// The factor `s`.
+    pub stretch: f64,
+    /// Rows per unit of `asinh`.
+    pub pace: f64,
+}
+
+impl Axes {
+    /// Chooses sizes from the widths of what is on the axes, the error aimed at, and the most bytes. `height_um`: range of
+    /// the heights.
+    ///
+    /// A lobe's intensity has the deviation `λσf/√2` in `|(u, v)|`, taken at 500 nm; along w the phase turns by `4πH/λ`. Errors of
+    /// linear interpolation go with the square of the steps. The shares of the axes are those that measured best.
+    pub fn new(window: Window, format: TableFormat, aim: Aim, height_um: f64) -> Axes {
+        let sigma_um = window_sigma_um(window, REFERENCE_NM);
+        let lobe = WAVELENGTH_UM / (TAU * sigma_um * SQRT_2);
+        let turns = 2.0 * height_um / WAVELENGTH_UM;
+        let stretch = (1.0 / (LOBE_ROWS * lobe * PACE)).round().max(1.0);
+        let sized = |fineness: f64| {
+            let columns = fineness * TAU / (LOBE_COLUMNS * lobe);
+            let pages = (columns / f64::from(MOST_COLUMNS)).ceil().max(1.0) as u32;
+            let page = (columns / f64::from(8 * pages)).ceil().clamp(2.0, 1e6) as u32 * 8;
+            let pace = (fineness * PACE).round().max(4.0);
+            Axes {
+                columns: pages * page.min(MOST_COLUMNS),
+                pages,
+                rows: (pace * (2.0 * stretch).asinh()).ceil() as u32 + 1,
+                levels: (fineness * TURN_LEVELS * turns).ceil() as u32 + 2,
+                stretch,
+                pace,
+            }
+        };
+        let texel = match format {
+            TableFormat::F32 => 16.0,
+            TableFormat::F16 => 8.0,
+            TableFormat::Rgb9e5 => 4.0,
+        };
+        let fits = |axes: &Axes| {
+            axes.texels() as f64 * texel <= aim.mib * f64::from(1 << 20)
+                && axes.pages * axes.levels <= MOST_LAYERS
+                && axes.rows <= MOST_COLUMNS
+        };
+        let mut fineness = (STANDARD_ERROR / aim.error).sqrt();
+        let mut axes = sized(fineness);
+        while !fits(&axes) && fineness > LEAST_FINENESS {
+            fineness *= SHRINKING;
+            axes = sized(fineness);
+        }
+        axes
+    }
+
+    /// Texels of the table, repeated columns included.
+    pub fn texels(&self) -> u64 {
+        u64::from(self.pages * (self.page_columns() + 1))
+            * u64::from(self.rows)
+            * u64::from(self.levels)
+    }
+
+    /// Columns of a page, the repeated one apart.
+    pub fn page_columns(&self) -> u32 {
+        self.columns / self.pages
+    }
+
+    /// Unit vector of a column.
+    pub fn direction(&self, column: u32) -> [f64; 2] {
+        let place = 8.0 * f64::from(column) / f64::from(self.columns);
+        let index = place.floor();
+        let part = place - index;
+        let odd = index as i64 % 2 == 1;
+        let tangent = tangent(if odd { 1.0 - part } else { part });
+        let long = 1.0 / tangent.hypot(1.0);
+        let short = tangent * long;
+        match index as i64 % 8 {
+            0 => [long, short],
+            1 => [short, long],
+            2 => [-short, long],
+            3 => [-long, short],
+            4 => [-long, -short],
+            5 => [-short, -long],
+            6 => [short, -long],
+            _ => [long, -short],
+        }
+    }
+
+    /// `|(u, v)|` of a row.
+    pub fn radius(&self, row: u32) -> f64 {
+        (f64::from(row) / self.pace).sinh() / self.stretch
+    }
+
+    /// `w` of a layer of a page at a radius.
+    pub fn w(&self, level: u32, radius: f64) -> f64 {
+        let share = f64::from(level) / f64::from(self.levels - 1);
+        -(share * (4.0 - radius * radius).max(0.0)).sqrt()
+    }
+}
+
+/// Place in an octant, 0 to 1, of a tangent from 0 to 1: within 0.4 % of the arc tangent's.
+pub fn octant(tangent: f64) -> f64 {
+    tangent * (BEND - (BEND - 1.0) * tangent)
+}
+
+/// The tangent at a place.
+fn tangent(place: f64) -> f64 {
+    let rest = BEND * BEND - 4.0 * (BEND - 1.0) * place;
+    (BEND - rest.sqrt()) / (2.0 * (BEND - 1.0))
+}
+
+/// Wavelength that sizes are measured by, µm.
+const WAVELENGTH_UM: f64 = 0.5;
+/// The error that the following shares belong to.
+const STANDARD_ERROR: f64 = 0.5;
+/// Columns are this many deviations of a lobe apart, at `|(u, v)| = 1`.
+const LOBE_COLUMNS: f64 = 0.6;
+/// The first rows are this many deviations apart.
+const LOBE_ROWS: f64 = 0.27;
+/// Rows to a ratio of e: the colour-matching functions are a twentieth of their wavelength wide.
+const PACE: f64 = 38.0;
+/// Levels to a turn of the phase.
+const TURN_LEVELS: f64 = 8.5;
+/// Factor by which all axes are made coarser, until the table is small enough.
+const SHRINKING: f64 = 0.98;
+/// Nothing is gained by going on.
+const LEAST_FINENESS: f64 = 1e-3;
+/// Columns of a page, and rows: a multiple of eight, with one more within what every profile allows.
+const MOST_COLUMNS: u32 = 2040;
+/// Layers that every profile allows.
+const MOST_LAYERS: u32 = 256;
+/// Slope of [`octant`] at 0.
+const BEND: f64 = 1.35;

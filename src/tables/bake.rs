@@ -1,0 +1,76 @@
+//! The wavelength integral done beforehand: colours over `(u, v, w)`, gain apart.
+//!
+//! `XYZ(u, v, w) = ∫ |P((u, v)/λ; 2πw/λ)|² S(λ) (x̄, ȳ, z̄)(λ) dλ / ∫ S ȳ dλ`, or with the ensemble mean of `|P|²`, on the
+//! axes of [`super::Axes`]. As λ runs over its range, `(u, v)/λ` walks along the radius, so that all rows of a column
+//! share the amplitudes on one line of the frequency plane: the terms of the phase function, each under the coherence
+//! window, at equal steps of frequency. A row takes the wavelengths that fall on those steps, and combines the terms there for
+//! all `w` at once.
+
+mod line;
+mod sharpen;
+mod table;
+
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::height::HeightField;
+use crate::plan::{Illuminant, Wavelengths, Window};
+use crate::spectrum::Spectrum;
+
+use super::Axes;
+
+use line::{LANES, Lines, Row};
+
+pub use sharpen::sharpen;
+pub use table::{COLOUR_SCALE, shape, table};
+
+/// Colours of a table, `[level][row][column][X, Y, Z]`, columns of a full turn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Colours {
+    /// The axes.
+    pub axes: Axes,
+    /// Numbers.
+    pub xyz: Vec<[f32; 3]>,
+}
+
+/// Integrates. `done` is called with the number of columns finished since the last call, from any thread; the result is the
+/// same for any number of threads.
+pub fn bake(
+    height: &HeightField,
+    window: Window,
+    illuminant: &Illuminant,
+    range: &Wavelengths,
+    axes: Axes,
+    done: &(dyn Fn(usize) + Sync),
+) -> Result<Colours> {
+    let spectrum = Spectrum::new(illuminant)?;
+    let lines = Lines::new(height, window, range, &spectrum, axes);
+    let columns = axes.columns as usize;
+    let cells = axes.rows as usize * axes.levels as usize;
+    let blocks: Vec<Vec<[[f32; LANES]; 3]>> = (0..columns.div_ceil(LANES))
+        .into_par_iter()
+        .map(|block| {
+            let first = block * LANES;
+            let colours = lines.block(first as u32);
+            done(LANES.min(columns - first));
+            colours
+        })
+        .collect();
+    let mut xyz = vec![[0.0_f32; 3]; cells * columns];
+    // blocks are [row][level]
+    xyz.par_chunks_mut(columns).enumerate().for_each(|(line, out)| {
+        let (level, row) = (line / axes.rows as usize, line % axes.rows as usize);
+        let cell = row * axes.levels as usize + level;
+        for (block, out) in blocks.iter().zip(out.chunks_mut(LANES)) {
+            for (lane, out) in out.iter_mut().enumerate() {
+                *out = std::array::from_fn(|c| block[cell][c][lane]);
+            }
+        }
+    });
+    Ok(Colours { axes, xyz })
+}
+
+/// The rows of a table with their wavelengths.
+fn rows(axes: &Axes) -> impl Iterator<Item = Row> + '_ {
+    (0..axes.rows).map(|index| Row { radius: axes.radius(index) })
+}

@@ -1,0 +1,380 @@
+//! Amplitudes on lines through the origin of the frequency plane, and their colours.
+
+use std::f64::consts::TAU;
+
+use crate::basis::Expansion;
+use crate::height::HeightField;
+use crate::optics;
+use crate::plan::{Basis, Coherence, CoherenceScaling, Wavelengths, Window};
+use crate::spectrum::Spectrum;
+use crate::tables::Axes;
+use crate::terms::Terms;
+use crate::transform::Bins;
+
+/// Columns that are computed together: numbers of one vector register, or of a few.
+pub(super) const LANES: usize = 16;
+/// Numbers of a bin that are summed together.
+const CHUNK: usize = 8;
+/// The window ends at this many standard deviations of its spectrum: 4e-5 of the peak is left.
+const REACH_SIGMAS: f64 = 4.5;
+/// Step along a line in standard deviations `σf`; `|P|²` is a sum of Gaussians no narrower than `σf/√2`, which such a
+/// step integrates to 1e-8.
+const STEP_SIGMAS: f64 = 0.7;
+/// Fewest wavelengths of a row: what the colour weights need, 5 nm apart.
+const LEAST_NODES: f64 = 80.0;
+/// Greatest error of the phase function's terms.
+const TERM_ERROR: f64 = 1e-3;
+
+/// A row of the table.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Row {
+    pub(super) radius: f64,
+}
+
+/// What a row takes from a line: frequencies `(first + i)·step`, and of each its weights.
+struct Recipe {
+    /// Halvings of the line's step; rows of one halving share a line.
+    halvings: u32,
+    /// First node, in steps.
+    first: usize,
+    /// Wavelengths, µm.
+    lambdas_um: Vec<f64>,
+    /// X, Y, Z of every node.
+    colours: Vec<[f32; 3]>,
+    /// Coefficients `[node][level][feature]`.
+    coefficients: Vec<f32>,
+}
+
+/// Everything that the columns share.
+pub(super) struct Lines {
+    axes: Axes,
+    recipes: Vec<Recipe>,
+    step_cpum: f64,
+    /// `[s][r][number]`, padded to whole chunks.
+    bins: Bins,
+    numbers: Vec<f32>,
+    features: usize,
+    padded: usize,
+    coherence: Coherence,
+    patch_um: [f64; 2],
+    window: Window,
+}
+
+impl Lines {
+    pub(super) fn new(
+        height: &HeightField,
+        window: Window,
+        range: &Wavelengths,
+        spectrum: &Spectrum,
+        axes: Axes,
+    ) -> Lines {
+        let expansion =
+            Expansion::new(Basis::Optimal, 1, height, range.min_nm).with_error(TERM_ERROR);
+        let patch_um = [height.size_x_um(), height.size_y_um()];
+        let sigma = |nm: f64| 1.0 / (TAU * optics::window_sigma_um(window, nm));
+        let sigmas = [sigma(range.min_nm), sigma(range.max_nm)];
+        let narrowest = sigmas[0].min(sigmas[1]);
+        let widest = sigmas[0].max(sigmas[1]);
+        let reach = axes.radius(axes.rows - 1) / (range.min_nm * 1e-3) + REACH_SIGMAS * widest;
+        let bins = Bins::reachable(patch_um[0], patch_um[1], reach, 2);
+        let terms = Terms::new(height, &expansion, bins, None);
+        let (features, padded, numbers) = features(&terms, window.coherence);
+        let step_cpum = STEP_SIGMAS * narrowest;
+        let recipe = |row: Row| {
+            let mut recipe = Recipe::nodes(row, range, spectrum, step_cpum);
+            recipe.combine(row, &axes, &expansion, window.coherence, range.min_nm * 1e-3);
+            recipe
+        };
+        let recipes = super::rows(&axes).map(recipe).collect();
+        Lines {
+            axes,
+            recipes,
+            step_cpum,
+            bins,
+            numbers,
+            features,
+            padded,
+            coherence: window.coherence,
+            patch_um,
+            window,
+        }
+    }
+
+    /// Colours of [`LANES`] columns from `first` on, `[row][level][X, Y, Z][lane]`.
+    pub(super) fn block(&self, first: u32) -> Vec<[[f32; LANES]; 3]> {
+        let levels = self.axes.levels as usize;
+        let directions: [[f64; 2]; LANES] = std::array::from_fn(|lane| {
+            self.axes.direction((first + lane as u32) % self.axes.columns)
+        });
+        let mut out = vec![[[0.0; LANES]; 3]; self.recipes.len() * levels];
+        let mut line = Line::default();
+        // from the mirror direction outwards the steps grow
+        let fixed = self.window.coherence_scaling == CoherenceScaling::Fixed;
+        let mut rest = self.recipes.as_slice();
+        let mut out_rest = out.as_mut_slice();
+        while let Some(head) = rest.first() {
+            let same = |r: &&Recipe| fixed && r.halvings == head.halvings;
+            let count = rest.iter().take_while(same).count().max(1);
+            let (group, others) = rest.split_at(count);
+            let (cells, out_others) = out_rest.split_at_mut(count * levels);
+            self.walk(group, &directions, &mut line);
+            for (recipe, cells) in group.iter().zip(cells.chunks_mut(levels)) {
+                self.integrate(recipe, &line, cells);
+            }
+            (rest, out_rest) = (others, out_others);
+        }
+        out
+    }
+
+    /// The line that a group of rows needs, for all lanes.
+    fn walk(&self, group: &[Recipe], directions: &[[f64; 2]; LANES], line: &mut Line) {
+        let first = group.iter().map(|r| r.first).min().unwrap_or(0);
+        let last = group.iter().map(|r| r.first + r.lambdas_um.len()).max().unwrap_or(0);
+        line.first = first;
+        line.values.clear();
+        line.values.resize((last - first) * self.padded, [0.0; LANES]);
+        let step = group.first().map_or(0.0, |r| r.step(self.step_cpum));
+        let fixed = optics::window_sigma_um(self.window, optics::REFERENCE_NM);
+        let mut taps = Taps::default();
+        for (lane, direction) in directions.iter().enumerate() {
+            for (index, cell) in line.values.chunks_exact_mut(self.padded).enumerate() {
+                let f = (first + index) as f64 * step;
+                let sigma_um = match (self.window.coherence_scaling, group) {
+                    (CoherenceScaling::Wavelength, [one]) => {
+                        optics::window_sigma_um(self.window, 1e3 * one.lambdas_um[index])
+                    }
+                    _ => fixed,
+                };
+                taps.around(self, direction.map(|c| c * f), sigma_um);
+                taps.sum(self, lane, cell);
+            }
+        }
+    }
+
+    /// Adds up a row: |P|² of every node and level, times its colour.
+    fn integrate(&self, recipe: &Recipe, line: &Line, out: &mut [[[f32; LANES]; 3]]) {
+        let levels = self.axes.levels as usize;
+        let per_level = self.coefficients();
+        let offset = recipe.first - line.first;
+        for (node, xyz) in recipe.colours.iter().enumerate() {
+            // a row without steps is one place
+            let place = offset + if recipe.is_point() { 0 } else { node };
+            let values = &line.values[place * self.padded..][..self.features];
+            let all = &recipe.coefficients[node * levels * per_level..][..levels * per_level];
+            for (own, out) in all.chunks_exact(per_level).zip(out.iter_mut()) {
+                let intensity = match self.coherence {
+                    Coherence::Single => modulus(own, values),
+                    Coherence::Ensemble => linear(own, values),
+                };
+                for (out, weight) in out.iter_mut().zip(xyz) {
+                    for (out, intensity) in out.iter_mut().zip(&intensity) {
+                        *out += weight * intensity;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Coefficients of a level.
+    fn coefficients(&self) -> usize {
+        match self.coherence {
+            Coherence::Single => self.features / 2,
+            Coherence::Ensemble => self.features,
+        }
+    }
+}
+
+/// `|Σ a_n P_n|²`, `values` as pairs of real and imaginary parts.
+fn modulus(coefficients: &[f32], values: &[[f32; LANES]]) -> [f32; LANES] {
+    let mut re = [0.0; LANES];
+    let mut im = [0.0; LANES];
+    for (a, pair) in coefficients.iter().zip(values.chunks_exact(2)) {
+        for lane in 0..LANES {
+            re[lane] += a * pair[0][lane];
+            im[lane] += a * pair[1][lane];
+        }
+    }
+    std::array::from_fn(|lane| re[lane] * re[lane] + im[lane] * im[lane])
+}
+
+/// `Σ a_k Q_k`.
+fn linear(coefficients: &[f32], values: &[[f32; LANES]]) -> [f32; LANES] {
+    let mut sum = [0.0; LANES];
+    for (a, value) in coefficients.iter().zip(values) {
+        for lane in 0..LANES {
+            sum[lane] += a * value[lane];
+        }
+    }
+    sum
+}
+
+/// Numbers of every bin: of `single` real and imaginary part of every term, of `ensemble` the real parts of all products
+/// `c_n c_m*`, `n ≤ m`, those of two terms twice.
+fn features(terms: &Terms, coherence: Coherence) -> (usize, usize, Vec<f32>) {
+    let count = terms.tables.len();
+    let features = match coherence {
+        Coherence::Single => 2 * count,
+        Coherence::Ensemble => count * (count + 1) / 2,
+    };
+    let padded = features.next_multiple_of(CHUNK);
+    let mut numbers = vec![0.0; terms.bins.len() * padded];
+    for (bin, cell) in numbers.chunks_exact_mut(padded).enumerate() {
+        match coherence {
+            Coherence::Single => {
+                for (table, pair) in terms.tables.iter().zip(cell.chunks_exact_mut(2)) {
+                    (pair[0], pair[1]) = (table[bin].re as f32, table[bin].im as f32);
+                }
+            }
+            Coherence::Ensemble => {
+                let pairs = (0..count).flat_map(|n| (n..count).map(move |m| (n, m)));
+                for ((n, m), out) in pairs.zip(cell) {
+                    let product = (terms.tables[n][bin] * terms.tables[m][bin].conj()).re;
+                    *out = (if n == m { product } else { 2.0 * product }) as f32;
+                }
+            }
+        }
+    }
+    (features, padded, numbers)
+}
+
+impl Recipe {
+    /// Where a row's wavelengths lie, and their colours.
+    fn nodes(row: Row, range: &Wavelengths, spectrum: &Spectrum, step_cpum: f64) -> Recipe {
+        let ends = [1e3 / range.max_nm, 1e3 / range.min_nm];
+        let span = ends[1] - ends[0];
+        let steps = |halvings: u32| row.radius * span / step_cpum * f64::from(1_u32 << halvings);
+        let halvings = (0..MOST_HALVINGS).find(|&h| steps(h) >= LEAST_NODES);
+        let halvings = halvings.unwrap_or(MOST_HALVINGS);
+        let point = halvings == MOST_HALVINGS;
+        // in wavenumbers 1/λ
+        let pace = match point {
+            true => span / LEAST_NODES,
+            false => step_cpum / f64::from(1_u32 << halvings) / row.radius,
+        };
+        let first = (ends[0] / pace).ceil() as usize;
+        let last = (ends[1] / pace).floor() as usize;
+        let mut recipe = Recipe {
+            halvings,
+            first: if point { 0 } else { first },
+            lambdas_um: Vec::new(),
+            colours: Vec::new(),
+            coefficients: Vec::new(),
+        };
+        for node in first..=last {
+            let wavenumber = node as f64 * pace;
+            let lambda_um = 1.0 / wavenumber;
+            // the trapezoid, and at both ends what is left of the range
+            let mut width = if node == first { 0.5 + (wavenumber - ends[0]) / pace } else { 0.5 };
+            width += if node == last { (ends[1] - wavenumber) / pace } else { 0.5 };
+            let weight = 1e3 * lambda_um * lambda_um * pace * width;
+            recipe.lambdas_um.push(lambda_um);
+            recipe.colours.push(spectrum.per_nm(1e3 * lambda_um).map(|c| (c * weight) as f32));
+        }
+        recipe
+    }
+
+    /// The coefficients of every node and level.
+    fn combine(
+        &mut self,
+        row: Row,
+        axes: &Axes,
+        expansion: &Expansion,
+        coherence: Coherence,
+        min_um: f64,
+    ) {
+        let count = expansion.terms as usize;
+        for lambda_um in &self.lambdas_um {
+            for level in 0..axes.levels {
+                let tau = 0.5 * axes.w(level, row.radius) * min_um / lambda_um;
+                let a: Vec<f64> = (0..count).map(|n| expansion.coefficient(n, tau)).collect();
+                match coherence {
+                    Coherence::Single => self.coefficients.extend(a.iter().map(|a| *a as f32)),
+                    Coherence::Ensemble => {
+                        let pairs = (0..count).flat_map(|n| (n..count).map(move |m| (n, m)));
+                        self.coefficients.extend(pairs.map(|(n, m)| (a[n] * a[m]) as f32));
+                    }
+                }
+            }
+        }
+    }
+
+    fn is_point(&self) -> bool {
+        self.halvings == MOST_HALVINGS
+    }
+
+    fn step(&self, step_cpum: f64) -> f64 {
+        if self.is_point() { 0.0 } else { step_cpum / f64::from(1_u32 << self.halvings) }
+    }
+}
+
+/// A row that would need more halvings of the step is the mirror direction itself.
+const MOST_HALVINGS: u32 = 16;
+
+/// A piece of the line of every lane, `[place][number][lane]`.
+#[derive(Default)]
+struct Line {
+    first: usize,
+    values: Vec<[f32; LANES]>,
+}
+
+/// Weights of the bins around a place.
+#[derive(Default)]
+struct Taps {
+    first: [i64; 2],
+    weights: [Vec<f32>; 2],
+}
+
+impl Taps {
+    fn around(&mut self, lines: &Lines, f: [f64; 2], sigma_um: f64) {
+        let most = [lines.bins.r_max as i64, lines.bins.s_max as i64];
+        for axis in 0..2 {
+            let size_um = lines.patch_um[axis];
+            let sigma_bins = size_um / (TAU * sigma_um);
+            // an ensemble adds intensities, under the window's square
+            let squares = match lines.coherence {
+                Coherence::Single => 0.5,
+                Coherence::Ensemble => 1.0,
+            } / (sigma_bins * sigma_bins);
+            let reach = REACH_SIGMAS * sigma_bins;
+            let place = f[axis] * size_um;
+            let first = ((place - reach).ceil() as i64).max(-most[axis]);
+            let last = ((place + reach).floor() as i64).min(most[axis]);
+            let distance = place - first as f64;
+            let weights = &mut self.weights[axis];
+            weights.clear();
+            // Gaussians at equal steps: ratios of neighbours have one ratio
+            let mut weight = (-squares * distance * distance).exp();
+            let mut ratio = (squares * (2.0 * distance - 1.0)).exp();
+            let bend = (-2.0 * squares).exp();
+            for _ in first..=last {
+                weights.push(weight as f32);
+                weight *= ratio;
+                ratio *= bend;
+            }
+            self.first[axis] = first + most[axis];
+        }
+    }
+
+    fn sum(&self, lines: &Lines, lane: usize, out: &mut [[f32; LANES]]) {
+        let [columns, rows] = &self.weights;
+        let (width, padded) = (lines.bins.width(), lines.padded);
+        for (chunk, out) in out.chunks_exact_mut(CHUNK).enumerate() {
+            let mut sum = [0.0_f32; CHUNK];
+            for (s, across) in rows.iter().enumerate() {
+                let start = (self.first[1] as usize + s) * width + self.first[0] as usize;
+                let mut at = start * padded + chunk * CHUNK;
+                for along in columns {
+                    let weight = across * along;
+                    let cell = &lines.numbers[at..at + CHUNK];
+                    for (sum, number) in sum.iter_mut().zip(cell) {
+                        *sum += weight * number;
+                    }
+                    at += padded;
+                }
+            }
+            for (out, sum) in out.iter_mut().zip(sum) {
+                out[lane] = sum;
+            }
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! What the numbers of a table mean, in words.
+
+use std::collections::BTreeMap;
+
+use crate::plan::Packing;
+
+use super::bake::COLOUR_SCALE;
+use super::spec::{CoefficientsSpec, LobesSpec};
+use super::{Axes, Scale, Series, TableSpec};
+
+/// Levels of `|(u, v)|`, from 0 to 2, each with wavelength nodes of its own.
+pub const NODE_LEVELS: u32 = 64;
+
+/// What channels and axes of a table hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Meaning {
+    /// Of each channel.
+    pub channels: Vec<String>,
+    /// Of columns, rows and layers, where there are some.
+    pub axes: BTreeMap<&'static str, String>,
+    /// Factor from stored to meant numbers.
+    pub scale: f64,
+    /// Factors of the terms, one by one, of a table whose terms have scales of their own.
+    pub term_scales: Vec<f64>,
+}
+
+impl TableSpec {
+    /// What its numbers mean.
+    pub fn meaning(&self) -> Meaning {
+        let (channels, axes) = match self {
+            TableSpec::Terms(spec) => terms(&spec.series),
+            TableSpec::Coefficients(spec) => coefficients(spec),
+            TableSpec::Colours(spec) => colours(self.shape().format.channels(), &spec.axes),
+            TableSpec::Nodes(spec) => {
+                nodes([spec.wavelengths.min_nm, spec.wavelengths.max_nm])
+            }
+            TableSpec::Levels(spec) if spec.counts.len() == 1 => nodes(spec.range_nm),
+            TableSpec::Levels(spec) => levels(spec.range_nm),
+            TableSpec::Lobes(spec) if spec.nodes == 1 => nodes(spec.range_nm),
+            TableSpec::Lobes(spec) => lobes(spec),
+            TableSpec::Grating(_) => grating(),
+            TableSpec::Rotation(_) => rotation(),
+        };
+        let scale = match self {
+            TableSpec::Colours(_) => 1.0 / COLOUR_SCALE,
+            _ => 1.0,
+        };
+        let term_scales = match self {
+            TableSpec::Terms(spec) if spec.series.scale() != Scale::NONE => {
+                (0..spec.series.terms() as usize).map(|n| spec.series.scale().of(n)).collect()
+            }
+            _ => Vec::new(),
+        };
+        Meaning { channels, axes, scale, term_scales }
+    }
+}
+
+type Words = (Vec<String>, BTreeMap<&'static str, String>);
+
+fn terms(series: &Series) -> Words {
+    let paired = series.packing == Packing::Paired;
+    let names: &[&str] = if paired {
+        &["re, even term", "im, even term", "re, odd term", "im, odd term"]
+    } else {
+        &["re", "im"]
+    };
+    let layer = if paired { "layer p holds terms 2p and 2p+1" } else { "layer n holds term n" };
+    let (x, y) = (series.bins.r_max, series.bins.s_max);
+    let bin = |axis: &str, centre: usize, l: f64| match series.grid {
+        None => format!("bin {axis} = index - {centre}, frequency bin/{l} cycles per µm"),
+        Some(_) => format!(
+            "frequency (index - {centre})/{l} cycles per µm, linear between; the coherence window is in it"
+        ),
+    };
+    let axes = BTreeMap::from([
+        ("column", bin("r", x, series.size_um[0])),
+        ("row", bin("s", y, series.size_um[1])),
+        (
+            "layer",
+            if series.expansion().is_tabulated() {
+                format!("{layer}; term n is to be multiplied by its coefficient of z")
+            } else {
+                format!(
+                    "{layer}; term n is ifft2((i z_max (h - origin))^n / n!), to be multiplied by (z/z_max)^n"
+                )
+            },
+        ),
+    ]);
+    (names.iter().map(|s| (*s).to_owned()).collect(), axes)
+}
+
+fn coefficients(spec: &CoefficientsSpec) -> Words {
+    let channels = [0, 1, 2, 3].map(|c| format!("coefficient of term 4 row + {c}"));
+    let (last, z_max) = (spec.columns() - 1, spec.z_max());
+    let between = if spec.nearest() { "the nearest counts" } else { "linear between" };
+    let column = format!("z = (index/{last} - 1)·{z_max} per µm, z = 2π w/wavelength; {between}");
+    let axes = BTreeMap::from([("column", column), ("row", "four terms each".to_owned())]);
+    (channels.to_vec(), axes)
+}
+
+fn nodes([min_nm, max_nm]: [f64; 2]) -> Words {
+    let channels = ["X weight", "Y weight", "Z weight", "wavelength in µm"];
+    let axes = BTreeMap::from([
+        ("column", format!("wavelength node, {min_nm} to {max_nm} nm")),
+        ("row", row("nodes")),
+    ]);
+    (channels.map(str::to_owned).into(), axes)
+}
+
+fn lobes(spec: &LobesSpec) -> Words {
+    let channels = ["X", "Y", "Z", "wavelength in µm"];
+    let [low, high] = spec.geometry().middles(spec.nodes);
+    let rows = row("nodes of broad lobes");
+    let axes = BTreeMap::from([
+        (
+            "column",
+            format!(
+                "middle of the lobe, equal steps from {low} to {high} per µm; of row 0, node"
+            ),
+        ),
+        (
+            "row",
+            format!(
+                "{rows}; from 2: lobes over their width, from 0 to the broadest in equal steps, then their second halves"
+            ),
+        ),
+    ]);
+    (channels.map(str::to_owned).into(), axes)
+}
+
+fn levels([min_nm, max_nm]: [f64; 2]) -> Words {
+    let channels = ["X weight", "Y weight", "Z weight", "wavelength in µm, 0 after the last node"];
+    let column = format!("wavelength node, {max_nm} to {min_nm} nm");
+    let level = format!(
+        "the nodes of |(u, v)| below 2/{NODE_LEVELS}; row 2 on: those of the next levels, each as wide"
+    );
+    let axes = BTreeMap::from([("column", column), ("row", row(&level))]);
+    (channels.map(str::to_owned).into(), axes)
+}
+
+fn colours(channels: usize, axes: &Axes) -> Words {
+    let names = ["X", "Y", "Z", "unused"];
+    let names = names[..channels].iter().map(|s| (*s).to_owned()).collect();
+    let Axes { columns, pages, levels, stretch, pace, .. } = axes;
+    let page = axes.page_columns();
+    let axes = BTreeMap::from([
+        (
+            "column",
+            format!(
+                "angle of (u, v): index + {page} times the page is {columns}/8 times the octant and t (1.35 - 0.35 t), t the smaller over the larger of |u| and |v| (or 1 minus that, where the octant runs back); the last column repeats the first of the next page"
+            ),
+        ),
+        ("row", format!("{pace} asinh({stretch} |(u, v)|)")),
+        (
+            "layer",
+            format!(
+                "{levels} times the page, of {pages}, plus {} w²/(4 - u² - v²); linear between",
+                levels - 1
+            ),
+        ),
+    ]);
+    (names, axes)
+}
+
+fn rotation() -> Words {
+    let axes = [("column", "one".to_owned()), ("row", row("unused"))];
+    (vec!["unused".to_owned(); 4], BTreeMap::from(axes))
+}
+
+fn grating() -> Words {
+    let channels = ["period along x in µm", "period along y in µm", "unused", "unused"];
+    let axes = BTreeMap::from([
+        ("column", "one".to_owned()),
+        ("row", row("the surface's strongest period as a vector, from one groove to the next")),
+    ]);
+    (channels.map(str::to_owned).into(), axes)
+}
+
+fn row(first: &str) -> String {
+    format!(
+        "0: {first}; 1: first texel holds cosine and sine of the surface's rotation, scale of the first term, ratio of the scales of successive terms"
+    )
+}

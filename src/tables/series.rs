@@ -1,0 +1,251 @@
+//! The terms of the phase function on a surface, how many, of which bins, and how they lie in a table.
+
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use crate::basis::Expansion;
+use crate::defines::Defines;
+use crate::error::Result;
+use crate::height::HeightField;
+use crate::plan::{Basis, CoherenceScaling, Illuminant, Packing, TableFormat, Wavelengths};
+use crate::spectrum::Spectrum;
+use crate::terms::Grid;
+use crate::transform::Bins;
+
+use super::scale::scale;
+use super::{Scale, Settings, terms_shape};
+
+/// How the number of terms was chosen.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Choice {
+    /// As configured; all wavelengths count alike.
+    Count(u32),
+    /// As configured; an optimum for the light that is seen.
+    Seen {
+        /// Number of terms.
+        terms: u32,
+        /// What is seen.
+        #[serde(serialize_with = "Illuminant::serialize_identity")]
+        illuminant: Illuminant,
+        /// Longest wavelength, nm.
+        max_nm: f64,
+    },
+    /// The fewest that keep this error of the phase function.
+    Error(f64),
+}
+
+/// A basis on a surface. What is serialised decides everything; the expansion follows from it and the surface's heights.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LaidExpansion {
+    basis: Basis,
+    choice: Choice,
+    /// Shortest wavelength, nm.
+    min_nm: f64,
+    #[serde(skip)]
+    expansion: Arc<Expansion>,
+}
+
+impl LaidExpansion {
+    /// Lays a basis on a surface. Time: for `optimal`, a singular value decomposition.
+    pub fn new(
+        basis: Basis,
+        choice: Choice,
+        min_nm: f64,
+        height: &HeightField,
+    ) -> Result<LaidExpansion> {
+        let expansion = match &choice {
+            Choice::Count(terms) => Expansion::new(basis, *terms, height, min_nm),
+            Choice::Seen { terms, illuminant, max_nm } => {
+                let range = Wavelengths { min_nm, max_nm: *max_nm, step_nm: 1.0 };
+                let best_nm = Spectrum::new(illuminant)?.faint_below_nm(&range);
+                Expansion::best_from(best_nm, basis, *terms, height, min_nm)
+            }
+            Choice::Error(error) => Expansion::new(basis, 1, height, min_nm).with_error(*error),
+        };
+        Ok(LaidExpansion { basis, choice, min_nm, expansion: Arc::new(expansion) })
+    }
+
+    /// The expansion.
+    pub fn get(&self) -> &Expansion {
+        &self.expansion
+    }
+
+    /// Shortest wavelength, nm.
+    pub fn min_nm(&self) -> f64 {
+        self.min_nm
+    }
+}
+
+/// What decided which bins a table has.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Reach {
+    /// Bins to each side of the nearest one, as configured.
+    Radius(u32),
+    /// The same by the window's tail.
+    Tail {
+        /// Coherence length, µm.
+        coherence_um: f64,
+        /// How it depends on the wavelength.
+        coherence_scaling: CoherenceScaling,
+        /// Longest wavelength, nm.
+        max_nm: f64,
+    },
+    /// The same by the light that replicas send between their bins.
+    Replicas {
+        /// Replicas along x and y, as configured.
+        periods: Option<[u32; 2]>,
+        /// Coherence length, µm.
+        coherence_um: f64,
+    },
+    /// The lobes that the wavelengths of a direction cross.
+    Corridor {
+        /// Coherence length, µm.
+        coherence_um: f64,
+        /// How it depends on the wavelength.
+        coherence_scaling: CoherenceScaling,
+        /// Longest wavelength, nm.
+        max_nm: f64,
+    },
+    /// The grid of a table that has the window in it.
+    Prefiltered {
+        /// Coherence length, µm.
+        coherence_um: f64,
+    },
+}
+
+/// A series of terms and the table that holds it. What is serialised decides every number of that table on a surface.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Series {
+    expansion: LaidExpansion,
+    reach: Reach,
+    /// Bins of the table.
+    pub bins: Bins,
+    /// The table's own grid, where it has the window in it; else its bins are those of the patch.
+    pub grid: Option<Grid>,
+    /// Size `(Lx, Ly)` of the patch, or of the grid, µm: bins are `1/size` apart.
+    pub size_um: [f64; 2],
+    /// How complex terms lie in texels.
+    pub packing: Packing,
+    /// Number format.
+    pub format: TableFormat,
+    #[serde(skip)]
+    scale: Scale,
+}
+
+/// Columns of coefficients that are taken from the nearest one: half a step of `z` turns the phase of a height of 0.2 µm by
+/// 1.6e-3. It is the width of a texture that every profile allows.
+const NEAREST_COEFFICIENTS: usize = 2048;
+
+impl Series {
+    /// Puts a laid basis into a table. `size_um`: of the patch; a grid has its own.
+    pub fn new(
+        expansion: LaidExpansion,
+        reach: Reach,
+        bins: Bins,
+        grid: Option<Grid>,
+        patch_um: [f64; 2],
+        (packing, format): (Packing, TableFormat),
+    ) -> Series {
+        let scale = match format {
+            TableFormat::F16 => scale(expansion.get()),
+            TableFormat::F32 | TableFormat::Rgb9e5 => Scale::NONE,
+        };
+        let size_um = grid.map_or(patch_um, |grid| grid.size_um);
+        Series { expansion, reach, bins, grid, size_um, packing, format, scale }
+    }
+
+    /// The basis on the surface.
+    pub fn expansion(&self) -> &Expansion {
+        self.expansion.get()
+    }
+
+    /// The same with what decides it.
+    pub(super) fn laid(&self) -> &LaidExpansion {
+        &self.expansion
+    }
+
+    /// Shortest wavelength, nm.
+    pub fn min_nm(&self) -> f64 {
+        self.expansion.min_nm
+    }
+
+    /// Number of terms.
+    pub fn terms(&self) -> u32 {
+        self.expansion().terms
+    }
+
+    /// Layers of the table.
+    pub fn layers(&self) -> u32 {
+        self.terms().div_ceil(match self.packing {
+            Packing::Paired => 2,
+            Packing::Single => 1,
+        })
+    }
+
+    /// Scales of the terms.
+    pub fn scale(&self) -> Scale {
+        self.scale
+    }
+
+    /// Settings of the spectrum table beside it.
+    pub fn settings(&self, rotate_deg: f64) -> Settings {
+        Settings { rotate_deg, scale: self.scale }
+    }
+
+    /// Columns of the table of coefficients; 0 without one.
+    pub fn coefficient_count(&self) -> usize {
+        let expansion = self.expansion();
+        match self.grid {
+            Some(_) if expansion.is_tabulated() => NEAREST_COEFFICIENTS,
+            _ => expansion.nodes(),
+        }
+    }
+
+    /// Rows of the table of coefficients; 0 without one.
+    pub fn coefficient_rows(&self) -> u32 {
+        if self.expansion().is_tabulated() { self.terms().div_ceil(4) } else { 0 }
+    }
+
+    /// Bytes of the table and of that of coefficients.
+    pub fn byte_count(&self) -> u64 {
+        let terms = terms_shape(self.bins, self.terms() as usize, self.packing, self.format);
+        let coefficients = u64::from(self.coefficient_rows()) * self.coefficient_count() as u64;
+        terms.byte_count() as u64 + 4 * 4 * coefficients
+    }
+
+    /// Bound of the phase function's error, that of coefficients between their nodes included.
+    pub fn phase_bound(&self) -> f64 {
+        let expansion = self.expansion();
+        let nearest = match (self.grid, self.coefficient_count()) {
+            // half a step at the greatest height
+            (Some(_), count) if count > 0 => {
+                0.5 * expansion.z_max * expansion.reach_um / (count - 1) as f64
+            }
+            _ => 0.0,
+        };
+        expansion.bound() + nearest
+    }
+
+    /// Sum of the greatest values of all terms.
+    pub fn terms_sum(&self) -> f64 {
+        self.expansion().term_sizes().iter().sum()
+    }
+
+    /// What the templates of a series are told.
+    pub fn define(&self, into: &mut Defines) {
+        into.flag("HOIST", true);
+        into.flag("HALF", self.format == TableFormat::F16);
+        into.flag("PAIRED", self.packing == Packing::Paired);
+        into.flag("PREFILTERED", self.grid.is_some());
+        into.flag("TABULATED", self.expansion().is_tabulated());
+        into.count("CENTRE_COLUMN", self.bins.r_max);
+        into.count("CENTRE_ROW", self.bins.s_max);
+        into.count("COEFFICIENT_COUNT", self.coefficient_count());
+        into.count("COEFFICIENT_ROWS", self.coefficient_rows() as usize);
+        into.count("LAYER_COUNT", self.layers() as usize);
+        into.number("WAVELENGTH_MIN_UM", self.min_nm() * 1e-3);
+    }
+}

@@ -1,0 +1,309 @@
+//! What a table is made from.
+//!
+//! A [`TableSpec`] is a value from which everything about a table follows, given the heights of its surface: its shape, its
+//! texels, what they mean, and its name, which is the hash of the value. Texels are computed from nothing else, so no
+//! input can be missing from the name.
+
+use serde::Serialize;
+
+use crate::error::Result;
+use crate::hash::{TOOL_VERSION, of_value};
+use crate::height::HeightField;
+use crate::plan::{Coherence, CoherenceScaling, Illuminant, TableFormat, Wavelengths, Window};
+use crate::spectrum::Spectrum;
+use crate::terms::Terms;
+
+use super::lobes::lobes_table;
+use super::{
+    Aim, Axes, LaidExpansion, LobeGeometry, Scale, Series, Settings, Table, bake,
+    coefficients_shape, coefficients_table, grating_table, levels_table, rotation_table,
+    spectrum_shape, spectrum_table, strongest_period_um, terms_shape, terms_table,
+};
+
+/// A table, by what it is made from. Strings named `surface` are the identity of the heights, empty where nothing is named.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum TableSpec {
+    /// Terms of the phase function.
+    Terms(TermsSpec),
+    /// Their coefficients, of a basis whose coefficients are no powers.
+    Coefficients(CoefficientsSpec),
+    /// Colours over `(u, v, w)`.
+    Colours(ColoursSpec),
+    /// A spectrum at uniform wavelengths.
+    Nodes(NodesSpec),
+    /// A spectrum at wavelengths that depend on `|(u, v)|`.
+    Levels(LevelsSpec),
+    /// Colours of lobes.
+    Lobes(LobesSpec),
+    /// A grating's period.
+    Grating(GratingSpec),
+    /// A rotation and nothing else.
+    Rotation(RotationSpec),
+}
+
+/// See [`terms_table`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TermsSpec {
+    /// Identity of the heights.
+    pub surface: String,
+    /// The terms.
+    pub series: Series,
+    /// Whether shaders read between texels through the linear filter. The same table serves both ways, so it is no part of
+    /// the identity.
+    #[serde(skip)]
+    pub filtered: bool,
+}
+
+/// See [`coefficients_table`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CoefficientsSpec {
+    /// Identity of the heights.
+    pub surface: String,
+    expansion: LaidExpansion,
+    /// Columns.
+    columns: usize,
+    /// Whether shaders take the nearest column; otherwise they interpolate.
+    nearest: bool,
+}
+
+impl CoefficientsSpec {
+    /// Of a series whose coefficients are a table; `None` where they are powers.
+    pub fn new(surface: &str, series: &Series) -> Option<CoefficientsSpec> {
+        series.expansion().is_tabulated().then(|| CoefficientsSpec {
+            surface: surface.to_owned(),
+            expansion: series.laid().clone(),
+            columns: series.coefficient_count(),
+            nearest: series.grid.is_some(),
+        })
+    }
+
+    pub(super) fn columns(&self) -> usize {
+        self.columns
+    }
+
+    pub(super) fn z_max(&self) -> f64 {
+        self.expansion.get().z_max
+    }
+
+    pub(super) fn nearest(&self) -> bool {
+        self.nearest
+    }
+}
+
+/// See [`bake`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ColoursSpec {
+    /// Identity of the heights.
+    pub surface: String,
+    /// Range of wavelengths, nm.
+    pub range_nm: [f64; 2],
+    /// The coherence window.
+    pub window: Window,
+    /// The light.
+    #[serde(serialize_with = "Illuminant::serialize_identity")]
+    pub illuminant: Illuminant,
+    /// What the sizes aim at.
+    pub aim: Aim,
+    /// Sizes.
+    pub axes: Axes,
+    /// Number format.
+    pub format: TableFormat,
+    /// As in [`TermsSpec::filtered`].
+    #[serde(skip)]
+    pub filtered: bool,
+}
+
+/// What the row of settings of a spectrum table comes from.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SettingsSpec {
+    /// Rotation of the surface, degrees.
+    pub rotate_deg: f64,
+    /// Terms in 16-bit floats, whose scales are in it.
+    pub scaled: Option<Box<TermsSpec>>,
+}
+
+impl SettingsSpec {
+    /// Beside a table of terms.
+    pub fn new(rotate_deg: f64, terms: &TermsSpec) -> SettingsSpec {
+        let scaled = terms.series.format == TableFormat::F16;
+        SettingsSpec { rotate_deg, scaled: scaled.then(|| Box::new(terms.clone())) }
+    }
+
+    fn settings(&self) -> Settings {
+        let scale = self.scaled.as_ref().map_or(Scale::NONE, |terms| terms.series.scale());
+        Settings { rotate_deg: self.rotate_deg, scale }
+    }
+}
+
+/// See [`spectrum_table`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NodesSpec {
+    /// The light.
+    #[serde(serialize_with = "Illuminant::serialize_identity")]
+    pub illuminant: Illuminant,
+    /// The nodes.
+    pub wavelengths: Wavelengths,
+    /// Row 1.
+    pub settings: SettingsSpec,
+}
+
+/// See [`levels_table`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LevelsSpec {
+    /// Identity of the heights, whose range decides the counts.
+    pub surface: String,
+    /// Coherence length, µm, which decides the counts too.
+    pub coherence_um: f64,
+    /// The light.
+    #[serde(serialize_with = "Illuminant::serialize_identity")]
+    pub illuminant: Illuminant,
+    /// Range of wavelengths, nm.
+    pub range_nm: [f64; 2],
+    /// Nodes at every level.
+    pub counts: Vec<u32>,
+    /// Row 1.
+    pub settings: SettingsSpec,
+}
+
+/// See [`lobe_table`](super::lobe_table).
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LobesSpec {
+    /// Identity of the heights, whose range decides the sizes.
+    pub surface: String,
+    /// The light.
+    #[serde(serialize_with = "Illuminant::serialize_identity")]
+    pub illuminant: Illuminant,
+    /// Range of wavelengths, nm.
+    pub range_nm: [f64; 2],
+    /// How the width of lobes depends on the wavelength. The coherence length itself has no part in their colours.
+    pub coherence_scaling: CoherenceScaling,
+    /// Nodes of broad lobes; 1 of a single wavelength.
+    pub nodes: u32,
+    /// Columns and rows of narrow lobes.
+    pub narrow: [u32; 2],
+    /// Row 1.
+    pub settings: SettingsSpec,
+}
+
+impl LobesSpec {
+    /// The geometry of lobes with a coherence length of 1 µm on a patch of 1 µm: colours depend on ratios only.
+    pub(super) fn geometry(&self) -> LobeGeometry {
+        let window = Window {
+            coherence_um: 1.0,
+            coherence: Coherence::Single,
+            coherence_scaling: self.coherence_scaling,
+        };
+        LobeGeometry::new(window, &self.range(), [1.0; 2])
+    }
+
+    fn range(&self) -> Wavelengths {
+        range(self.range_nm)
+    }
+}
+
+/// See [`grating_table`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GratingSpec {
+    /// Identity of the heights and their rotation.
+    pub surface: String,
+    /// Rotation of the surface, degrees.
+    pub rotate_deg: f64,
+}
+
+/// See [`rotation_table`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RotationSpec {
+    /// Rotation of the surface, degrees.
+    pub rotate_deg: f64,
+}
+
+impl TableSpec {
+    /// The name: what the table is, and the hash of this value and the tool's version.
+    pub fn id(&self) -> String {
+        let value = serde_json::json!([TOOL_VERSION, self]);
+        format!("{}-{}", self.shape().name, &of_value(&value)[..12])
+    }
+
+    /// The table without its texels.
+    pub fn shape(&self) -> Table {
+        match self {
+            TableSpec::Terms(TermsSpec { series, filtered, .. }) => {
+                let terms = series.terms() as usize;
+                let shape = terms_shape(series.bins, terms, series.packing, series.format);
+                Table { filtered: *filtered, ..shape }
+            }
+            TableSpec::Coefficients(spec) => {
+                coefficients_shape(spec.expansion.get().terms, spec.columns)
+            }
+            TableSpec::Colours(spec) => {
+                Table { filtered: spec.filtered, ..bake::shape(&spec.axes, spec.format) }
+            }
+            TableSpec::Nodes(spec) => spectrum_shape(spec.wavelengths.nodes_nm().len(), 2),
+            TableSpec::Levels(spec) => {
+                let widest = spec.counts.iter().copied().max().unwrap_or(1);
+                spectrum_shape(widest as usize, spec.counts.len() + 1)
+            }
+            TableSpec::Lobes(LobesSpec { narrow: [columns, rows], .. }) => {
+                spectrum_shape(*columns as usize, 2 + 2 * *rows as usize)
+            }
+            TableSpec::Grating(_) | TableSpec::Rotation(_) => spectrum_shape(1, 2),
+        }
+    }
+
+    /// Whether computing it takes so long that it is kept.
+    pub fn is_expensive(&self) -> bool {
+        matches!(self, TableSpec::Terms(_) | TableSpec::Colours(_))
+    }
+
+    /// The texels, unrounded, from the heights that it is named by. `done` is called with the columns of a table of colours
+    /// that were finished since the last call, from any thread.
+    pub fn compute(&self, height: &HeightField, done: &(dyn Fn(usize) + Sync)) -> Result<Table> {
+        Ok(match self {
+            TableSpec::Terms(TermsSpec { series, filtered, .. }) => {
+                let terms = Terms::new(height, series.expansion(), series.bins, series.grid);
+                let table = terms_table(&terms, series.packing, series.format, series.scale());
+                Table { filtered: *filtered, ..table }
+            }
+            TableSpec::Coefficients(spec) => coefficients_table(spec.expansion.get(), spec.columns),
+            TableSpec::Colours(spec) => {
+                let range = range(spec.range_nm);
+                let colours =
+                    bake::bake(height, spec.window, &spec.illuminant, &range, spec.axes, done)?;
+                let table = bake::table(&bake::sharpen(colours), spec.format);
+                Table { filtered: spec.filtered, ..table }
+            }
+            TableSpec::Nodes(spec) => {
+                let samples = Spectrum::new(&spec.illuminant)?.samples(&spec.wavelengths);
+                spectrum_table(&samples, spec.settings.settings())
+            }
+            TableSpec::Levels(spec) => {
+                let spectrum = Spectrum::new(&spec.illuminant)?;
+                let levels = spectrum.warped_samples(&range(spec.range_nm), &spec.counts);
+                levels_table(&levels, spec.settings.settings())
+            }
+            TableSpec::Lobes(spec) => lobes(spec)?,
+            TableSpec::Grating(spec) => {
+                // a surface without a period has no such table
+                let period_um = strongest_period_um(height).unwrap_or_default();
+                grating_table(period_um, spec.rotate_deg)
+            }
+            TableSpec::Rotation(spec) => rotation_table(spec.rotate_deg),
+        })
+    }
+}
+
+fn lobes(spec: &LobesSpec) -> Result<Table> {
+    let settings = spec.settings.settings();
+    let spectrum = Spectrum::new(&spec.illuminant)?;
+    let samples = spectrum.wavenumber_samples(&spec.range());
+    if spec.nodes == 1 {
+        return Ok(spectrum_table(&samples, settings));
+    }
+    Ok(lobes_table(&samples, &spec.geometry(), spec.nodes, spec.narrow, settings))
+}
+
+/// A range without a step.
+fn range([min_nm, max_nm]: [f64; 2]) -> Wavelengths {
+    Wavelengths { min_nm, max_nm, step_nm: (max_nm - min_nm).max(1.0) }
+}

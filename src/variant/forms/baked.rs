@@ -1,0 +1,98 @@
+//! `baked`: the wavelengths are integrated beforehand, into a table of colours over `(u, v, w)`.
+
+use crate::defines::Defines;
+use crate::height::HeightField;
+use crate::plan::{Illuminant, TableFormat, Variant, Window};
+use crate::tables::{Aim, Axes, ColoursSpec, RotationSpec, TableSpec, colour_format};
+use crate::variant::tolerance::{Promise, is_visible};
+use crate::variant::{Computation, Cost, Ground, lay};
+
+/// Numbers of the form.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Baked {
+    /// Axes of the table.
+    pub axes: Axes,
+    /// Number format of the table.
+    pub format: TableFormat,
+    aim: Aim,
+    /// Whether the sizes keep the error aimed at, uncut by the most bytes.
+    is_uncut: bool,
+    window: Window,
+    range_nm: [f64; 2],
+    illuminant: Illuminant,
+    filters: bool,
+}
+
+impl Baked {
+    pub(in crate::variant) fn new(variant: &Variant, height: &HeightField) -> Baked {
+        let window = Window::from(&variant.optics);
+        let aim = Aim { error: variant.bake_error, mib: variant.bake_mib };
+        let sized = |aim| Axes::new(window, variant.table, aim, lay::height_range_um(height));
+        let axes = sized(aim);
+        Baked {
+            axes,
+            format: variant.table,
+            aim,
+            is_uncut: axes == sized(Aim { mib: f64::INFINITY, ..aim }),
+            window,
+            range_nm: lay::range_nm(variant),
+            illuminant: variant.optics.illuminant.clone(),
+            filters: variant.filters(),
+        }
+    }
+}
+
+impl Computation for Baked {
+    fn define(&self, _: usize, into: &mut Defines) {
+        into.count("COLUMN_COUNT", self.axes.columns as usize);
+        into.count("LEVEL_COUNT", self.axes.levels as usize);
+        into.count("PAGE_COLUMNS", self.axes.page_columns() as usize);
+        into.count("PAGE_COUNT", self.axes.pages as usize);
+        into.count("ROW_COUNT", self.axes.rows as usize);
+        into.number("ROW_PACE", self.axes.pace);
+        into.number("STRETCH", self.axes.stretch);
+    }
+
+    fn tables(&self, on: Ground<'_>) -> Vec<TableSpec> {
+        let colours = ColoursSpec {
+            surface: on.surface.to_owned(),
+            range_nm: self.range_nm,
+            window: self.window,
+            illuminant: self.illuminant.clone(),
+            aim: self.aim,
+            axes: self.axes,
+            format: self.format,
+            filtered: self.filters,
+        };
+        let rotation = TableSpec::Rotation(RotationSpec { rotate_deg: on.rotate_deg });
+        let rotation = (on.rotate_deg != 0.0).then_some(rotation);
+        [TableSpec::Colours(colours)].into_iter().chain(rotation).collect()
+    }
+
+    fn cost(&self) -> Cost {
+        // two neighbouring levels, filtered or not
+        let fetches: u64 = if self.filters { 2 } else { 8 };
+        Cost {
+            fetches,
+            fetches_mean: fetches as f64,
+            table_bytes: self.axes.texels() * colour_format(self.format).texel_bytes() as u64,
+            ..Cost::default()
+        }
+    }
+
+    /// What the sizes aim at, twice, where they were not cut by the most bytes. Maps of isolated lobes show more, since an
+    /// eye that is adapted to dim orders sees the flanks between texels (2.0 on fingers under a low light; 0.6 on a scan).
+    fn promise(&self) -> Promise {
+        let kept = self.is_uncut && is_visible(self.range_nm);
+        let model = kept.then_some((2.0 * self.aim.error, Some(5.0 * self.aim.error)));
+        Promise::of_colours(self.format).with_model(model)
+    }
+
+    fn filters(&self) -> bool {
+        self.filters
+    }
+
+    fn no_wavelength_axis(&self) -> Option<&'static str> {
+        Some("has no wavelength axis: its table holds colours")
+    }
+}

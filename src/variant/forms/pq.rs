@@ -1,0 +1,127 @@
+//! `pq`: a finite number of replicas of the patch, without a coherence window.
+
+use crate::defines::Defines;
+use crate::error::Result;
+use crate::height::HeightField;
+use crate::optics::replica_diffuser_scale;
+use crate::plan::{Auto, Illuminant, Optics, Variant, Wavelengths};
+use crate::tables::{Reach, Series, TableSpec};
+use crate::variant::tolerance::Promise;
+use crate::variant::{
+    AUTO_TAIL_PQ, Computation, Cost, ErrorBound, Ground, lay, replica_tail,
+};
+
+/// Numbers of the form.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pq {
+    /// The terms.
+    pub series: Series,
+    /// Bins to each side of the nearest one.
+    pub window_radius: u32,
+    /// Replicas along x and y.
+    pub periods: [u32; 2],
+    /// Bins along x and y that are interpolated from: `2·radius + 1`, and not more than there are pixels.
+    pub taps: [u32; 2],
+    /// Pixels along x and y.
+    pub pixels: [u32; 2],
+    illuminant: Illuminant,
+    wavelengths: Wavelengths,
+}
+
+/// Most replicas along an axis.
+const MOST_PERIODS: f64 = 10000.0;
+
+impl Pq {
+    pub(in crate::variant) fn new(variant: &Variant, height: &HeightField) -> Result<Pq> {
+        let patch_um = lay::patch_um(height);
+        let pixels = [height.columns() as u32, height.rows() as u32];
+        let coherence_um = variant.optics.coherence_um;
+        let expansion = lay::expansion(variant, height)?;
+        let periods = variant.periods.unwrap_or_else(|| {
+            patch_um
+                .map(|size_um| (coherence_um / size_um).round().clamp(1.0, MOST_PERIODS) as u32)
+        });
+        let (window_radius, reach) = match variant.window_radius {
+            Auto::Value(radius) => (radius, Reach::Radius(radius)),
+            Auto::Auto => {
+                let tail = |radius| replica_tail(periods, taps(radius, pixels), pixels);
+                let reach = Reach::Replicas { periods: variant.periods, coherence_um };
+                // the kernel is no kernel without a neighbour
+                (lay::radius(1, AUTO_TAIL_PQ, tail), reach)
+            }
+        };
+        let margin = [window_radius as usize + 1; 2];
+        let bins = lay::bins(patch_um, variant.wavelengths.min_nm, margin);
+        let texels = (variant.packing, variant.table);
+        Ok(Pq {
+            series: Series::new(expansion, reach, bins, None, patch_um, texels),
+            window_radius,
+            periods,
+            taps: taps(window_radius, pixels),
+            pixels,
+            illuminant: variant.optics.illuminant.clone(),
+            wavelengths: variant.wavelengths,
+        })
+    }
+
+    fn tail(&self) -> f64 {
+        replica_tail(self.periods, self.taps, self.pixels)
+    }
+}
+
+fn taps(radius: u32, pixels: [u32; 2]) -> [u32; 2] {
+    pixels.map(|count| count.min(2 * radius + 1))
+}
+
+impl Computation for Pq {
+    fn define(&self, wavelengths: usize, into: &mut Defines) {
+        self.series.define(into);
+        super::define_patch(self.series.size_um, into);
+        into.count("WAVELENGTH_COUNT", wavelengths);
+        into.number("PERIOD_COLUMNS", f64::from(self.periods[0]));
+        into.number("PERIOD_ROWS", f64::from(self.periods[1]));
+        into.number("PIXEL_COLUMNS", f64::from(self.pixels[0]));
+        into.number("PIXEL_ROWS", f64::from(self.pixels[1]));
+        into.count("TAP_COLUMNS", self.taps[0] as usize);
+        into.count("TAP_ROWS", self.taps[1] as usize);
+    }
+
+    fn tables(&self, on: Ground<'_>) -> Vec<TableSpec> {
+        super::uniform_tables(&self.series, false, &self.illuminant, self.wavelengths, on)
+    }
+
+    fn cost(&self) -> Cost {
+        let taps = u64::from(self.taps[0]) * u64::from(self.taps[1]);
+        Cost::uniform(&self.series, self.wavelengths.nodes_nm().len(), taps)
+    }
+
+    /// Lines of another shape replace the window's lobes: nothing is promised about colours.
+    fn promise(&self) -> Promise {
+        Promise::of_series(&self.series, false)
+    }
+
+    fn error_bound(&self) -> Option<ErrorBound> {
+        Some(ErrorBound::new(&self.series, Some(self.window_radius), self.tail()))
+    }
+
+    fn series(&self) -> Option<&Series> {
+        Some(&self.series)
+    }
+
+    fn window_radius(&self) -> Option<u32> {
+        Some(self.window_radius)
+    }
+
+    fn missed(&self) -> f64 {
+        self.tail()
+    }
+
+    fn replicas(&self) -> Option<[(f64, f64); 2]> {
+        Some([0, 1].map(|axis| (f64::from(self.periods[axis]), self.series.size_um[axis])))
+    }
+
+    fn diffuser_scale(&self, optics: &Optics) -> Option<f64> {
+        let sides = [0, 1].map(|i| f64::from(self.periods[i]) * self.series.size_um[i]);
+        Some(replica_diffuser_scale(optics, sides))
+    }
+}

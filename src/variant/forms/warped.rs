@@ -1,0 +1,114 @@
+//! `adaptive` on a table that has the coherence window in it: wavelengths where the light is, as many as the direction
+//! needs.
+
+use crate::defines::Defines;
+use crate::error::Result;
+use crate::height::HeightField;
+use crate::plan::{Illuminant, Variant};
+use crate::tables::{
+    CoefficientsSpec, LevelsSpec, NODE_LEVELS, Series, SettingsSpec, TableSpec, TermsSpec,
+};
+use crate::variant::cost::{mean_and_worst, spectrum_bytes};
+use crate::variant::lay;
+use crate::variant::prefilter::{self, NODE_ERROR, node_counts, node_level};
+use crate::variant::tolerance::Promise;
+use crate::variant::{Computation, Cost, ErrorBound, Ground};
+
+/// Numbers of the form.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Warped {
+    /// The terms.
+    pub series: Series,
+    /// Wavelength nodes at every level of `|(u, v)|`; a single level of one node where there is one wavelength.
+    pub node_counts: Vec<u32>,
+    patch_um: [f64; 2],
+    range_nm: [f64; 2],
+    coherence_um: f64,
+    illuminant: Illuminant,
+    filters: bool,
+}
+
+impl Warped {
+    pub(in crate::variant) fn new(variant: &Variant, height: &HeightField) -> Result<Warped> {
+        Ok(Warped {
+            series: prefilter::series(variant, height)?,
+            node_counts: node_counts(variant, height),
+            patch_um: lay::patch_um(height),
+            range_nm: lay::range_nm(variant),
+            coherence_um: variant.optics.coherence_um,
+            illuminant: variant.optics.illuminant.clone(),
+            filters: variant.filters(),
+        })
+    }
+
+    fn is_monochromatic(&self) -> bool {
+        self.range_nm[1] <= self.range_nm[0]
+    }
+}
+
+impl Computation for Warped {
+    fn define(&self, wavelengths: usize, into: &mut Defines) {
+        self.series.define(into);
+        super::define_grid(self.series.size_um, into);
+        into.count("NODE_LEVELS", NODE_LEVELS as usize);
+        into.count("WAVELENGTH_COUNT", wavelengths);
+        into.flag("MONOCHROMATIC", wavelengths == 1);
+    }
+
+    fn tables(&self, on: Ground<'_>) -> Vec<TableSpec> {
+        let terms = TermsSpec {
+            surface: on.surface.to_owned(),
+            series: self.series.clone(),
+            filtered: self.filters,
+        };
+        let levels = LevelsSpec {
+            surface: on.surface.to_owned(),
+            coherence_um: self.coherence_um,
+            illuminant: self.illuminant.clone(),
+            range_nm: self.range_nm,
+            counts: self.node_counts.clone(),
+            settings: SettingsSpec::new(on.rotate_deg, &terms),
+        };
+        let coefficients = CoefficientsSpec::new(on.surface, &self.series);
+        let tables = [TableSpec::Terms(terms), TableSpec::Levels(levels)];
+        tables.into_iter().chain(coefficients.map(TableSpec::Coefficients)).collect()
+    }
+
+    fn cost(&self) -> Cost {
+        let widest = self.node_counts.iter().copied().max().map_or(1, u64::from);
+        let wavelengths = if self.is_monochromatic() {
+            (1.0, 1)
+        } else {
+            let count = |uv: [f64; 2]| {
+                u64::from(self.node_counts[node_level(uv[0].hypot(uv[1])) as usize])
+            };
+            (mean_and_worst(count).0, widest)
+        };
+        let bytes = spectrum_bytes(widest, self.node_counts.len() as u64 + 1);
+        Cost::between(&self.series, wavelengths, self.filters, bytes)
+    }
+
+    /// Linear interpolation and the wavelength nodes show, evenly (95th percentile 0.9 on a scan, 0.5 of its map).
+    fn promise(&self) -> Promise {
+        let model = (prefilter::MODEL_P95, Some(prefilter::MODEL_P95));
+        Promise::of_series(&self.series, self.filters).converged(
+            &self.series,
+            self.range_nm,
+            model,
+        )
+    }
+
+    fn error_bound(&self) -> Option<ErrorBound> {
+        let node_alias = (!self.is_monochromatic()).then_some(NODE_ERROR);
+        let bound = prefilter::error_bound(&self.series, self.patch_um)?;
+        Some(ErrorBound { node_alias, ..bound })
+    }
+
+    fn series(&self) -> Option<&Series> {
+        Some(&self.series)
+    }
+
+    fn filters(&self) -> bool {
+        self.filters
+    }
+}

@@ -1,0 +1,122 @@
+//! `diffraction(wi, wr)`: light from one direction.
+
+use rayon::prelude::*;
+
+use crate::error::{Error, Result, Stage};
+use crate::field::Scratch;
+use crate::height::HeightField;
+use crate::measure::{LIT, auto_exposure, pool};
+use crate::plan::Optics;
+use crate::reference::{Directions, Reference};
+use crate::variant::{Cost, Form, Twin};
+
+use super::{ExactProbe, Function};
+
+/// The function of every form.
+pub static DIRECTIONAL: Directional = Directional;
+
+/// Light from one direction: `diffraction(wi, wr)`.
+pub struct Directional;
+
+/// Probes of the function.
+pub const PROBES: usize = 64;
+
+impl Function for Directional {
+    fn name(&self) -> &'static str {
+        "diffraction"
+    }
+
+    fn tristimulus_name(&self) -> &'static str {
+        "tristimulus"
+    }
+
+    fn signature(&self) -> &'static str {
+        "(wi: vec3f, wr: vec3f) -> vec3f"
+    }
+
+    fn arguments(&self) -> &'static str {
+        "unit vectors pointing away from the surface; wi to the light, wr to the viewer"
+    }
+
+    fn cost(&self, form: &Form) -> Cost {
+        form.cost()
+    }
+
+    fn probes(
+        &self,
+        height: &HeightField,
+        rotate_deg: f64,
+        optics: &Optics,
+    ) -> Result<Vec<ExactProbe>> {
+        exact(height, rotate_deg, optics)
+    }
+
+    fn evaluate(&self, twin: &Twin<'_>, arguments: Directions) -> [f64; 3] {
+        twin.tristimulus(arguments)
+    }
+}
+
+/// Chooses [`PROBES`] lit pairs on a surface, a third near mirror directions, a third on strong orders, the rest spread over
+/// the hemisphere. Time: one exact field and about twice as many exact colours, on all cores.
+fn exact(height: &HeightField, rotate_deg: f64, optics: &Optics) -> Result<Vec<ExactProbe>> {
+    let kinds = pool(height, optics, rotate_deg);
+    let all: Vec<Directions> = kinds.iter().flatten().copied().collect();
+    let visible = Reference::VISIBLE_NM;
+    let reference = Reference::new(height, rotate_deg, optics, visible, all.iter().copied())?;
+    let colour = |scratch: &mut Scratch, &directions: &Directions| {
+        let xyz = reference.tristimulus(directions, scratch);
+        ExactProbe { directions, xyz }
+    };
+    let colours: Vec<ExactProbe> = all.par_iter().map_init(Scratch::default, colour).collect();
+    let mut rest = colours.as_slice();
+    let kinds = kinds.each_ref().map(|kind| {
+        let (these, others) = rest.split_at(kind.len());
+        rest = others;
+        these
+    });
+    choose(kinds).ok_or_else(|| {
+        Error::new(Stage::Compute, "probe.json", "too few directions to choose from")
+    })
+}
+
+/// A third of each kind, lit ones in the order of drawing first; what a kind lacks is made up from the brightest left.
+fn choose(kinds: [&[ExactProbe]; 3]) -> Option<Vec<ExactProbe>> {
+    let luminances: Vec<[f64; 3]> = kinds.iter().copied().flatten().map(|e| e.xyz).collect();
+    let exposure = auto_exposure(&luminances).unwrap_or(1.0);
+    let wanted = [PROBES.div_ceil(3), PROBES / 3, PROBES / 3];
+    let (mut chosen, mut left) = (Vec::with_capacity(PROBES), Vec::new());
+    for (kind, wanted) in kinds.into_iter().zip(wanted) {
+        let mut taken = 0;
+        for one in kind {
+            if taken < wanted && exposure * one.xyz[1] > LIT {
+                chosen.push(*one);
+                taken += 1;
+            } else {
+                left.push(*one);
+            }
+        }
+    }
+    left.sort_by(|a, b| b.xyz[1].total_cmp(&a.xyz[1]));
+    chosen.extend(left.into_iter().take(PROBES - chosen.len()));
+    (chosen.len() == PROBES).then_some(chosen)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn probes_are_lit() {
+        let heights_um = (0..40).map(|i| 0.005 * f64::from(i)).collect();
+        let height = HeightField::new(40, 1, 0.05, 0.05, heights_um).expect("valid");
+        let probes = exact(&height, 0.0, &Optics::standard()).expect("bright");
+        assert_eq!(probes.len(), PROBES);
+        let colours: Vec<[f64; 3]> = probes.iter().map(|p| p.xyz).collect();
+        let exposure = auto_exposure(&colours).expect("lit");
+        assert!(colours.iter().all(|c| exposure * c[1] > 0.5 * LIT), "{colours:?}");
+        let mirrors = probes
+            .iter()
+            .filter(|p| (p.directions.wi + p.directions.wr).truncate().length() < 0.02);
+        assert!((22..35).contains(&mirrors.count()));
+    }
+}

@@ -1,0 +1,57 @@
+//! What several forms have in common when they are laid on a surface.
+
+use crate::error::{Error, Result, Stage};
+use crate::height::HeightField;
+use crate::plan::{Auto, Basis, Variant};
+use crate::tables::{Choice, LaidExpansion};
+use crate::transform::Bins;
+
+/// The configured basis on a surface.
+pub(super) fn expansion(variant: &Variant, height: &HeightField) -> Result<LaidExpansion> {
+    let choice = match variant.terms {
+        // a number of terms gives the best colours that it can
+        Auto::Value(terms) if variant.basis == Basis::Optimal => Choice::Seen {
+            terms,
+            illuminant: variant.optics.illuminant.clone(),
+            max_nm: variant.wavelengths.max_nm,
+        },
+        Auto::Value(terms) => Choice::Count(terms),
+        Auto::Auto => Choice::Error(variant.term_error),
+    };
+    let laid = LaidExpansion::new(variant.basis, choice, variant.wavelengths.min_nm, height)?;
+    let (bound, wanted) = (laid.get().bound(), variant.term_error);
+    if variant.terms != Auto::Auto || !laid.get().is_tabulated() || bound <= wanted {
+        return Ok(laid);
+    }
+    let cause = format!("no number of terms keeps `term_error = {wanted:e}`: {bound:.1e} is left");
+    Err(Error::new(Stage::Compute, &variant.name, cause)
+        .remedy("use a larger `term_error`, or basis = \"taylor\""))
+}
+
+/// Size of the patch, µm.
+pub(super) fn patch_um(height: &HeightField) -> [f64; 2] {
+    [height.size_x_um(), height.size_y_um()]
+}
+
+/// Range of the heights, µm.
+pub(super) fn height_range_um(height: &HeightField) -> f64 {
+    let (low_um, high_um) = height.range_um();
+    high_um - low_um
+}
+
+/// Range of the wavelengths, nm.
+pub(super) fn range_nm(variant: &Variant) -> [f64; 2] {
+    [variant.wavelengths.min_nm, variant.wavelengths.max_nm]
+}
+
+/// Bins that any direction reaches, and a margin along x and y: |u| and |v| reach 2.
+pub(super) fn bins(size_um: [f64; 2], min_nm: f64, margin: [usize; 2]) -> Bins {
+    let [x, y] = margin.map(|m| Bins::reachable(size_um[0], size_um[1], 2.0 / (min_nm * 1e-3), m));
+    Bins { r_max: x.r_max, s_max: y.s_max }
+}
+
+/// The fewest bins to each side for which `tail` is at most `wanted`, from `least` on; at most 64.
+pub(super) fn radius(least: u32, wanted: f64, tail: impl Fn(u32) -> f64) -> u32 {
+    const MOST: u32 = 64;
+    (least..=MOST).find(|&radius| tail(radius) <= wanted).unwrap_or(MOST)
+}

@@ -1,0 +1,123 @@
+//! What forms on a table with the window in it have in common: the grid of the table, and the wavelength nodes.
+
+use std::f64::consts::{PI, SQRT_2, TAU};
+
+use crate::error::{Error, Result, Stage};
+use crate::height::HeightField;
+use crate::optics;
+use crate::plan::Variant;
+use crate::tables::{NODE_LEVELS, Reach, Series};
+use crate::terms::Grid;
+
+use super::{ErrorBound, lay};
+
+/// 95th percentile of CIEDE2000 that is promised where the wavelengths are fine enough.
+pub(super) const MODEL_P95: f64 = 1.5;
+
+/// Error of linear interpolation in the grid, the root of its mean square over that of the amplitude.
+pub const GRID_ERROR: f64 = 0.008;
+/// Most samples of the transform along an axis: two of them make a gigabyte.
+const MOST_SAMPLES: usize = 8192;
+
+/// Share of what oscillates fastest along 1/λ that the nodes may take for something slower.
+///
+/// Along `f = (u, v)/λ` the amplitude is a sum of waves in 1/λ whose rate is a path difference: `(u, v)·x` under the window
+/// and `w h`. Between two of them lie rates with the Gaussian distribution `exp(-τ²/4σ²)`, `σ = |(u, v)| σs` and the
+/// heights' range on top. `n` nodes over a range `T` take a rate `n/T` for none: this much of it is left at `n/T = pace σ`.
+pub const NODE_ERROR: f64 = 0.07;
+/// Rate that the colour weights themselves add, µm: their narrowest lobe, in the blue, is 0.12/µm wide.
+const COLOUR_PATH_UM: f64 = 4.5;
+
+/// The terms of a variant on the grid.
+pub(super) fn series(variant: &Variant, height: &HeightField) -> Result<Series> {
+    let grid = grid(variant, height)?;
+    let expansion = lay::expansion(variant, height)?;
+    let reach = Reach::Prefiltered { coherence_um: variant.optics.coherence_um };
+    // the texel on the other side
+    let bins = lay::bins(grid.size_um, variant.wavelengths.min_nm, [1; 2]);
+    let texels = (variant.packing, variant.table);
+    Ok(Series::new(expansion, reach, bins, Some(grid), grid.size_um, texels))
+}
+
+/// What a series on a grid leaves out.
+pub(super) fn error_bound(series: &Series, patch_um: [f64; 2]) -> Option<ErrorBound> {
+    let grid = series.grid.as_ref()?;
+    let sizes = patch_um.map(|size_um| size_um / (TAU * grid.sigma_um));
+    Some(ErrorBound {
+        interpolation: Some(grid_error(grid)),
+        lobe_bins: Some(sizes[0].max(sizes[1])),
+        ..ErrorBound::new(series, None, beyond(grid))
+    })
+}
+
+/// The window ends with its grid, half the size from the middle.
+fn beyond(grid: &Grid) -> f64 {
+    grid.size_um.map(|size_um| libm::erfc(0.5 * size_um / grid.sigma_um)).iter().sum()
+}
+
+/// The grid of a variant on a surface.
+fn grid(variant: &Variant, height: &HeightField) -> Result<Grid> {
+    let sigma_um = optics::window_sigma_um(&variant.optics, optics::REFERENCE_NM);
+    let pitch_um = [height.pitch_x_um(), height.pitch_y_um()];
+    let wanted_um = sigma_um * (interpolation() / GRID_ERROR).sqrt();
+    let samples = pitch_um.map(|pitch_um| smooth((wanted_um / pitch_um).ceil() as usize));
+    if let Some(most) = samples.iter().max().filter(|most| **most > MOST_SAMPLES) {
+        let cause = format!(
+            "a window of coherence_um = {} takes {most} samples on an axis, above {MOST_SAMPLES}",
+            variant.optics.coherence_um
+        );
+        return Err(Error::new(Stage::Compute, &variant.name, cause)
+            .remedy("use a shorter coherence length, or reconstruction = \"window\""));
+    }
+    let size_um = [0, 1].map(|axis| samples[axis] as f64 * pitch_um[axis]);
+    Ok(Grid { samples, size_um, sigma_um })
+}
+
+/// Root mean square of what a grid's interpolation leaves, over that of the amplitude, to first order in its spacing.
+pub fn grid_error(grid: &Grid) -> f64 {
+    let [x, y] = grid.size_um.map(|size_um| (grid.sigma_um / size_um).powi(2));
+    interpolation() * (0.5 * (x * x + y * y)).sqrt()
+}
+
+/// Wavelength nodes at every level of `|(u, v)|`, at its upper end; one level of one node where there is one wavelength.
+pub(super) fn node_counts(variant: &Variant, height: &HeightField) -> Vec<u32> {
+    let waves = &variant.wavelengths;
+    if waves.max_nm <= waves.min_nm {
+        return vec![1];
+    }
+    let range = 1e3 / waves.min_nm - 1e3 / waves.max_nm;
+    let sigma_um = optics::window_sigma_um(&variant.optics, optics::REFERENCE_NM);
+    let pace = 2.0 * (-NODE_ERROR.ln()).sqrt();
+    let (low_um, high_um) = height.range_um();
+    let count = |level: u32| {
+        let uv = 2.0 * f64::from(level + 1) / f64::from(NODE_LEVELS);
+        let path_um = pace * (uv * sigma_um + high_um - low_um) + COLOUR_PATH_UM;
+        (range * path_um).ceil().max(1.0) as u32
+    };
+    (0..NODE_LEVELS).map(count).collect()
+}
+
+/// The level of a direction, `uv = |(u, v)|`.
+pub fn node_level(uv: f64) -> u32 {
+    (uv * 0.5 * f64::from(NODE_LEVELS)).clamp(0.0, f64::from(NODE_LEVELS - 1)) as u32
+}
+
+/// Images of the window at `x` from the `m`-th period are `(x/(size m))²` of it: with `⟨x⁴⟩ = 3/4 σ⁴` under the squared
+/// window and `Σ 1/m⁴ = π⁴/45` over both signs, on both axes, this times `(σ/size)²` is the root of the mean square.
+fn interpolation() -> f64 {
+    (0.75 * PI.powi(4) / 45.0).sqrt() * SQRT_2
+}
+
+/// The next whole number that has no prime factors above 7, for which transforms are fast.
+fn smooth(least: usize) -> usize {
+    let is_smooth = |n: &usize| {
+        let rest = [2, 3, 5, 7].iter().fold(*n, |mut n, p| {
+            while n % p == 0 {
+                n /= p;
+            }
+            n
+        });
+        rest == 1
+    };
+    (least.max(1)..).find(is_smooth).unwrap_or(least)
+}

@@ -1,0 +1,107 @@
+//! The algorithms of the templates in f64, function by function.
+//!
+//! `twin/x.rs` stands beside `templates/x.wgsl` with the same function names. What all forms share is not written twice: the
+//! f64 form of `gain.wgsl` is [`crate::optics`], that of the map's geometry [`crate::frame`].
+
+mod adaptive;
+mod baked;
+mod full;
+mod gems;
+pub mod mesh;
+mod nodes;
+mod pq;
+mod prefiltered;
+mod series;
+mod warped;
+mod window;
+
+use glam::DVec3;
+
+use crate::plan::Optics;
+use crate::reference::Directions;
+use crate::tables::{TERMS, Table, single_wavelength};
+
+use super::Form;
+
+/// Everything that one pixel of a variant reads, and the variant's algorithm on it.
+#[derive(Clone, Copy)]
+pub struct Twin<'a> {
+    /// How the variant computes.
+    pub form: &'a Form,
+    /// Term table, or the table of colours, rounded or not; empty where the form has none.
+    pub terms: &'a Table,
+    /// Spectrum table, rounded or not.
+    pub spectrum: &'a Table,
+    /// Table of coefficients, rounded or not; empty where they are powers.
+    pub coefficients: &'a Table,
+    /// Light and material.
+    pub optics: &'a Optics,
+    /// Rotation of the surface, degrees.
+    pub rotate_deg: f64,
+}
+
+impl<'a> Twin<'a> {
+    /// Takes the tables by their names.
+    pub fn new(
+        form: &'a Form,
+        tables: &'a [Table],
+        optics: &'a Optics,
+        rotate_deg: f64,
+    ) -> Twin<'a> {
+        let named = |name: &str| tables.iter().find(|t| t.name == name).unwrap_or(&ABSENT);
+        Twin {
+            form,
+            terms: tables.iter().find(|t| t.binding == TERMS).unwrap_or(&ABSENT),
+            spectrum: named("spectrum"),
+            coefficients: named("coefficients"),
+            optics,
+            rotate_deg,
+        }
+    }
+
+    /// Relative tristimulus values of `ρ`.
+    pub fn tristimulus(&self, directions: Directions) -> [f64; 3] {
+        match self.form {
+            Form::FullWindow(_) | Form::FullPrefiltered(_) | Form::Pq(_) => {
+                nodes::tristimulus(self, directions)
+            }
+            Form::Lobes(form) => adaptive::tristimulus(self, form, directions),
+            Form::Warped(form) => warped::tristimulus(self, form, directions),
+            Form::Baked(form) => baked::tristimulus(self, form, directions),
+            Form::Gems(_) => gems::tristimulus(self, directions),
+        }
+    }
+
+    /// `|P|²` of this variant at one wavelength, µm, along `path = (u, v, w)`; `None` where it has no wavelengths.
+    pub fn response(&self, path: DVec3, lambda_um: f64) -> Option<f64> {
+        match self.form {
+            Form::FullWindow(form) => Some(full::response(self, form, path, lambda_um)),
+            Form::FullPrefiltered(form) => {
+                Some(prefiltered::response(self, &form.series, path, lambda_um))
+            }
+            Form::Warped(form) => Some(prefiltered::response(self, &form.series, path, lambda_um)),
+            Form::Pq(form) => Some(pq::response(self, form, path, lambda_um)),
+            // the segment shrinks to a point
+            Form::Lobes(form) => {
+                let settings = form.series.settings(self.rotate_deg);
+                let spectrum = single_wavelength(1e3 * lambda_um, settings);
+                Some(adaptive::corridor(&Twin { spectrum: &spectrum, ..*self }, form, path).x)
+            }
+            Form::Gems(_) | Form::Baked(_) => None,
+        }
+    }
+
+    /// Whether the spectrum is a single wavelength.
+    fn is_monochromatic(&self) -> bool {
+        self.spectrum.width == 1
+    }
+}
+
+impl mesh::OrientationMap {
+    /// No angle anywhere: for meshes whose vertices have all angles.
+    pub fn none() -> mesh::OrientationMap {
+        mesh::OrientationMap { width: 1, height: 1, angles: vec![0.0] }
+    }
+}
+
+static ABSENT: Table = Table::ABSENT;

@@ -1,0 +1,62 @@
+//! Colours from a table over `(u, v, w)` in f64; see `templates/baked.wgsl`.
+
+use glam::{DVec2, DVec3};
+
+use crate::optics::{gain, path_difference};
+use crate::reference::Directions;
+use crate::tables::bake::COLOUR_SCALE;
+use crate::tables::{Axes, bilinear, octant};
+use crate::variant::Baked;
+
+use super::Twin;
+
+/// Relative tristimulus values for one pair of directions.
+pub fn tristimulus(
+    twin: &Twin<'_>,
+    form: &Baked,
+    Directions { wi, wr }: Directions,
+) -> [f64; 3] {
+    let factor = gain(wi, wr, twin.optics);
+    if factor == 0.0 {
+        return [0.0; 3];
+    }
+    let xyz = colour_between(twin, &form.axes, path_difference(wi, wr, twin.rotate_deg));
+    xyz.map(|c| factor / COLOUR_SCALE * c)
+}
+
+/// The table between its levels.
+fn colour_between(twin: &Twin<'_>, axes: &Axes, path: DVec3) -> [f64; 3] {
+    let squared = path.truncate().length_squared();
+    let turn = column_at(axes, path.truncate());
+    let columns = f64::from(axes.page_columns());
+    let page = (turn / columns).floor().min(f64::from(axes.pages - 1));
+    let place = DVec2::new(turn - page * columns, row_at(axes, squared));
+    let share = (path.z * path.z / (4.0 - squared).max(1e-6)).min(1.0);
+    let level = share * f64::from(axes.levels - 1);
+    let below = level.floor().min(f64::from(axes.levels - 2));
+    let layer = page as usize * axes.levels as usize + below as usize;
+    let [a, b] = [layer, layer + 1].map(|layer| texel_at(twin, place, layer));
+    std::array::from_fn(|c| a[c] + (level - below) * (b[c] - a[c]))
+}
+
+/// Place along the turn, in columns.
+fn column_at(axes: &Axes, uv: DVec2) -> f64 {
+    let size = uv.abs();
+    let octant = octant(size.min_element() / size.max_element().max(1e-20));
+    let quadrant = if size.y > size.x { 2.0 - octant } else { octant };
+    let upper = if uv.x < 0.0 { 4.0 - quadrant } else { quadrant };
+    let turn = if uv.y < 0.0 { 8.0 - upper } else { upper };
+    turn * f64::from(axes.columns / 8)
+}
+
+/// Place along the radius, in rows, from `|(u, v)|²`.
+fn row_at(axes: &Axes, squared: f64) -> f64 {
+    let stretched = axes.stretch * axes.stretch * squared;
+    let row = axes.pace * (stretched.sqrt() + (stretched + 1.0).sqrt()).ln();
+    row.min(f64::from(axes.rows - 1))
+}
+
+/// A layer between texels; whole places are their middles.
+fn texel_at(twin: &Twin<'_>, place: DVec2, layer: usize) -> [f64; 4] {
+    bilinear(twin.terms, place.to_array(), layer)
+}
