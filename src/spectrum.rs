@@ -357,7 +357,7 @@ mod tests {
 
     #[test]
     fn unknown_illuminants_say_what_is_known() {
-        let text = Spectrum::new("D66").expect_err("unknown").to_string();
+        let text = Spectrum::new(&"D66".into()).expect_err("unknown").to_string();
         assert!(text.contains("D66") && text.contains("D65"), "{text}");
     }
 }

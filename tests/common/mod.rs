@@ -10,7 +10,8 @@ use diffraction_shaders::{
     generate::{Request, generate, index},
     module::{Module, compile},
     package::Package,
-    plan::{Plan, Target},
+    input,
+    plan::Target,
     template::{Constant, Defines, Sources, Specialised, specialise},
     validate::{Report, Tool, tools, validate},
 };
