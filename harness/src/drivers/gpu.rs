@@ -109,7 +109,7 @@ mod tests {
     #[test]
     fn a_lost_device_is_an_error_and_stays_one() {
         for backend in [Backend::Vulkan, Backend::Gl] {
-            // whether a driver must be there is the business of tests/gpu.rs
+            // whether a driver must be there is the business of harness/tests/gpu.rs
             let Ok(gpu) = Gpu::open(backend, None) else { continue };
             let wgsl = "
                 @vertex fn v(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
