@@ -6,6 +6,7 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Error, Result, bail};
 
+use crate::console::MessageFormat;
 use crate::{Program, program, replace};
 
 /// Name of the program.
@@ -42,6 +43,13 @@ pub(crate) fn is_asked(args: &[OsString]) -> bool {
         Some(word) if word == "help" => next().is_some_and(has),
         word => word.is_some_and(has),
     }
+}
+
+/// The form of diagnostics that a command line asks for, which only the harness reads in full.
+pub(crate) fn message_format(args: &[OsString]) -> MessageFormat {
+    let json = args.iter().any(|word| word == "--message-format=json")
+        || args.windows(2).any(|pair| pair[0] == "--message-format" && pair[1] == "json");
+    if json { MessageFormat::Json } else { MessageFormat::Human }
 }
 
 /// Replaces this process by the harness with the same arguments; where it returns, that failed.

@@ -125,13 +125,15 @@ pub fn main(program: &Program) -> ExitCode {
     let args: Vec<OsString> = std::env::args_os().collect();
     if harness::is_asked(&args) {
         let error = harness::take_over(program, &args);
-        return finish(Err(error), &Console::new(MessageFormat::Human));
+        return finish(Err(error), &Console::new(harness::message_format(&args)));
     }
     let matches = command(program).try_get_matches_from(&args).unwrap_or_else(|e| e.exit());
     if let (Some(own), Some((name, matches))) = (program.own, matches.subcommand())
         && (own.command)().get_name() == name
     {
-        return finish((own.run)(matches), &Console::new(MessageFormat::Human));
+        let format = matches.get_one("message_format").copied();
+        let console = Console::new(format.unwrap_or(MessageFormat::Human));
+        return finish((own.run)(matches), &console);
     }
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let console = Console::new(cli.message_format);

@@ -114,6 +114,8 @@ fn without_the_harness_its_commands_say_what_to_install() {
         assert!(said.ends_with("install it: cargo install --path harness\n"), "{said}");
         assert_eq!(said.lines().count(), 1, "{said}");
     }
+    let json = text(&place.run(&["compare", "--message-format", "json"]).stderr);
+    assert!(json.starts_with('{') && json.contains("--path harness"), "{json}");
 }
 
 #[test]

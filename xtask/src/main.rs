@@ -9,21 +9,13 @@ mod test;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{CommandFactory, FromArgMatches, Parser};
+use clap::{Args, FromArgMatches};
 use diffraction_cli::{Own, Program};
-
-/// The only command that needs the workspace.
-#[derive(Parser)]
-#[command(name = "test")]
-struct Test {
-    #[command(flatten)]
-    args: test::Args,
-}
 
 fn main() -> ExitCode {
     let test = Own {
-        command: Test::command,
-        run: |matches| test::run(&Test::from_arg_matches(matches)?.args),
+        command: || test::Args::augment_args(clap::Command::new("test")),
+        run: |matches| test::run(&test::Args::from_arg_matches(matches)?),
     };
     let program = Program { name: "cargo xtask", cache, harness: build::harness, own: Some(test) };
     diffraction_cli::main(&program)
@@ -45,7 +37,7 @@ mod tests {
 
     #[test]
     fn the_command_is_sound_and_has_an_example() {
-        let command = Test::command();
+        let command = test::Args::augment_args(clap::Command::new("test"));
         command.clone().debug_assert();
         let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
         assert!(help.starts_with("Example") && help.contains("cargo xtask test"), "{help}");
