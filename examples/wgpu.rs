@@ -1,6 +1,6 @@
 //! Draws the BRDF map of a package's variant with plain wgpu, reading manifest, WGSL and tables.
 //!
-//!     cargo run --release --features gpu --example wgpu -- generated/shaders/fingers/full-taylor-t19 map.png
+//!     cargo run --release -p diffraction-harness --example wgpu -- generated/shaders/fingers/full-taylor-t19 map.png
 
 use std::{collections::BTreeMap, env, error::Error, fs, path::Path, sync::mpsc};
 

@@ -1,6 +1,6 @@
 //! Proves an integration: evaluates the probes of a package's variant by the code of the example `wgpu`.
 //!
-//!     cargo run --release --features gpu --example wgpu_probe -- generated/shaders/fingers/full-taylor-t19
+//!     cargo run --release -p diffraction-harness --example wgpu_probe -- generated/shaders/fingers/full-taylor-t19
 //!
 //! Prints JSON. `worst` is the greatest error over the tolerance of its direction; `controls` are the
 //! same for integrations that are wrong on purpose, and must be far above 1.

@@ -123,8 +123,7 @@ pub fn generate(
     if !errors.is_empty() {
         return Err(errors);
     }
-    let notes =
-        surfaces.iter().flat_map(|s| s.notes.iter().map(|n| format!("{}: {n}", s.name())));
+    let notes = surfaces.iter().flat_map(|s| s.notes.iter().map(|n| format!("{}: {n}", s.name())));
     let left_out = gaps.iter().map(|gap| format!("{}: left out: {}", gap.surface, gap.reason));
     Ok(Generated { package, notes: notes.chain(left_out).collect(), gaps })
 }
@@ -248,8 +247,7 @@ fn build<'a>(
     let tables = form.tables(surface.ground());
     let ids: Vec<String> = tables.iter().map(TableSpec::id).collect();
     let shapes: Vec<Table> = tables.iter().map(TableSpec::shape).collect();
-    let defines =
-        specialise::defines(variant, &form, rotate_deg, specialise::node_count(&shapes));
+    let defines = specialise::defines(variant, &form, rotate_deg, specialise::node_count(&shapes));
     let module = specialise::shader(request.sources, &label, &form, &defines)?;
     let mut emitted = Vec::new();
     for &target in request.targets {

@@ -160,9 +160,9 @@ pub fn load_surface(spec: &SurfaceSpec) -> Result<Surface> {
     let input = SurfaceInput::read(spec)?;
     input.surface()?;
     let prepared = input.prepared.into_inner();
-    prepared.map(|(surface, _)| surface).ok_or_else(|| {
-        Error::new(Stage::Height, height::subject(spec), "has no heights")
-    })
+    prepared
+        .map(|(surface, _)| surface)
+        .ok_or_else(|| Error::new(Stage::Height, height::subject(spec), "has no heights"))
 }
 
 /// The whole file; its size is checked before anything is allocated.

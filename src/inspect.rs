@@ -11,9 +11,9 @@ use serde::Serialize;
 
 use crate::basis::Expansion;
 use crate::error::Result;
-use crate::input::SurfaceInput;
 use crate::height::inspect::{Facts, Periods, facts, periods};
 use crate::height::{self, HeightField, Origin};
+use crate::input::SurfaceInput;
 use crate::plan::{Basis, Plan, SurfaceSource, SurfaceSpec};
 use crate::tables::Series;
 use crate::variant::{Cost, Form};

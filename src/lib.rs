@@ -30,6 +30,8 @@
 //! J. Stam, *Diffraction shaders* (SIGGRAPH 1999), for the model; C. Schlick (1994) for the reflectance; K. Torrance and
 //! E. Sparrow (1967) for V-cavities; CIE 015 and IEC 61966-2-1 for colour.
 
+#![forbid(unsafe_code)]
+
 pub mod error;
 pub mod diagnostic;
 pub mod hash;
@@ -50,7 +52,6 @@ pub mod reference;
 pub mod measure;
 pub mod tables;
 pub mod variant;
-pub mod record;
 pub mod inspect;
 pub mod profile;
 pub mod template;
@@ -63,16 +64,4 @@ pub mod package;
 pub mod probe;
 pub mod generate;
 pub mod readme;
-pub mod process;
-#[cfg(feature = "gpu")]
-pub mod scene;
 pub mod runner;
-#[cfg(feature = "gpu")]
-pub mod studio;
-pub mod testbench;
-pub mod bench;
-pub mod tune;
-pub mod validate;
-#[cfg(all(feature = "gpu", feature = "routes"))]
-pub mod compare;
-pub mod report;

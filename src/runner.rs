@@ -1,24 +1,6 @@
-//! Ways to evaluate a variant: exactly, by its twin in f64, or by its shader on a driver.
+//! Ways to evaluate a variant: exactly, or by its twin in f64. The harness adds its shader on drivers.
 
 mod cpu;
-#[cfg(any(feature = "gpu", feature = "routes"))]
-mod pictures;
-#[cfg(feature = "gpu")]
-mod shader;
-#[cfg(feature = "routes")]
-mod stages;
-
-#[cfg(feature = "routes")]
-pub mod browser;
-#[cfg(feature = "routes")]
-pub mod egl;
-#[cfg(feature = "gpu")]
-pub mod gpu;
-pub mod icd;
-#[cfg(feature = "gpu")]
-pub mod passthrough;
-#[cfg(all(feature = "gpu", feature = "routes"))]
-pub mod routes;
 
 use glam::DVec3;
 
@@ -26,20 +8,10 @@ use crate::error::{Error, Result, Stage};
 use crate::frame::{Frame, view_directions};
 use crate::height::HeightField;
 use crate::plan::Variant;
-use crate::variant::Form;
 use crate::reference::Directions;
+use crate::variant::Form;
 
-#[cfg(feature = "routes")]
-pub use browser::BrowserRunner;
 pub use cpu::{Exact, TwinRunner};
-#[cfg(feature = "routes")]
-pub use egl::EglRunner;
-#[cfg(feature = "gpu")]
-pub use passthrough::PassthroughRunner;
-#[cfg(any(feature = "gpu", feature = "routes"))]
-pub use pictures::{BoundTable, Driver, DriverRunner, Prepared, params};
-#[cfg(feature = "gpu")]
-pub use shader::{ShaderRunner, texture as table_texture};
 
 /// What is evaluated: a variant on a surface.
 #[derive(Clone, Copy, Debug)]

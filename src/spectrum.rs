@@ -231,7 +231,8 @@ pub fn is_named(name: &str) -> bool {
 }
 
 /// What to do about an illuminant that cannot be used.
-pub const ILLUMINANT_REMEDY: &str = "name a CIE illuminant (D65, D50, E, A, F1 to F12) or a CSV file of wavelength in nm and power";
+pub const ILLUMINANT_REMEDY: &str =
+    "name a CIE illuminant (D65, D50, E, A, F1 to F12) or a CSV file of wavelength in nm and power";
 
 /// How errors name an illuminant.
 pub fn illuminant_subject(illuminant: &Illuminant) -> String {

@@ -21,9 +21,7 @@ use crate::terms::Terms;
 use crate::transform::Bins;
 
 pub use axes::{Aim, Axes, octant};
-pub use corridor::{
-    BROADEST, Corridor, LEAST_SQUARED, LobeGeometry, OUTER_NODES, REACH_SIGMAS,
-};
+pub use corridor::{BROADEST, Corridor, LEAST_SQUARED, LobeGeometry, OUTER_NODES, REACH_SIGMAS};
 pub use meaning::{Meaning, NODE_LEVELS};
 pub use period::strongest_period_um;
 pub use series::{Choice, LaidExpansion, Reach, Series};

@@ -11,7 +11,9 @@ mod prefilter;
 mod tolerance;
 mod twin;
 
-pub use bound::{AUTO_TAIL, AUTO_TAIL_PQ, ErrorBound, ISOLATED, LobeBounds, replica_tail, window_tail};
+pub use bound::{
+    AUTO_TAIL, AUTO_TAIL_PQ, ErrorBound, ISOLATED, LobeBounds, replica_tail, window_tail,
+};
 pub use cost::Cost;
 pub use form::{Computation, Form, Ground};
 pub use forms::{Baked, FullPrefiltered, FullWindow, Gems, Lobes, Pq, Warped};

@@ -5,7 +5,6 @@ mod data_support;
 
 use std::path::Path;
 
-use diffraction_shaders::specialise;
 use diffraction_shaders::frame::view_directions;
 use diffraction_shaders::height::{HeightField, load};
 use diffraction_shaders::measure::{Comparison, compare, on_orders};
@@ -14,6 +13,7 @@ use diffraction_shaders::plan::{Plan, Variant};
 use diffraction_shaders::reference::Directions;
 use diffraction_shaders::resolve::{Lobes, resolve};
 use diffraction_shaders::runner::{Exact, Runner, Subject, TwinRunner};
+use diffraction_shaders::specialise;
 use diffraction_shaders::tables::Table;
 use diffraction_shaders::variant::Twin;
 

@@ -6,7 +6,6 @@ mod data_support;
 
 use std::path::Path;
 
-use diffraction_shaders::specialise;
 use diffraction_shaders::basis::Expansion;
 use diffraction_shaders::emit::emit;
 use diffraction_shaders::frame::view_directions;
@@ -17,13 +16,14 @@ use diffraction_shaders::plan::{
     Basis, Mode, Plan, Reconstruction, Sampling, Variant, Wavelengths,
 };
 use diffraction_shaders::reference::Directions;
-use diffraction_shaders::variant::Form;
 use diffraction_shaders::runner::{Runner, Subject, TwinRunner};
+use diffraction_shaders::specialise;
 use diffraction_shaders::spectrum::Spectrum;
 use diffraction_shaders::tables::{Table, coefficients_table};
 use diffraction_shaders::template::Sources;
 use diffraction_shaders::terms::Terms;
 use diffraction_shaders::transform::Bins;
+use diffraction_shaders::variant::Form;
 use diffraction_shaders::variant::Twin;
 use rustfft::num_complex::Complex64;
 

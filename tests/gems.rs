@@ -6,9 +6,9 @@ use std::path::Path;
 use diffraction_shaders::height::{HeightField, load};
 use diffraction_shaders::plan::{Plan, Variant};
 use diffraction_shaders::reference::Directions;
-use diffraction_shaders::variant::Form;
 use diffraction_shaders::runner::{Runner, Subject, TwinRunner};
 use diffraction_shaders::spectrum::to_rgb;
+use diffraction_shaders::variant::Form;
 use glam::DVec3;
 
 fn read(grating: &str) -> (HeightField, Variant) {

@@ -11,11 +11,11 @@ use diffraction_shaders::optics::direction;
 use diffraction_shaders::package::Package;
 use diffraction_shaders::plan::{Plan, TableFormat};
 use diffraction_shaders::reference::Directions;
-use diffraction_shaders::variant::Form;
 use diffraction_shaders::runner::{Runner, Subject, TwinRunner};
 use diffraction_shaders::tables::{Scale, terms_table};
 use diffraction_shaders::template::Sources;
 use diffraction_shaders::terms::Terms;
+use diffraction_shaders::variant::Form;
 use serde_json::Value;
 
 fn plan(surfaces: &str, keys: &str) -> Plan {

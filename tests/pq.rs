@@ -4,7 +4,6 @@
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
-use diffraction_shaders::specialise;
 use diffraction_shaders::field::coefficient_brute;
 use diffraction_shaders::height::{HeightField, synthetic::synthesise};
 use diffraction_shaders::optics::direction;
@@ -13,6 +12,7 @@ use diffraction_shaders::reference::Directions;
 use diffraction_shaders::replicas;
 use diffraction_shaders::resolve::{Resolved, replica_tail, resolve};
 use diffraction_shaders::runner::{Runner, Subject, TwinRunner};
+use diffraction_shaders::specialise;
 use diffraction_shaders::tables::Table;
 use diffraction_shaders::variant::Twin;
 use glam::{DVec2, DVec3};

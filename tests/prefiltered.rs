@@ -3,7 +3,6 @@
 
 use std::path::Path;
 
-use diffraction_shaders::specialise;
 use diffraction_shaders::emit::{BindingKind, EmittedFile, emit};
 use diffraction_shaders::frame::view_directions;
 use diffraction_shaders::height::{HeightField, load};
@@ -13,6 +12,7 @@ use diffraction_shaders::plan::{Auto, Plan, Sampling, Target, Variant};
 use diffraction_shaders::reference::Directions;
 use diffraction_shaders::resolve::{GRID_ERROR, grid_error, resolve};
 use diffraction_shaders::runner::{Exact, Runner, Subject, TwinRunner};
+use diffraction_shaders::specialise;
 use diffraction_shaders::tables::{SAMPLER, SAMPLER_NAME, SPECTRUM, Table};
 use diffraction_shaders::template::Sources;
 use diffraction_shaders::variant::Twin;

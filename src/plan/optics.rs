@@ -136,7 +136,10 @@ impl Optics {
             (*coherence_um != plain.coherence_um, format!("lc{}", number(*coherence_um))),
             (*coherence == Coherence::Ensemble, "ensemble".to_owned()),
             (*coherence_scaling == CoherenceScaling::Wavelength, "lcwave".to_owned()),
-            (*refractive_index != plain.refractive_index, format!("n{}", number(*refractive_index))),
+            (
+                *refractive_index != plain.refractive_index,
+                format!("n{}", number(*refractive_index)),
+            ),
             (!shadowing, "noshadow".to_owned()),
             (*illuminant != plain.illuminant, illuminant.name_part()),
             (*colour == Colour::Thesis, "thesis".to_owned()),

@@ -9,8 +9,8 @@ use toml::de::DeTable;
 use crate::error::{Error, Result, Stage};
 use crate::hash::sha256;
 
-use super::mode;
 use super::item::{Item, Source, Table};
+use super::mode;
 use super::names::name_of;
 use super::target::TARGETS;
 use super::variants::{Draft, read_optics, read_preset, read_product};

@@ -1,8 +1,8 @@
 //! The words of a plan: which exist, and which of them this version builds.
 
 use super::{
-    Basis, Coherence, CoherenceScaling, Colour, Container, Level, Packing, Reconstruction, Sampling,
-    TableFormat,
+    Basis, Coherence, CoherenceScaling, Colour, Container, Level, Packing, Reconstruction,
+    Sampling, TableFormat,
 };
 
 /// Words with what they mean; `None`: planned, not available in this version.

@@ -23,11 +23,9 @@ pub fn lobes_table(
     let weights = Weights { samples, lobes };
     let pace = lobes.pace(count);
     let broad = |node: u32| {
-        let bell =
-            |t: f64, other: u32| (-((t - lobes.node(other, count)) / pace).powi(2)).exp();
+        let bell = |t: f64, other: u32| (-((t - lobes.node(other, count)) / pace).powi(2)).exp();
         // together the nodes weigh every wavenumber once
-        let kernel =
-            |t: f64| bell(t, node) / (0..count).map(|other| bell(t, other)).sum::<f64>();
+        let kernel = |t: f64| bell(t, node) / (0..count).map(|other| bell(t, other)).sum::<f64>();
         let middle = lobes.node(node, count);
         let reach = REACH_SIGMAS * pace;
         // at the node itself: the bells reproduce what is linear in the wavenumber, for every colour

@@ -31,9 +31,7 @@ impl TableSpec {
             TableSpec::Terms(spec) => terms(&spec.series),
             TableSpec::Coefficients(spec) => coefficients(spec),
             TableSpec::Colours(spec) => colours(self.shape().format.channels(), &spec.axes),
-            TableSpec::Nodes(spec) => {
-                nodes([spec.wavelengths.min_nm, spec.wavelengths.max_nm])
-            }
+            TableSpec::Nodes(spec) => nodes([spec.wavelengths.min_nm, spec.wavelengths.max_nm]),
             TableSpec::Levels(spec) if spec.counts.len() == 1 => nodes(spec.range_nm),
             TableSpec::Levels(spec) => levels(spec.range_nm),
             TableSpec::Lobes(spec) if spec.nodes == 1 => nodes(spec.range_nm),
@@ -114,9 +112,7 @@ fn lobes(spec: &LobesSpec) -> Words {
     let axes = BTreeMap::from([
         (
             "column",
-            format!(
-                "middle of the lobe, equal steps from {low} to {high} per µm; of row 0, node"
-            ),
+            format!("middle of the lobe, equal steps from {low} to {high} per µm; of row 0, node"),
         ),
         (
             "row",

@@ -6,7 +6,10 @@ use std::path::{Path, PathBuf};
 /// repository. `None`, told on stderr, where neither has it; a folder that was named and lacks it is a failure.
 pub fn find(name: &str) -> Option<PathBuf> {
     let named = std::env::var_os("DIFFRACTION_DATA").map(PathBuf::from);
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
+    let own = Path::new(env!("CARGO_MANIFEST_DIR"));
+    // tests of other crates of the repository look here, too
+    let root = own.ancestors().find(|folder| folder.join("Cargo.lock").is_file()).unwrap_or(own);
+    let beside = || root.join("../shared/data");
     let path = named.clone().unwrap_or_else(beside).join(name);
     if path.is_file() {
         return Some(path);

@@ -10,7 +10,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use anyhow::Context as _;
+use crate::root;
 
 /// Sets up what the tests need, and runs all of them.
 ///
@@ -20,7 +20,7 @@ use anyhow::Context as _;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   cargo xtask test
-  cargo xtask test -- --test gpu           only the tests of tests/gpu.rs
+  cargo xtask test -- --test gpu           only the tests of harness/tests/gpu.rs
   cargo xtask test --no-setup -- -- bands  only tests whose name contains `bands`")]
 pub struct Args {
     /// Install nothing; tests that lack a tool say so and pass
@@ -33,8 +33,7 @@ pub struct Args {
 
 /// Runs the command. 0: all steps passed; 1: one failed; 2: one could not be run, or a tool is missing.
 pub fn run(args: &Args) -> anyhow::Result<ExitCode> {
-    let root =
-        Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask lies in the workspace")?;
+    let root = root();
     if !args.no_setup
         && let setup::Outcome::Missing = setup::run(root)?
     {
@@ -80,15 +79,15 @@ impl Step {
     }
 }
 
-/// All but formatting share one folder and one set of features, so that each dependency is built once.
+/// All but formatting share one profile and all crates, so that each dependency is built once.
 fn steps(cargo_test: &[OsString]) -> Vec<Step> {
-    let shared = "--release --workspace --target-dir target/gpu";
+    let shared = "--release --workspace";
     let step = |name, command: &str, rest: &str| Step {
         name,
         arguments: format!("{command} {rest}").split_whitespace().map(OsString::from).collect(),
         environment: &[],
     };
-    let mut test = step("tests", "test", &format!("{shared} --features gpu,routes --no-fail-fast"));
+    let mut test = step("tests", "test", &format!("{shared} --no-fail-fast"));
     test.arguments.extend_from_slice(cargo_test);
     test.environment = &[
         // Mesa's GL renders to 32-bit float targets only when asked to
@@ -96,17 +95,11 @@ fn steps(cargo_test: &[OsString]) -> Vec<Step> {
         // else Mesa's Vulkan looks for a Wayland display and complains
         ("NODEVICE_SELECT", "1"),
     ];
-    let mut doc =
-        step("documentation", "doc", &format!("{shared} --features gpu,routes --no-deps"));
+    let mut doc = step("documentation", "doc", &format!("{shared} --no-deps"));
     doc.environment = &[("RUSTDOCFLAGS", "-D warnings")];
     vec![
         step("formatting", "fmt", "--all -- --check"),
-        step(
-            "lints",
-            "clippy",
-            &format!("{shared} --all-targets --features gpu,routes -- -D warnings"),
-        ),
-        step("lints without gpu", "clippy", &format!("{shared} -- -D warnings")),
+        step("lints", "clippy", &format!("{shared} --all-targets -- -D warnings")),
         doc,
         test,
     ]
@@ -181,10 +174,10 @@ mod tests {
         let steps = steps(&["--test".into(), "gpu".into()]);
         let with: Vec<_> = steps
             .iter()
-            .filter(|s| s.arguments.contains(&"gpu,routes".into()))
+            .filter(|s| s.arguments.contains(&"--workspace".into()))
             .map(|s| s.name)
             .collect();
         assert_eq!(with, ["lints", "documentation", "tests"]);
-        assert!(steps[4].arguments.ends_with(&["--test".into(), "gpu".into()]));
+        assert!(steps[3].arguments.ends_with(&["--test".into(), "gpu".into()]));
     }
 }

@@ -6,9 +6,9 @@ use crate::height::HeightField;
 use crate::plan::{Illuminant, Variant, Wavelengths};
 use crate::tables::{Series, TableSpec};
 use crate::variant::cost::spectrum_bytes;
-use crate::variant::{lay, prefilter};
 use crate::variant::tolerance::Promise;
 use crate::variant::{Computation, Cost, ErrorBound, Ground};
+use crate::variant::{lay, prefilter};
 
 /// Numbers of the form.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,11 +58,8 @@ impl Computation for FullPrefiltered {
     /// they miss on the bins of the patch.
     fn promise(&self) -> Promise {
         let fine = self.wavelengths.step_nm <= 2.5;
-        let model = if fine {
-            (prefilter::MODEL_P95, Some(prefilter::MODEL_P95))
-        } else {
-            (8.0, None)
-        };
+        let model =
+            if fine { (prefilter::MODEL_P95, Some(prefilter::MODEL_P95)) } else { (8.0, None) };
         let range_nm = [self.wavelengths.min_nm, self.wavelengths.max_nm];
         Promise::of_series(&self.series, self.filters).converged(&self.series, range_nm, model)
     }

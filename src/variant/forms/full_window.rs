@@ -112,9 +112,8 @@ impl Computation for FullWindow {
     /// lobe's greatest value counts where it is smaller.
     fn missed(&self) -> f64 {
         let [x_um, y_um] = self.series.size_um;
-        let widest = self
-            .range_nm()
-            .map(|nm| x_um.max(y_um) / (TAU * window_sigma_um(self.window, nm)));
+        let widest =
+            self.range_nm().map(|nm| x_um.max(y_um) / (TAU * window_sigma_um(self.window, nm)));
         let nearest = (f64::from(self.window_radius) + 0.5) / widest[0].max(widest[1]);
         self.tail().min((-nearest * nearest).exp())
     }

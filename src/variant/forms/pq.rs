@@ -7,9 +7,7 @@ use crate::optics::replica_diffuser_scale;
 use crate::plan::{Auto, Illuminant, Optics, Variant, Wavelengths};
 use crate::tables::{Reach, Series, TableSpec};
 use crate::variant::tolerance::Promise;
-use crate::variant::{
-    AUTO_TAIL_PQ, Computation, Cost, ErrorBound, Ground, lay, replica_tail,
-};
+use crate::variant::{AUTO_TAIL_PQ, Computation, Cost, ErrorBound, Ground, lay, replica_tail};
 
 /// Numbers of the form.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,8 +36,7 @@ impl Pq {
         let coherence_um = variant.optics.coherence_um;
         let expansion = lay::expansion(variant, height)?;
         let periods = variant.periods.unwrap_or_else(|| {
-            patch_um
-                .map(|size_um| (coherence_um / size_um).round().clamp(1.0, MOST_PERIODS) as u32)
+            patch_um.map(|size_um| (coherence_um / size_um).round().clamp(1.0, MOST_PERIODS) as u32)
         });
         let (window_radius, reach) = match variant.window_radius {
             Auto::Value(radius) => (radius, Reach::Radius(radius)),

@@ -79,9 +79,8 @@ impl Computation for Warped {
         let wavelengths = if self.is_monochromatic() {
             (1.0, 1)
         } else {
-            let count = |uv: [f64; 2]| {
-                u64::from(self.node_counts[node_level(uv[0].hypot(uv[1])) as usize])
-            };
+            let count =
+                |uv: [f64; 2]| u64::from(self.node_counts[node_level(uv[0].hypot(uv[1])) as usize]);
             (mean_and_worst(count).0, widest)
         };
         let bytes = spectrum_bytes(widest, self.node_counts.len() as u64 + 1);
@@ -91,11 +90,7 @@ impl Computation for Warped {
     /// Linear interpolation and the wavelength nodes show, evenly (95th percentile 0.9 on a scan, 0.5 of its map).
     fn promise(&self) -> Promise {
         let model = (prefilter::MODEL_P95, Some(prefilter::MODEL_P95));
-        Promise::of_series(&self.series, self.filters).converged(
-            &self.series,
-            self.range_nm,
-            model,
-        )
+        Promise::of_series(&self.series, self.filters).converged(&self.series, self.range_nm, model)
     }
 
     fn error_bound(&self) -> Option<ErrorBound> {

@@ -17,11 +17,7 @@ use super::Twin;
 use super::series::{bin_amplitude, series_argument, series_scale};
 
 /// Relative tristimulus values for one pair of directions.
-pub fn tristimulus(
-    twin: &Twin<'_>,
-    form: &Lobes,
-    Directions { wi, wr }: Directions,
-) -> [f64; 3] {
+pub fn tristimulus(twin: &Twin<'_>, form: &Lobes, Directions { wi, wr }: Directions) -> [f64; 3] {
     let factor = gain(wi, wr, twin.optics);
     if factor == 0.0 {
         return [0.0; 3];

@@ -11,11 +11,7 @@ use crate::variant::Baked;
 use super::Twin;
 
 /// Relative tristimulus values for one pair of directions.
-pub fn tristimulus(
-    twin: &Twin<'_>,
-    form: &Baked,
-    Directions { wi, wr }: Directions,
-) -> [f64; 3] {
+pub fn tristimulus(twin: &Twin<'_>, form: &Baked, Directions { wi, wr }: Directions) -> [f64; 3] {
     let factor = gain(wi, wr, twin.optics);
     if factor == 0.0 {
         return [0.0; 3];

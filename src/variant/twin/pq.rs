@@ -28,7 +28,10 @@ pub fn response(twin: &Twin<'_>, form: &Pq, path: DVec3, lambda_um: f64) -> f64 
         for r in 0..form.taps[0] {
             let column = first.x + f64::from(r);
             let tap = complex_product(weight, kernel(place.x - column, pixel_columns));
-            amplitude += complex_product(tap, bin_amplitude(twin, &form.series, DVec2::new(column, row), tau));
+            amplitude += complex_product(
+                tap,
+                bin_amplitude(twin, &form.series, DVec2::new(column, row), tau),
+            );
         }
     }
     let [qx, qy] = form.periods.map(f64::from);

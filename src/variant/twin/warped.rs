@@ -10,11 +10,7 @@ use super::Twin;
 use super::prefiltered::response;
 
 /// Relative tristimulus values for one pair of directions.
-pub fn tristimulus(
-    twin: &Twin<'_>,
-    form: &Warped,
-    Directions { wi, wr }: Directions,
-) -> [f64; 3] {
+pub fn tristimulus(twin: &Twin<'_>, form: &Warped, Directions { wi, wr }: Directions) -> [f64; 3] {
     let factor = gain(wi, wr, twin.optics);
     if factor == 0.0 {
         return [0.0; 3];

@@ -1,0 +1,138 @@
+//! `cargo xtask eval`: colours for given directions.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use diffraction_shaders::optics::gain;
+use diffraction_shaders::reference::Directions;
+
+use crate::Outcome;
+use crate::args::{Runner, RunnerArgs, SurfaceArgs, wavelength_nm};
+use crate::console::Console;
+use crate::progress;
+use crate::runners::{Drivers, Job};
+
+const EXAMPLE: &str = "Examples:
+  cargo xtask eval --plan plan.toml --surface blazed --directions directions.csv
+  cargo xtask eval --surface blazed --variant ensemble --runner twin --wavelength-nm 550 --directions directions.csv
+
+directions.csv, in degrees:
+  theta_i,phi_i,theta_r,phi_r
+  20,0,20,180";
+
+/// Flags.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = EXAMPLE)]
+pub struct Args {
+    #[command(flatten)]
+    surface: SurfaceArgs,
+    /// What computes the colours.
+    #[command(flatten)]
+    pub runner: RunnerArgs,
+    /// One wavelength in nm: print rho and p2 instead of X, Y, Z.
+    #[arg(long, value_name = "L", value_parser = wavelength_nm)]
+    wavelength_nm: Option<f64>,
+    /// Directions in degrees, header `theta_i,phi_i,theta_r,phi_r`.
+    #[arg(long, value_name = "FILE.csv")]
+    directions: PathBuf,
+}
+
+impl Args {
+    /// Whether the runner is one of the harness.
+    pub(crate) fn needs_harness(&self) -> bool {
+        self.runner.runner.is_driver()
+    }
+}
+
+/// Runs the command.
+pub fn run(args: &Args, console: &Console, drivers: Drivers) -> Result<Outcome> {
+    let job = Job::new(&args.surface, &args.runner, console)?;
+    let angles = read_directions(&args.directions)?;
+    let directions: Vec<Directions> = angles.iter().map(|a| Directions::from_degrees(*a)).collect();
+    let runner = job.runner(&args.runner, drivers)?;
+    let (header, columns): (&str, Vec<Vec<f64>>) = match args.wavelength_nm {
+        Some(lambda_nm) => {
+            let range = &job.variant.wavelengths;
+            if args.runner.runner != Runner::Exact
+                && !(range.min_nm..=range.max_nm).contains(&lambda_nm)
+            {
+                bail!(
+                    "--wavelength-nm {lambda_nm}: variant {} covers {} to {} nm",
+                    job.variant.name,
+                    range.min_nm,
+                    range.max_nm
+                );
+            }
+            if args.runner.runner == Runner::Exact {
+                job.surface
+                    .field
+                    .check_pitch(&diffraction_shaders::height::subject(&job.spec), lambda_nm)?;
+            }
+            let optics = &job.variant.optics;
+            let rows = runner.response(&directions, lambda_nm)?;
+            let rho = |(d, p2): (&Directions, f64)| vec![gain(d.wi, d.wr, optics) * p2, p2];
+            ("rho,p2", directions.iter().zip(rows).map(rho).collect())
+        }
+        None => {
+            let bar = progress::bar(directions.len(), "evaluating");
+            let colours = runner.tristimulus(&directions, &|done| bar.inc(done as u64))?;
+            bar.finish_and_clear();
+            ("X,Y,Z", colours.into_iter().map(Vec::from).collect())
+        }
+    };
+    let mut text = format!("theta_i,phi_i,theta_r,phi_r,{header}\n");
+    for (angles, values) in angles.iter().zip(&columns) {
+        let fields: Vec<String> = angles.iter().chain(values).map(|v| format!("{v:?}")).collect();
+        writeln!(text, "{}", fields.join(","))?;
+    }
+    console.data(&text)?;
+    Ok(Outcome::Done)
+}
+
+/// Rows of `theta_i, phi_i, theta_r, phi_r`, degrees.
+fn read_directions(path: &Path) -> Result<Vec<[f64; 4]>> {
+    const HEADER: [&str; 4] = ["theta_i", "phi_i", "theta_r", "phi_r"];
+    let place = path.display();
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .comment(Some(b'#'))
+        .from_path(path)
+        .with_context(|| format!("--directions {place}: cannot be read"))?;
+    let header =
+        reader.headers().with_context(|| format!("--directions {place}: cannot be read"))?;
+    if header.len() < 4 || header.iter().zip(HEADER).any(|(got, want)| got != want) {
+        let got: Vec<&str> = header.iter().collect();
+        bail!(
+            "--directions {place}: the header is {:?}, not {:?}",
+            got.join(","),
+            HEADER.join(",")
+        );
+    }
+    let mut rows = Vec::new();
+    for record in reader.records() {
+        let record = record.with_context(|| format!("--directions {place}"))?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let mut row = [0.0; 4];
+        for ((value, name), field) in row.iter_mut().zip(HEADER).zip(&record) {
+            *value = match field.parse::<f64>() {
+                Ok(number) if number.is_finite() => number,
+                _ => bail!(
+                    "--directions {place}:{line}: {name} = {field:?} is not a number of degrees"
+                ),
+            };
+        }
+        for (name, theta) in [("theta_i", row[0]), ("theta_r", row[2])] {
+            if !(0.0..=180.0).contains(&theta) {
+                bail!(
+                    "--directions {place}:{line}: {name} = {theta} is outside 0 to 180 degrees from the normal"
+                );
+            }
+        }
+        rows.push(row);
+    }
+    if rows.is_empty() {
+        bail!("--directions {place}: holds no directions below its header");
+    }
+    Ok(rows)
+}

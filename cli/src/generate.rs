@@ -1,0 +1,373 @@
+//! `cargo xtask generate`: from a plan to a folder, or the comparison of the two.
+
+use std::collections::BTreeSet;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use anyhow::{Context, Result};
+use diffraction_shaders::diagnostic::Diagnostic;
+use diffraction_shaders::error::Error;
+use diffraction_shaders::generate::{self, Generated, Request, Step};
+use diffraction_shaders::input::read_surfaces;
+use diffraction_shaders::package::{self, Compare, Package, Report, Stamp};
+use diffraction_shaders::plan::{Plan, Target, Variant};
+use diffraction_shaders::readme;
+use diffraction_shaders::template::Sources;
+
+use crate::Outcome;
+use crate::args::PlanArgs;
+use crate::console::{Console, Diagnostics};
+use crate::program::spoken;
+use crate::unchanged::{self, Expected};
+use crate::{interrupt, progress};
+
+const EXAMPLE: &str = "Examples:
+  cargo xtask generate
+  cargo xtask generate --check
+  cargo xtask generate --plan plan.toml --out generated --variant 'full-*' --target wgsl,spirv";
+
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = EXAMPLE)]
+pub(crate) struct Args {
+    #[command(flatten)]
+    plan: PlanArgs,
+    /// The folder to write: absent, empty, or one written before.
+    #[arg(long, value_name = "DIR", default_value = "generated")]
+    out: PathBuf,
+    /// Write nothing; list changed, missing, orphan and foreign files.
+    #[arg(long)]
+    check: bool,
+    /// Rebuild only the variants that match (`*`, `?`), keep the rest; may be repeated.
+    #[arg(long, value_name = "GLOB")]
+    variant: Vec<String>,
+    /// Rebuild only these targets, keep the rest; the function form of a language comes with its targets.
+    #[arg(long, value_name = "T,…", value_delimiter = ',')]
+    target: Vec<String>,
+    /// Threads to use; all cores by default.
+    #[arg(long, value_name = "N")]
+    jobs: Option<NonZeroUsize>,
+    /// Neither read nor write the cache of tables.
+    #[arg(long)]
+    no_cache: bool,
+}
+
+/// What a run builds.
+#[derive(Clone, Debug)]
+pub(crate) struct Selection {
+    /// In the order of the plan.
+    pub(crate) variants: Vec<Variant>,
+    /// In the order of the plan or of the command line.
+    pub(crate) targets: Vec<Target>,
+    /// Whether that is the whole plan; else the package is laid over what the folder holds.
+    pub(crate) is_whole: bool,
+    /// Where tables lie until they are written: the cache, or a folder of this run.
+    pub(crate) cache: PathBuf,
+    /// Hash of this program, where a folder that holds the package already is left alone.
+    pub(crate) program: Option<String>,
+}
+
+pub(crate) fn run(args: &Args, caches: &Path, console: &Console) -> Result<Outcome> {
+    run_with(args, caches, console, |plan, selection, out| build(plan, selection, out, console))
+}
+
+/// The sealed package of a selection; a partial one is laid over what the folder holds. `None`: the folder holds it.
+fn build(
+    plan: &Plan,
+    selection: &Selection,
+    out: &Path,
+    console: &Console,
+) -> Result<Option<Package>> {
+    // a manifest tells all targets of the plan, whichever of them are written anew
+    let targets: BTreeSet<Target> =
+        plan.targets.iter().chain(&selection.targets).copied().collect();
+    let targets: Vec<Target> = targets.into_iter().collect();
+    let keep = |path: &str, target: Target| {
+        !selection.targets.contains(&target) && out.join(path).is_file()
+    };
+    let errors = |all: Vec<Error>| Diagnostics(all.iter().map(Diagnostic::from).collect());
+    let surfaces = read_surfaces(&plan.surfaces).map_err(errors)?;
+    let request = Request {
+        surfaces: &surfaces,
+        variants: &selection.variants,
+        targets: &targets,
+        containers: &plan.containers,
+        sources: &Sources::builtin(),
+        cache: Some(&selection.cache),
+        keep: &keep,
+    };
+    let program = selection.program.as_deref();
+    let expected = program.and_then(|p| Expected::new(&request, &plan.text_hash, out, p));
+    if let Some(stamp) = expected.as_ref().and_then(|expected| expected.unchanged(out)) {
+        stamp.notes.iter().for_each(|note| console.note(note));
+        let mib = stamp.bytes as f64 / f64::from(1 << 20);
+        let (out, files) = (out.display(), stamp.file_count());
+        console.note(&format!("{out}: {files} files, {mib:.1} MiB, unchanged"));
+        return Ok(None);
+    }
+    let bar = progress::bar(plan.surfaces.len() * selection.variants.len(), "generating");
+    let baked = AtomicUsize::new(0);
+    let generated = generate::generate(&request, &|step| match step {
+        Step::Finished(_) => {
+            baked.store(0, Ordering::Relaxed);
+            bar.set_message("generating");
+            bar.inc(1);
+        }
+        Step::Baked { label, columns, of } => {
+            let sum = baked.fetch_add(columns, Ordering::Relaxed) + columns;
+            bar.set_message(format!("baking {label}, {} %", 100 * sum / of.max(1)));
+        }
+    });
+    bar.finish_and_clear();
+    let Generated { mut package, notes, .. } = generated.map_err(Diagnostics)?;
+    notes.iter().for_each(|note| console.note(note));
+    let mut variants = selection.variants.clone();
+    if !selection.is_whole {
+        package.overlay(out, |path| path != readme::FILE)?;
+        variants = plan
+            .variants
+            .iter()
+            .chain(selection.variants.iter().filter(|v| !plan.variants.contains(v)))
+            .cloned()
+            .collect();
+    }
+    let index = generate::index(&Request { variants: &variants, ..request })?;
+    let readme = readme::readme(&package, &index, &plan.rejected)?;
+    package.insert(readme::FILE, readme, Compare::Bytes)?;
+    package.seal(index)?;
+    if let Some(expected) = expected {
+        // it may be kept before the files are written, for it tells what they have to hold
+        expected.keep(&Stamp::new(&package, expected.inputs.clone(), notes)?);
+    }
+    Ok(Some(package))
+}
+
+/// `build` makes the sealed package of a selection, or finds that the folder holds it.
+fn run_with(
+    args: &Args,
+    caches: &Path,
+    console: &Console,
+    build: impl FnOnce(&Plan, &Selection, &Path) -> Result<Option<Package>> + Send,
+) -> Result<Outcome> {
+    interrupt::full_disk_is_an_error()?;
+    let program = unchanged::program();
+    let spilled = match (&program, args.no_cache) {
+        (Some(_), false) => None,
+        _ => Some(unchanged::spill(caches).context("no room for tables")?),
+    };
+    let cache = match (&spilled, &program) {
+        (None, Some(program)) => unchanged::cache(caches, program),
+        (spilled, _) => spilled.as_ref().map_or(PathBuf::new(), |s| s.path().to_owned()),
+    };
+    let cancel = interrupt::install(&args.out, spilled.as_ref().map(tempfile::TempDir::path))?;
+    let plan = args.plan.read(console)?;
+    let mut selection = select(args, &plan, cache)?;
+    if selection.is_whole && spilled.is_none() && !args.check {
+        selection.program = program;
+    }
+    let threads = args.jobs.map_or(0, NonZeroUsize::get);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .context("threads cannot be started")?;
+    let Some(package) = pool.install(|| build(&plan, &selection, &args.out))? else {
+        return Ok(Outcome::Done);
+    };
+    if args.check {
+        let report = package::check(&package, &args.out)?;
+        console.data(&spoken(&told(&report, args)))?;
+        return Ok(if report.is_stale() { Outcome::Findings } else { Outcome::Done });
+    }
+    let written = match package::write_unless(&package, &args.out, &cancel) {
+        Err(_) if cancel.is_cancelled() => interrupt::exit(),
+        other => other?,
+    };
+    if let Some(folder) = &written.left_behind {
+        console.note(&format!(
+            "{} could not be removed entirely; the next run tries again",
+            folder.display()
+        ));
+    }
+    let mib = written.bytes as f64 / f64::from(1 << 20);
+    let (out, files) = (args.out.display(), written.files);
+    console.note(&format!("{out}: {files} files, {mib:.1} MiB"));
+    console.note(&format!(
+        "next: cargo xtask validate {out}; cargo xtask list tells what each variant costs"
+    ));
+    Ok(Outcome::Done)
+}
+
+fn select(args: &Args, plan: &Plan, cache: PathBuf) -> Result<Selection> {
+    let targets: Vec<Target> =
+        args.target.iter().map(|word| Target::parse(word)).collect::<Result<_, _>>()?;
+    Ok(Selection {
+        variants: plan.select(&args.variant)?,
+        is_whole: args.variant.is_empty() && targets.is_empty(),
+        targets: if targets.is_empty() { plan.targets.clone() } else { targets },
+        cache,
+        program: None,
+    })
+}
+
+fn told(report: &Report, args: &Args) -> String {
+    let groups = [
+        ("changed", &report.changed),
+        ("missing", &report.missing),
+        ("orphan", &report.orphan),
+        ("foreign", &report.foreign),
+    ];
+    let lines = groups
+        .iter()
+        .flat_map(|(what, paths)| paths.iter().map(move |path| format!("{what} {path}\n")));
+    let mut text: String = lines.collect();
+    if report.is_stale() {
+        let (plan, out) = (args.plan.plan.display(), args.out.display());
+        text += &format!("to mend: cargo xtask generate --plan {plan} --out {out}\n");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+    use std::fs;
+
+    use clap::Parser;
+
+    use super::*;
+    use crate::console::MessageFormat;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        args: Args,
+    }
+
+    const PLAN: &str = "schema = 1\n[[surface]]\nname = \"a\"\ngrating = { kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 100 }\n";
+
+    /// Nothing is kept there by these tests.
+    fn caches() -> PathBuf {
+        std::env::temp_dir().join("diffraction-shaders")
+    }
+
+    fn names(_: &Plan, selection: &Selection, _: &Path) -> Result<Option<Package>> {
+        let mut package = Package::new();
+        for variant in &selection.variants {
+            package.insert(
+                &format!("{}.txt", variant.name),
+                variant.canonical(),
+                Compare::Bytes,
+            )?;
+        }
+        package.seal(BTreeMap::new())?;
+        Ok(Some(package))
+    }
+
+    #[test]
+    fn a_package_is_written_then_checks_clean_until_it_is_edited() {
+        let base = tempfile::tempdir().unwrap();
+        let (plan, out) = (base.path().join("plan.toml"), base.path().join("out"));
+        fs::write(&plan, PLAN).unwrap();
+        let console = Console::new(MessageFormat::Human);
+        let line = |more: &[&str]| {
+            let plain =
+                ["generate", "--plan", plan.to_str().unwrap(), "--out", out.to_str().unwrap()];
+            run_with(&Line::parse_from(plain.iter().chain(more)).args, &caches(), &console, names)
+        };
+        assert_eq!(line(&["--check"]).unwrap(), Outcome::Findings);
+        assert_eq!(line(&["--jobs", "1"]).unwrap(), Outcome::Done);
+        assert_eq!(line(&["--check"]).unwrap(), Outcome::Done);
+        fs::write(out.join("full-taylor-t31.txt"), "edited").unwrap();
+        assert_eq!(line(&["--check"]).unwrap(), Outcome::Findings);
+        fs::write(out.join("mine"), "mine").unwrap();
+        assert_eq!(line(&["--variant", "*", "--target", "wgsl,spirv"]).unwrap(), Outcome::Done);
+        assert!(out.join("mine").exists());
+        assert!(line(&["--target", "dxil"]).is_err());
+        assert!(line(&["--variant", "none"]).is_err());
+    }
+
+    /// Run by the tests below in a process of its own: writes a package of many files, without end if asked to.
+    #[test]
+    fn child() {
+        let Ok(base) = std::env::var("GENERATE_TEST_BASE") else { return };
+        let forever = std::env::var_os("GENERATE_TEST_FOREVER").is_some();
+        let (plan, out) = (format!("{base}/plan.toml"), format!("{base}/out"));
+        let args = Line::parse_from(["generate", "--plan", &plan, "--out", &out]).args;
+        loop {
+            let done =
+                run_with(&args, &caches(), &Console::new(MessageFormat::Human), |_, _, _| {
+                    let mut package = Package::new();
+                    for i in 0..200 {
+                        package.insert(&format!("part/{i}"), vec![b'b'; 20_000], Compare::Bytes)?;
+                    }
+                    package.seal(BTreeMap::new())?;
+                    Ok(Some(package))
+                });
+            let told = done.map_err(|error| format!("told: {error:#}"));
+            assert_eq!(told, Ok(Outcome::Done));
+            if !forever {
+                return;
+            }
+        }
+    }
+
+    #[cfg(unix)]
+    fn child_in(base: &Path, shell: &str) -> std::process::Command {
+        let mut command = std::process::Command::new("sh");
+        command.args([
+            "-c",
+            &format!("{shell} exec \"$0\" --exact generate::tests::child --nocapture"),
+        ]);
+        command.arg(std::env::current_exe().unwrap()).env("GENERATE_TEST_BASE", base);
+        command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped());
+        command
+    }
+
+    #[cfg(unix)]
+    fn begun(base: &Path) -> PathBuf {
+        fs::write(base.join("plan.toml"), PLAN).unwrap();
+        let (plan, out) = (base.join("plan.toml"), base.join("out"));
+        let line = ["generate", "--plan", plan.to_str().unwrap(), "--out", out.to_str().unwrap()];
+        let console = Console::new(MessageFormat::Human);
+        run_with(&Line::parse_from(line).args, &caches(), &console, names).unwrap();
+        out
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_full_disk_is_an_error_and_the_previous_output_stays() {
+        let base = tempfile::tempdir().unwrap();
+        let out = begun(base.path());
+        let before = fs::read(out.join("manifest.json")).unwrap();
+        let done = child_in(base.path(), "ulimit -f 8;").output().unwrap();
+        let told = String::from_utf8_lossy(&done.stderr);
+        assert!(done.status.code().is_some(), "killed by a signal: {:?}", done.status);
+        assert!(told.contains("cannot be written: File too large"), "{told}");
+        assert_eq!(fs::read(out.join("manifest.json")).unwrap(), before);
+        assert_eq!(fs::read_dir(base.path()).unwrap().count(), 2, "the plan and the output");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn an_interrupt_leaves_a_whole_output_and_nothing_else() {
+        for (round, signal) in ["INT", "TERM", "INT", "TERM"].into_iter().enumerate() {
+            let base = tempfile::tempdir().unwrap();
+            let out = begun(base.path());
+            let child =
+                child_in(base.path(), "").env("GENERATE_TEST_FOREVER", "1").spawn().unwrap();
+            while !out.join("part/0").exists() {
+                std::thread::sleep(std::time::Duration::from_millis(2));
+            }
+            std::thread::sleep(std::time::Duration::from_millis(7 * round as u64));
+            let kill = format!("kill -{signal} {}", child.id());
+            assert!(
+                std::process::Command::new("sh").args(["-c", &kill]).status().unwrap().success()
+            );
+            let done = child.wait_with_output().unwrap();
+            assert_eq!(done.status.code(), Some(130), "{}", String::from_utf8_lossy(&done.stderr));
+            assert_eq!(fs::read_dir(out.join("part")).unwrap().count(), 200);
+            assert!(out.join("manifest.json").exists());
+            assert_eq!(fs::read_dir(base.path()).unwrap().count(), 2, "the plan and the output");
+        }
+    }
+}

@@ -1,0 +1,232 @@
+//! `cargo xtask list`: what a plan means, and what it costs.
+
+pub mod table;
+
+use std::collections::BTreeMap;
+
+use anyhow::Result;
+use diffraction_shaders::input;
+use diffraction_shaders::plan::{
+    Auto, Grating, Plan, Rejected, SurfaceSource, SurfaceSpec, Variant,
+};
+use diffraction_shaders::tables::Series;
+use diffraction_shaders::variant::Form;
+use serde_json::{Value, json};
+
+use crate::Outcome;
+use crate::args::PlanArgs;
+use crate::console::Console;
+
+const EXAMPLE: &str = "Example:\n  cargo xtask list --plan plan.toml --json";
+
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLE)]
+pub(crate) struct Args {
+    #[command(flatten)]
+    plan: PlanArgs,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    let plan = args.plan.read(console)?;
+    let costs = costs(&plan, console);
+    let text =
+        if args.json { format!("{:#}\n", object(&plan, &costs)) } else { human(&plan, &costs) };
+    console.data(&text)?;
+    Ok(Outcome::Done)
+}
+
+/// Each variant on each surface that can be read, by the names of variant and surface.
+type Costs = BTreeMap<(String, String), Form>;
+
+fn costs(plan: &Plan, console: &Console) -> Costs {
+    let mut costs = Costs::new();
+    for spec in &plan.surfaces {
+        match input::load_surface(spec) {
+            Ok(surface) => {
+                for variant in &plan.variants {
+                    let key = (variant.name.clone(), spec.name.clone());
+                    match Form::new(variant, &surface.field) {
+                        Ok(form) => drop(costs.insert(key, form)),
+                        Err(reason) => console.note(&format!("{}: left out: {reason}", spec.name)),
+                    }
+                }
+            }
+            // What the plan means is clear without it.
+            Err(error) => console.note(&format!("no cost is known: {error}")),
+        }
+    }
+    costs
+}
+
+fn object(plan: &Plan, costs: &Costs) -> Value {
+    let rejected = |r: &Rejected| json!({ "name": r.name, "reason": r.reason });
+    json!({
+        "surfaces": plan.surfaces.iter().map(surface_object).collect::<Vec<_>>(),
+        "variants": plan.variants.iter().map(|variant| variant_object(variant, plan, costs)).collect::<Vec<_>>(),
+        "targets": plan.targets.iter().map(|target| target.as_str()).collect::<Vec<_>>(),
+        "rejected": plan.rejected.iter().map(rejected).collect::<Vec<_>>(),
+        "notes": plan.notes,
+    })
+}
+
+/// Name and origin of a surface.
+pub(crate) fn surface_object(surface: &SurfaceSpec) -> Value {
+    match &surface.source {
+        SurfaceSource::Grating(grating) => json!({ "name": surface.name, "grating": grating }),
+        SurfaceSource::File(file) => {
+            json!({ "name": surface.name, "file": file.path.display().to_string() })
+        }
+    }
+}
+
+fn variant_object(variant: &Variant, plan: &Plan, costs: &Costs) -> Value {
+    let cost = plan.surfaces.iter().filter_map(|surface| {
+        let on = costs.get(&(variant.name.clone(), surface.name.clone()))?;
+        let counted = on.cost();
+        let cost = json!({
+            "surface": surface.name,
+            "terms": on.series().map(Series::terms),
+            "window_radius": on.window_radius(),
+            "evaluations_mean": counted.evaluations_mean,
+            "evaluations_worst": counted.evaluations,
+            "term_fetches": counted.term_fetches,
+            "fetches": counted.fetches,
+            "fetches_mean": counted.fetches_mean,
+            "table_bytes": counted.table_bytes,
+        });
+        Some(cost)
+    });
+    json!({
+        "name": variant.name,
+        "mode": variant.mode,
+        "basis": variant.basis,
+        "terms": auto(variant.terms),
+        "reconstruction": variant.reconstruction,
+        "window_radius": auto(variant.window_radius),
+        "wavelengths": variant.wavelengths,
+        "samples": samples(variant),
+        "table": variant.table,
+        "packing": variant.packing,
+        "sampling": variant.sampling,
+        "hoist": variant.hoist,
+        "optics": variant.optics,
+        "hash": variant.hash(),
+        "cost": cost.collect::<Vec<_>>(),
+    })
+}
+
+/// Wavelength nodes of a mode that has them.
+fn samples(variant: &Variant) -> Value {
+    if variant.has_uniform_wavelengths() {
+        json!(variant.wavelengths.nodes_nm().len())
+    } else {
+        Value::Null
+    }
+}
+
+fn auto(value: Auto<u32>) -> Value {
+    match value {
+        Auto::Value(n) => json!(n),
+        Auto::Auto => json!("auto"),
+    }
+}
+
+fn human(plan: &Plan, costs: &Costs) -> String {
+    let surfaces = plan.surfaces.iter().map(|surface| vec![surface.name.clone(), source(surface)]);
+    let variants = plan.variants.iter().map(|variant| {
+        vec![
+            variant.name.clone(),
+            variant.mode.as_str().to_owned(),
+            variant.basis.as_str().to_owned(),
+        ]
+    });
+    let mut text = table::text(&["surface", "heights"], surfaces.collect());
+    text.push('\n');
+    text += &table::text(&["variant", "mode", "basis"], variants.collect());
+    text.push('\n');
+    text += &cost_table(plan, costs);
+    let targets: Vec<&str> = plan.targets.iter().map(|target| target.as_str()).collect();
+    text += &format!("targets: {}\n", targets.join(", "));
+    if !plan.rejected.is_empty() {
+        let rejected = plan.rejected.iter().map(|r| vec![r.name.clone(), r.reason.clone()]);
+        text.push('\n');
+        text += &table::text(&["rejected", "reason"], rejected.collect());
+    }
+    text
+}
+
+/// A number, or a dash where there is none.
+pub(crate) fn or_dash(number: Option<u32>) -> String {
+    number.map_or_else(|| "-".to_owned(), |number| number.to_string())
+}
+
+/// One line for each cost, with the surfaces that share it.
+fn cost_table(plan: &Plan, costs: &Costs) -> String {
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for variant in &plan.variants {
+        let begin = rows.len();
+        for surface in &plan.surfaces {
+            let Some(on) = costs.get(&(variant.name.clone(), surface.name.clone())) else {
+                continue;
+            };
+            let cost = on.cost();
+            let numbers = [
+                or_dash(on.series().map(Series::terms)),
+                or_dash(on.window_radius()),
+                format!("{:.1}", cost.evaluations_mean),
+                cost.evaluations.to_string(),
+                cost.term_fetches.to_string(),
+                format!("{:.1}", cost.fetches_mean),
+                cost.fetches.to_string(),
+                format!("{:.1}", cost.table_bytes as f64 / 1024.0),
+            ];
+            match rows[begin..].iter_mut().find(|row| row[2..] == numbers) {
+                Some(row) => row[1] = format!("{}, {}", row[1], surface.name),
+                None => rows.push(
+                    [variant.name.clone(), surface.name.clone()]
+                        .into_iter()
+                        .chain(numbers)
+                        .collect(),
+                ),
+            }
+        }
+    }
+    if rows.is_empty() {
+        return String::new();
+    }
+    let head = [
+        "variant",
+        "on",
+        "terms",
+        "radius",
+        "evaluations, mean",
+        "worst",
+        "term fetches, worst",
+        "fetches, mean",
+        "worst",
+        "tables, KiB",
+    ];
+    table::text(&head, rows)
+        + "evaluations and fetches per pixel; uniform wavelengths cost every lit pixel the same\n\n"
+}
+
+/// A surface in a few words.
+pub(crate) fn source(surface: &SurfaceSpec) -> String {
+    match &surface.source {
+        SurfaceSource::File(file) => file.path.display().to_string(),
+        SurfaceSource::Grating(grating) => match grating {
+            Grating::Flat { .. } => "flat".to_owned(),
+            Grating::Sinusoidal { period_um, .. } => format!("sinusoidal, {period_um} µm"),
+            Grating::Blazed { period_um, .. } => format!("blazed, {period_um} µm"),
+            Grating::Lamellar { period_um, .. } => format!("lamellar, {period_um} µm"),
+            Grating::Triangle { period_um, .. } => format!("triangle, {period_um} µm"),
+            Grating::Crossed { .. } => "crossed".to_owned(),
+            Grating::Bumps(rough) => format!("bumps, {} µm", rough.size_um),
+            Grating::Fingers(rough) => format!("fingers, {} µm", rough.size_um),
+            Grating::Rows(rough) => format!("rows, {} µm", rough.size_um),
+        },
+    }
+}

@@ -1,0 +1,109 @@
+//! `cargo xtask render`: a BRDF map.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use diffraction_shaders::frame::Frame;
+use diffraction_shaders::measure::auto_exposure;
+use diffraction_shaders::optics::direction;
+use diffraction_shaders::picture;
+use diffraction_shaders::runner::rounded;
+
+use crate::Outcome;
+use crate::args::{Exposure, Light, Runner, RunnerArgs, SurfaceArgs};
+use crate::console::Console;
+use crate::files::write_whole;
+use crate::progress;
+use crate::runners::{Drivers, Job};
+
+const EXAMPLE: &str = "Examples:
+  cargo xtask render --plan plan.toml --surface blazed --light 20,0 --size 512 --out blazed.png
+  cargo xtask render --surface fingers --variant ensemble --runner vulkan --exposure 2 --out fingers.exr
+  cargo xtask render --surface fingers --variant ensemble --runner spirv --adapter swiftshader --out fingers.png";
+
+/// Flags.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = EXAMPLE)]
+pub struct Args {
+    #[command(flatten)]
+    surface: SurfaceArgs,
+    /// What computes the colours.
+    #[command(flatten)]
+    pub runner: RunnerArgs,
+    /// Direction of the light in degrees.
+    #[arg(long, value_name = "THETA,PHI", default_value = "20,0", allow_hyphen_values = true)]
+    light: Light,
+    /// Side of the map in pixels.
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=8192))]
+    size: u32,
+    /// Factor before the sRGB curve: auto or a positive number.
+    #[arg(long, value_name = "auto|V", default_value = "auto")]
+    exposure: Exposure,
+    /// The picture: .png (sRGB, clamped) or .exr (linear radiance factor).
+    #[arg(long, value_name = "FILE.png|.exr")]
+    out: PathBuf,
+}
+
+#[derive(Clone, Copy)]
+enum Format {
+    Png,
+    Exr,
+}
+
+impl Args {
+    /// Whether the runner is one of the harness.
+    pub(crate) fn needs_harness(&self) -> bool {
+        self.runner.runner.is_driver()
+    }
+}
+
+/// Runs the command.
+pub fn run(args: &Args, console: &Console, drivers: Drivers) -> Result<Outcome> {
+    let format = format(&args.out)?;
+    let job = Job::new(&args.surface, &args.runner, console)?;
+    let runner = job.runner(&args.runner, drivers)?;
+    let size = args.size as usize;
+    let light = direction(args.light.theta_deg, args.light.phi_deg);
+    // the twin is to see what the shader sees; the exact reference, the angle as it was given
+    let light = if args.runner.runner == Runner::Twin { rounded(light) } else { light };
+    let bar = progress::bar(size * size, &format!("rendering {}", runner.route()));
+    let frame = runner.map(light, size, &|done| bar.inc(done as u64))?;
+    bar.finish_and_clear();
+    let colour = job.variant.optics.colour;
+    let bytes = match format {
+        Format::Png => {
+            let exposure = exposure(args.exposure, &frame, console);
+            console.note(&format!("exposure {exposure:.4}"));
+            picture::png(&frame, colour, exposure)?
+        }
+        Format::Exr => picture::exr(&frame, colour)?,
+    };
+    write_whole(&args.out, &bytes)?;
+    console.note(&format!("{}: {size} × {size} pixels by {}", args.out.display(), runner.route()));
+    Ok(Outcome::Done)
+}
+
+fn exposure(wanted: Exposure, frame: &Frame, console: &Console) -> f64 {
+    match wanted {
+        Exposure::Value(value) => value,
+        Exposure::Auto => auto_exposure(&frame.disc()).unwrap_or_else(|| {
+            console.note("the map is black; exposure 1");
+            1.0
+        }),
+    }
+}
+
+fn format(path: &Path) -> Result<Format> {
+    let folder =
+        path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        bail!("--out {}: there is no folder {}; make it first", path.display(), folder.display());
+    }
+    let extension = path.extension().map(|e| e.to_ascii_lowercase());
+    match extension.as_deref().and_then(|e| e.to_str()) {
+        Some("png") => Ok(Format::Png),
+        Some("exr") => Ok(Format::Exr),
+        _ => Err(anyhow::anyhow!("its name ends neither in .png nor in .exr"))
+            .with_context(|| format!("--out {}", path.display())),
+    }
+}

@@ -1,0 +1,173 @@
+//! Groups of variants on one adapter.
+
+use diffraction_shaders::error::Result;
+use diffraction_shaders::height::HeightField;
+use diffraction_shaders::optics::direction;
+use diffraction_shaders::plan::{Optics, Variant};
+use diffraction_shaders::runner::Subject;
+use glam::DVec3;
+use serde_json::Value;
+
+use super::clock::{Clock, ms};
+use super::result::{Timed, settings};
+use super::rounds::{self, Drawn, Executor, Rules, Samples, Timing};
+use super::yardstick::{self, Yardstick};
+use crate::drivers::gpu::{Gpu, Pipeline};
+use crate::drivers::{Prepared, params};
+
+/// Pixels along a side of the first draw, which makes the driver compile.
+const FIRST_DRAW: u32 = 8;
+
+/// What is drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene<'a> {
+    /// The heights.
+    pub height: &'a HeightField,
+    /// Rotation of the surface about its normal, degrees.
+    pub rotate_deg: f64,
+    /// Direction of the light, theta and phi in degrees.
+    pub light: [f64; 2],
+}
+
+/// A subject of a group.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Case {
+    /// A variant's map.
+    Map {
+        /// The variant.
+        variant: Box<Variant>,
+        /// Heights in place of the scene's, where those are varied.
+        height: Option<Box<HeightField>>,
+        /// Pixels along x and y.
+        frame: [usize; 2],
+    },
+    /// A frame of something else.
+    Yardstick {
+        /// What.
+        what: Yardstick,
+        /// Decide the gain.
+        optics: Box<Optics>,
+        /// Pixels along x and y.
+        frame: [usize; 2],
+    },
+}
+
+/// What was measured of a group, in the order of its cases.
+#[derive(Debug)]
+pub struct Group {
+    /// The clock of all times.
+    pub timing: Timing,
+    /// Greatest difference of time stamps from the wall while warming up, relative; none where there are no stamps.
+    pub disagreement: Option<f64>,
+    /// The times, or what went wrong.
+    pub cases: Vec<Result<Timed>>,
+}
+
+/// Builds the pipelines of a group and draws them in turns, see [`rounds::measure`]. Ratios are to the first case.
+pub fn measure(
+    gpu: &Gpu,
+    scene: &Scene<'_>,
+    cases: &[Case],
+    clock: &dyn Clock,
+    rules: &Rules,
+    progress: &dyn Fn(f64),
+    stop: &dyn Fn() -> bool,
+) -> Group {
+    let built: Vec<Result<Built>> =
+        cases.iter().map(|case| build(gpu, scene, case, clock)).collect();
+    let mut subjects: Vec<Box<dyn Executor + '_>> =
+        built.iter().map(|built| Box::new(Subjected(built)) as Box<dyn Executor>).collect();
+    let measured = rounds::measure(&mut subjects, clock, rules, progress, stop);
+    drop(subjects);
+    let disagreement = measured.samples.iter().flatten().filter_map(|s| s.disagreement);
+    let disagreement = disagreement.reduce(f64::max);
+    // an error of building comes before the one of drawing what was not built
+    let timed = |(built, samples): (Result<Built>, Result<Samples>)| {
+        let built = built?;
+        Ok(Timed { samples: samples?, ..built.timed })
+    };
+    let cases = built.into_iter().zip(measured.samples).map(timed).collect();
+    Group { timing: measured.timing, disagreement, cases }
+}
+
+/// A pipeline with what is known of it.
+struct Built {
+    pipeline: Pipeline,
+    params: [f32; 8],
+    timed: Timed,
+}
+
+struct Subjected<'a>(&'a Result<Built>);
+
+impl Executor for Subjected<'_> {
+    fn draw(&mut self, frames: usize) -> Result<Drawn> {
+        let built = match self.0 {
+            Ok(built) => built,
+            Err(error) => {
+                return Err(diffraction_shaders::error::Error::new(
+                    error.stage(),
+                    error.subject(),
+                    "was not built",
+                ));
+            }
+        };
+        let [width, height] = built.timed.frame.map(|side| side as u32);
+        let times =
+            built.pipeline.frames(width, height, bytemuck::bytes_of(&built.params), frames)?;
+        Ok(Drawn { wall: times.wall, stamps: times.stamps })
+    }
+}
+
+fn build(gpu: &Gpu, scene: &Scene<'_>, case: &Case, clock: &dyn Clock) -> Result<Built> {
+    let light = direction(scene.light[0], scene.light[1]);
+    let timed = |variant: String, settings, frame| Timed {
+        variant,
+        settings,
+        frame,
+        pipeline_ms: 0.0,
+        table_bytes: 0,
+        fetches: 0.0,
+        samples: Samples::default(),
+    };
+    match case {
+        Case::Map { variant, height, frame } => {
+            let height = height.as_deref().unwrap_or(scene.height);
+            let subject = Subject { height, rotate_deg: scene.rotate_deg, variant };
+            let prepared = Prepared::new(subject)?;
+            let cost = prepared.form.cost();
+            let timed = Timed {
+                table_bytes: cost.table_bytes,
+                fetches: cost.fetches_mean,
+                ..timed(variant.name.clone(), settings(variant), *frame)
+            };
+            compile(gpu, &prepared, light, timed, clock)
+        }
+        Case::Yardstick { what, optics, frame } => {
+            let variant = yardstick::variant(*what, optics);
+            let prepared = yardstick::prepared(*what, scene.height, &variant)?;
+            let timed = Timed {
+                table_bytes: prepared.spectrum.byte_count() as u64,
+                fetches: what.fetches(),
+                ..timed(what.name().to_owned(), Value::Null, *frame)
+            };
+            compile(gpu, &prepared, light, timed, clock)
+        }
+    }
+}
+
+/// The driver may put its work off until the first draw, so that is part of it.
+fn compile(
+    gpu: &Gpu,
+    prepared: &Prepared<'_>,
+    light: DVec3,
+    timed: Timed,
+    clock: &dyn Clock,
+) -> Result<Built> {
+    let begun = clock.wall();
+    let pipeline = prepared.map_pipeline(gpu)?;
+    let first = params(light, [FIRST_DRAW; 2]);
+    pipeline.frames(FIRST_DRAW, FIRST_DRAW, bytemuck::bytes_of(&first), 1)?;
+    let pipeline_ms = ms(clock.wall() - begun);
+    let params = params(light, timed.frame.map(|side| side as u32));
+    Ok(Built { pipeline, params, timed: Timed { pipeline_ms, ..timed } })
+}

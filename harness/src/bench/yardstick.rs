@@ -1,0 +1,123 @@
+//! Frames of something else, which say what a variant's time means.
+
+use diffraction_shaders::error::Result;
+use diffraction_shaders::height::HeightField;
+use diffraction_shaders::plan::{Mode, Optics, Variant};
+use diffraction_shaders::runner::Subject;
+use diffraction_shaders::tables::{SPECTRUM, Table, TexelFormat};
+use diffraction_shaders::template::Sources;
+use diffraction_shaders::variant::{Form, Gems};
+
+use crate::drivers::Prepared;
+
+/// A shader that is drawn beside the variants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Yardstick {
+    /// Nothing but the gain: the floor below which a frame cannot fall.
+    Empty,
+    /// An ordinary material: one texel of base colour under a microfacet lobe (Walter et al. 2007; Schlick 1994).
+    Ggx,
+}
+
+impl Yardstick {
+    /// The name in records and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Yardstick::Empty => "empty",
+            Yardstick::Ggx => "ggx",
+        }
+    }
+
+    /// Texels that a pixel reads.
+    pub fn fetches(self) -> f64 {
+        match self {
+            Yardstick::Empty => 0.0,
+            Yardstick::Ggx => 1.0,
+        }
+    }
+
+    /// In place of a mode's template.
+    fn template(self) -> &'static str {
+        match self {
+            Yardstick::Empty => EMPTY,
+            Yardstick::Ggx => GGX,
+        }
+    }
+}
+
+const EMPTY: &str = "
+fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
+    return vec3f(gain(wi, wr));
+}
+";
+
+const GGX: &str = "
+@group(0) @binding(2) var spectrum: texture_2d<f32>;
+
+const ALPHA_SQUARED: f32 = 0.04;
+
+fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
+    if (!(wi.z > 0.0 && wr.z > 0.0)) {
+        return vec3f(0.0);
+    }
+    let size = vec2f(textureDimensions(spectrum));
+    let base = textureLoad(spectrum, vec2i((0.5 + 0.4999 * wr.xy) * size), 0).xyz;
+    let half_vector = normalize(wi + wr);
+    let spread = half_vector.z * half_vector.z * (ALPHA_SQUARED - 1.0) + 1.0;
+    let density = ALPHA_SQUARED / (3.1415927 * spread * spread);
+    let masking = wi.z * sqrt(wr.z * wr.z * (1.0 - ALPHA_SQUARED) + ALPHA_SQUARED)
+        + wr.z * sqrt(wi.z * wi.z * (1.0 - ALPHA_SQUARED) + ALPHA_SQUARED);
+    let one_minus = 1.0 - dot(half_vector, wr);
+    let squared = one_minus * one_minus;
+    let fresnel = 0.04 + 0.96 * squared * squared * one_minus;
+    return wi.z * (0.31830989 * (1.0 - fresnel) * base + vec3f(0.5 * density * fresnel / masking));
+}
+";
+
+/// Texels of the base colour along a side.
+const TEXTURE: usize = 512;
+
+/// What the shader is drawn as: the mode whose template needs nothing of the others.
+pub fn variant(what: Yardstick, optics: &Optics) -> Variant {
+    Variant { name: what.name().to_owned(), mode: Mode::Gems, ..Variant::texts(optics) }
+}
+
+/// Shader and texture, ready for a driver.
+pub fn prepared<'a>(
+    what: Yardstick,
+    height: &'a HeightField,
+    variant: &'a Variant,
+) -> Result<Prepared<'a>> {
+    let mut sources = Sources::builtin();
+    sources.0.insert("gems".to_owned(), what.template().to_owned());
+    Ok(Prepared {
+        // turning a surface that is not read takes its table
+        subject: Subject { height, rotate_deg: 0.0, variant },
+        sources,
+        form: Form::Gems(Gems),
+        terms: Table::ABSENT,
+        spectrum: match what {
+            Yardstick::Empty => Table::ABSENT,
+            Yardstick::Ggx => base_colour(),
+        },
+        coefficients: Table::ABSENT,
+    })
+}
+
+/// Squares of two browns, so that neighbouring pixels do not all read one texel.
+fn base_colour() -> Table {
+    let texel = |i: usize| match (i / TEXTURE / 16 + i % TEXTURE / 16) % 2 {
+        0 => [0.40, 0.22, 0.10, 1.0],
+        _ => [0.15, 0.10, 0.06, 1.0],
+    };
+    Table {
+        name: "spectrum",
+        binding: SPECTRUM,
+        format: TexelFormat::Rgba16Float,
+        width: TEXTURE,
+        height: TEXTURE,
+        layers: 0,
+        filtered: false,
+        texels: (0..TEXTURE * TEXTURE).flat_map(texel).collect(),
+    }
+}

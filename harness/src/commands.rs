@@ -1,0 +1,112 @@
+//! The commands of the harness's program.
+//!
+//! One file per command, as in `diffraction_cli`, whose flags, messages and exit codes they share.
+
+mod bench;
+mod compare;
+mod drivers;
+mod report;
+mod restart;
+mod scene;
+mod serve;
+mod testbench;
+mod tune;
+mod validate;
+
+use std::process::ExitCode;
+
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use diffraction_cli::console::{Console, MessageFormat};
+use diffraction_cli::{eval, finish, harness, program, render};
+
+/// What measures and proves diffraction shaders.
+#[derive(Parser)]
+#[command(version)]
+struct Cli {
+    /// How diagnostics appear on stderr.
+    #[arg(long, global = true, value_enum, default_value_t = MessageFormat::Human)]
+    message_format: MessageFormat,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run external validators over every emitted file.
+    Validate(validate::Args),
+    /// Print colours for given directions.
+    Eval(eval::Args),
+    /// Draw a BRDF map: all viewing directions under one light.
+    Render(render::Args),
+    /// Compare every variant by every route with the exact reference, its twin and the other routes.
+    Compare(compare::Args),
+    /// Measure a surface's period from the response over wavelength and viewing angle.
+    Testbench(testbench::Args),
+    /// Measure the time of every variant on every adapter.
+    Bench(bench::Args),
+    /// Find the cheapest variant of a surface within an error budget.
+    Tune(tune::Args),
+    /// Draw a variant on the skin of a body: stills, sweeps, a turntable.
+    Scene(scene::Args),
+    /// Show results of compare, bench and testbench on one HTML page.
+    Report(report::Args),
+    /// Serve the gallery to a browser on this machine.
+    Serve(serve::Args),
+}
+
+/// Runs the command of this process's arguments.
+pub fn main() -> ExitCode {
+    program::set_name(&std::env::var(program::CALLED_AS).unwrap_or_else(|_| harness::NAME.into()));
+    let matches = program::named(Cli::command()).get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    let console = Console::new(cli.message_format);
+    let outcome = match cli.command {
+        Command::Validate(args) => validate::run(&args, &console),
+        Command::Eval(args) => restart::with_drivers_for(&args.runner)
+            .and_then(|()| eval::run(&args, &console, drivers::open)),
+        Command::Render(args) => restart::with_drivers_for(&args.runner)
+            .and_then(|()| render::run(&args, &console, drivers::open)),
+        Command::Compare(args) => compare::run(&args, &console),
+        Command::Testbench(args) => testbench::run(&args, &console),
+        Command::Bench(args) => bench::run(&args, &console),
+        Command::Tune(args) => tune::run(&args, &console),
+        Command::Scene(args) => scene::run(&args, &console),
+        Command::Report(args) => report::run(&args, &console),
+        Command::Serve(args) => serve::run(&args, &console),
+    };
+    finish(outcome.map(ExitCode::from), &console)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_command_is_sound_and_has_an_example() {
+        let mut command = Cli::command();
+        command.build();
+        command.clone().debug_assert();
+        for command in command.get_subcommands().filter(|command| command.get_name() != "help") {
+            let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+            let call = format!("cargo xtask {}", command.get_name());
+            assert!(
+                help.starts_with("Example") && help.contains(&call),
+                "{}: {help}",
+                command.get_name()
+            );
+        }
+    }
+
+    /// The other programs list these commands without having them.
+    #[test]
+    fn the_list_of_the_other_programs_is_right() {
+        let command = Cli::command();
+        let of_both = ["eval", "render"];
+        let own: Vec<(&str, String)> = command
+            .get_subcommands()
+            .map(|c| (c.get_name(), c.get_about().map(ToString::to_string).unwrap_or_default()))
+            .filter(|(name, _)| !of_both.contains(name))
+            .collect();
+        assert_eq!(own, harness::COMMANDS.map(|(name, about)| (name, about.to_owned())));
+    }
+}

@@ -1,0 +1,72 @@
+//! The adapters that the flags mean.
+
+use anyhow::Result;
+use diffraction_shaders::error;
+
+use crate::bench::driver::Group;
+use crate::drivers::gpu::{AdapterInfo, Backend, Gpu};
+use crate::record::Gap;
+
+use super::output::Output;
+use super::{Args, Interface};
+
+/// All that match; an interface without one is a gap.
+pub(super) fn chosen(args: &Args, output: &mut Output<'_>) -> Result<Vec<AdapterInfo>> {
+    let found = Gpu::adapters();
+    let mut wanted: Vec<Backend> = args.backend.iter().map(|b| backend(*b)).collect();
+    if wanted.is_empty() {
+        wanted = vec![Backend::Vulkan, Backend::Gl];
+    }
+    let text = args.adapter.as_deref().unwrap_or_default().to_lowercase();
+    let mut adapters = Vec::new();
+    for backend in wanted {
+        let fits = |info: &&AdapterInfo| {
+            info.backend == backend && info.to_string().to_lowercase().contains(&text)
+        };
+        let of_backend: Vec<AdapterInfo> = found.iter().filter(fits).cloned().collect();
+        if of_backend.is_empty() {
+            let reason = match Gpu::open(backend, args.adapter.as_deref()) {
+                Ok(_) => "no adapter was listed".to_owned(),
+                Err(error) => error.to_string(),
+            };
+            let route = backend.name().to_owned();
+            output.gap(Gap { route, surface: None, variant: None, reason, failed: false })?;
+        }
+        adapters.extend(of_backend);
+    }
+    Ok(adapters)
+}
+
+/// Exactly this adapter, by its name or by its driver.
+pub(super) fn open(info: &AdapterInfo) -> error::Result<Gpu> {
+    let by_name = Gpu::open(info.backend, Some(&info.name))?;
+    if by_name.info() == info {
+        return Ok(by_name);
+    }
+    let by_driver = Gpu::open(info.backend, Some(&info.driver))?;
+    if by_driver.info() == info {
+        return Ok(by_driver);
+    }
+    let subject = format!("{} adapter {info}", info.backend);
+    Err(error::Error::new(error::Stage::Run, subject, "another one bears the same names"))
+}
+
+/// Which clock is used on an adapter, and why.
+pub(super) fn clock(info: &AdapterInfo, group: &Group) -> String {
+    let why = match group.disagreement {
+        None => "it has no time stamps".to_owned(),
+        Some(apart) => {
+            format!("its time stamps differ from the wall by {:.2} % at most", 100.0 * apart)
+        }
+    };
+    format!("{} {info}: times by {}: {why}", info.backend, group.timing.name())
+}
+
+fn backend(interface: Interface) -> Backend {
+    match interface {
+        Interface::Vulkan => Backend::Vulkan,
+        Interface::Gl => Backend::Gl,
+        Interface::Metal => Backend::Metal,
+        Interface::Dx12 => Backend::Dx12,
+    }
+}

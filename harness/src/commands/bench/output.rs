@@ -1,0 +1,158 @@
+//! Where results go: lines of JSON as soon as they are known, tables at the end, named results in files.
+
+use std::path::{Path, PathBuf};
+
+use crate::bench::scaling::Axis;
+use crate::record::{self, Bench, Gap, Log, Record, Scaling};
+use anyhow::{Context, Result, bail};
+use indicatif::ProgressBar;
+
+use diffraction_cli::console::Console;
+use diffraction_cli::files::write_whole;
+
+use super::{Args, tables};
+
+/// A result with what the table says beside it.
+#[derive(Clone, Debug)]
+pub(super) struct Row {
+    pub(super) record: Bench,
+    /// Texels that a lit pixel reads, on average.
+    pub(super) fetches: f64,
+}
+
+/// A point of an axis with what the table says beside it.
+#[derive(Clone, Debug)]
+pub(super) struct Point {
+    pub(super) record: Scaling,
+    /// What the time is expected to be proportional to.
+    pub(super) work: f64,
+    /// Median time of the processor for a frame, all threads, ms.
+    pub(super) cpu_ms: f64,
+}
+
+/// The results so far, and where they go.
+pub(super) struct Output<'a> {
+    args: &'a Args,
+    console: &'a Console,
+    bar: ProgressBar,
+    log: Option<Log>,
+    rows: Vec<Row>,
+    scalings: Vec<(Axis, Vec<Point>)>,
+    before: Option<Vec<Bench>>,
+    failed: bool,
+}
+
+impl<'a> Output<'a> {
+    /// Opens what will be written and reads what is compared with, before anything is measured.
+    pub(super) fn open(args: &'a Args, console: &'a Console) -> Result<Output<'a>> {
+        let log = match &args.out {
+            Some(folder) => {
+                std::fs::create_dir_all(folder)
+                    .with_context(|| format!("--out {}: cannot be made", folder.display()))?;
+                Some(Log::open(&folder.join(record::FILE))?)
+            }
+            None => None,
+        };
+        let before = match &args.compare_to {
+            Some(name) => Some(read(&place(args, name), name)?),
+            None => None,
+        };
+        let bar = ProgressBar::hidden();
+        Ok(Output {
+            args,
+            console,
+            bar,
+            log,
+            rows: vec![],
+            scalings: vec![],
+            before,
+            failed: false,
+        })
+    }
+
+    /// From here on, what is told must not disturb this bar.
+    pub(super) fn beside(&mut self, bar: &ProgressBar) {
+        self.bar = bar.clone();
+    }
+
+    pub(super) fn note(&self, text: &str) {
+        self.bar.suspend(|| self.console.note(text));
+    }
+
+    pub(super) fn row(&mut self, row: Row) -> Result<()> {
+        self.record(&Record::Bench(row.record.clone()))?;
+        self.rows.push(row);
+        Ok(())
+    }
+
+    pub(super) fn scaling(&mut self, axis: Axis, points: Vec<Point>) -> Result<()> {
+        for point in &points {
+            self.record(&Record::Scaling(point.record.clone()))?;
+        }
+        self.scalings.push((axis, points));
+        Ok(())
+    }
+
+    pub(super) fn gap(&mut self, gap: Gap) -> Result<()> {
+        let subject: Vec<&str> = [Some(&gap.route), gap.surface.as_ref(), gap.variant.as_ref()]
+            .into_iter()
+            .flatten()
+            .map(String::as_str)
+            .collect();
+        self.note(&format!("not measured: {}: {}", subject.join(", "), gap.reason));
+        self.failed |= gap.failed;
+        self.record(&Record::Gap(gap))
+    }
+
+    /// Whether something failed that began to run.
+    pub(super) fn failed(&self) -> bool {
+        self.failed
+    }
+
+    /// Prints the tables; keeps the results of a run that came to its end.
+    pub(super) fn finish(&self, complete: bool) -> Result<()> {
+        if !self.args.json {
+            let times = tables::times(&self.rows, self.before.as_deref());
+            self.console.data(&(times + &tables::scalings(&self.scalings)))?;
+        }
+        let Some(name) = &self.args.save else { return Ok(()) };
+        let path = place(self.args, name);
+        if !complete || self.rows.is_empty() {
+            self.note(&format!("{}: not written, since the run was cut short", path.display()));
+            return Ok(());
+        }
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder)
+                .with_context(|| format!("{}: cannot be made", folder.display()))?;
+        }
+        let lines = self.rows.iter().map(|row| record::line(&Record::Bench(row.record.clone())));
+        write_whole(&path, lines.collect::<String>().as_bytes())
+    }
+
+    fn record(&mut self, record: &Record) -> Result<()> {
+        if let Some(log) = &mut self.log {
+            log.append(record)?;
+        }
+        if self.args.json {
+            self.bar.suspend(|| self.console.data(&record::line(record)))?;
+        }
+        Ok(())
+    }
+}
+
+/// The file of named results.
+fn place(args: &Args, name: &str) -> PathBuf {
+    let folder = args.out.as_deref().unwrap_or(Path::new("target/bench"));
+    folder.join(format!("{name}.jsonl"))
+}
+
+fn read(path: &Path, name: &str) -> Result<Vec<Bench>> {
+    if !path.exists() {
+        bail!("--compare-to {name}: there is no {}; make it with --save {name}", path.display());
+    }
+    let bench = |record: Record| match record {
+        Record::Bench(bench) => Some(bench),
+        _ => None,
+    };
+    Ok(record::read(path)?.into_iter().filter_map(bench).collect())
+}

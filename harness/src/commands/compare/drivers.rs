@@ -1,0 +1,93 @@
+//! The command itself, where drivers are compiled in.
+
+use anyhow::Result;
+use diffraction_cli::Outcome;
+use diffraction_cli::args::Exposure;
+use diffraction_cli::console::Console;
+use diffraction_cli::{interrupt, progress};
+use diffraction_shaders::plan::Variant;
+
+use super::sink::Recorder;
+use super::{Args, summary};
+use crate::compare::{Request, Sink, run as compare, steps};
+use crate::drivers::routes::{self, Route};
+use crate::record::{Gap, Log, Record};
+
+pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    let plan = args.plan.read(console)?;
+    let variants: Vec<Variant> = plan.select(&args.variant)?;
+    let mut surfaces = plan.surfaces.clone();
+    if !args.surface.is_empty() {
+        surfaces = args
+            .surface
+            .iter()
+            .map(|name| plan.surface(name).cloned())
+            .collect::<Result<_, _>>()?;
+    }
+    // before anything is written: a route that was named may not be there
+    let (routes, missing) = open(&args.route)?;
+    let mine = |record: &Record| {
+        matches!(record, Record::Compare(_) | Record::Control(_) | Record::Gap(_))
+    };
+    let (log, known) = match args.resume {
+        // gaps are looked at anew: a route may be there now
+        true => Log::begin(&args.out, |record| matches!(record, Record::Gap(_)))?,
+        false => Log::begin(&args.out, mine)?,
+    };
+    interrupt::install(&args.out, None)?;
+    let mut recorder = Recorder::new(&args.out, log, known, args.json, console);
+    missing.into_iter().try_for_each(|gap| recorder.record(Record::Gap(gap)))?;
+    let exposure = match args.exposure {
+        Exposure::Auto => None,
+        Exposure::Value(value) => Some(value),
+    };
+    let request = Request {
+        surfaces: &surfaces,
+        variants: &variants,
+        routes: &routes,
+        lights: &args.light.iter().map(|l| [l.theta_deg, l.phi_deg]).collect::<Vec<_>>(),
+        size: args.size as usize,
+        exposure,
+        subset: args.subset,
+    };
+    recorder.bar = progress::bar(steps(&request), "comparing");
+    let done = compare(&request, &mut recorder);
+    recorder.bar.finish_and_clear();
+    done?;
+    let (text, outcome) = summary::summary(&recorder.records);
+    if !args.json {
+        console.data(&text)?;
+    }
+    console.note(&format!(
+        "{} has the records and pictures; next: cargo xtask report {}",
+        args.out.display(),
+        args.out.display()
+    ));
+    Ok(outcome)
+}
+
+/// Open routes, and why there are no more.
+type Opened = (Vec<Box<dyn Route>>, Vec<Gap>);
+
+/// The routes that are there, and why the others are not. One that was named and is missing is an error.
+fn open(wanted: &[String]) -> Result<Opened> {
+    let drivers: Vec<String> = wanted.iter().filter(|name| *name != "twin").cloned().collect();
+    let (mut open, mut missing) = (Vec::new(), Vec::new());
+    if drivers.is_empty() && !wanted.is_empty() {
+        return Ok((open, missing));
+    }
+    for found in routes::open(&drivers)? {
+        match found.route {
+            Ok(route) => open.push(route),
+            Err(error) if drivers.is_empty() => missing.push(Gap {
+                route: found.name,
+                surface: None,
+                variant: None,
+                reason: error.to_string(),
+                failed: false,
+            }),
+            Err(error) => return Err(error.into()),
+        }
+    }
+    Ok((open, missing))
+}

@@ -1,0 +1,40 @@
+//! From flags to a runner on a driver.
+
+use anyhow::Result;
+use diffraction_cli::args::{Runner as Kind, RunnerArgs};
+use diffraction_shaders::runner::{Runner, Subject};
+
+use crate::drivers::browser::{Api, Web};
+use crate::drivers::egl::{Dialect, Egl};
+use crate::drivers::gpu::{Backend, Gpu};
+use crate::drivers::passthrough::{Language, Passthrough};
+use crate::drivers::{DriverRunner, Prepared, ShaderRunner};
+
+/// Opens a runner on the driver that the flags name.
+pub(super) fn open<'a>(subject: Subject<'a>, args: &RunnerArgs) -> Result<Box<dyn Runner + 'a>> {
+    let adapter = args.adapter.as_deref();
+    let egl = |dialect| -> Result<Box<dyn Runner + 'a>> {
+        let driver = Egl::open(dialect, adapter)?;
+        Ok(Box::new(DriverRunner::with(Prepared::new(subject)?, driver)))
+    };
+    let passthrough = |language| -> Result<Box<dyn Runner + 'a>> {
+        let driver = Passthrough::open(language, adapter)?;
+        Ok(Box::new(DriverRunner::with(Prepared::new(subject)?, driver)))
+    };
+    let web = |api| -> Result<Box<dyn Runner + 'a>> {
+        let driver = Web::open(api, adapter)?;
+        Ok(Box::new(DriverRunner::with(Prepared::new(subject)?, driver)))
+    };
+    match args.runner {
+        Kind::Spirv => passthrough(Language::Spirv),
+        Kind::Hlsl => passthrough(Language::Hlsl),
+        Kind::WebGpu => web(Api::WebGpu),
+        Kind::WebGl2 => web(Api::WebGl2),
+        Kind::Glsl450 => egl(Dialect::Glsl450),
+        Kind::GlslEs300 => egl(Dialect::GlslEs300),
+        kind => {
+            let backend = if kind == Kind::Gl { Backend::Gl } else { Backend::Vulkan };
+            Ok(Box::new(ShaderRunner::new(subject, Gpu::open(backend, adapter)?)?))
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! `cargo xtask report`: one HTML page from records and pictures.
+
+use std::path::PathBuf;
+
+use crate::report::{page, read};
+use anyhow::{Result, bail};
+
+use diffraction_cli::Outcome;
+use diffraction_cli::console::Console;
+use diffraction_cli::files::write_whole;
+
+const EXAMPLE: &str = "Examples:
+  cargo xtask report target/compare
+  cargo xtask report target/compare target/bench --html report.html
+
+The page holds everything, pictures too, and fetches nothing. Of results of the same thing the last one counts.";
+
+/// Size of a page that is worth a word, in bytes.
+const LARGE: usize = 40 << 20;
+
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = EXAMPLE)]
+pub(crate) struct Args {
+    /// Folders with records.jsonl, as compare, bench and testbench write them.
+    #[arg(required = true, value_name = "DIR")]
+    folders: Vec<PathBuf>,
+    /// The page; without it, report.html in the first folder.
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
+    /// Leave pictures out.
+    #[arg(long)]
+    no_pictures: bool,
+}
+
+pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    let Some(first) = args.folders.first() else { bail!("name a folder with records") };
+    let read = |folder: &PathBuf| read(folder, !args.no_pictures);
+    let folders: Vec<_> = args.folders.iter().map(read).collect::<Result<_, _>>()?;
+    let page = page(&folders);
+    for missing in &page.missing {
+        console.note(&format!("picture missing: {missing}"));
+    }
+    let path = args.html.clone().unwrap_or_else(|| first.join("report.html"));
+    write_whole(&path, page.html.as_bytes())?;
+    let records: usize = folders.iter().map(|folder| folder.records.len()).sum();
+    let mib = page.html.len() as f64 / f64::from(1 << 20);
+    console.note(&format!("{}: {records} records, {mib:.1} MiB", path.display()));
+    if page.html.len() > LARGE && !args.no_pictures {
+        console.note("the page is large; --no-pictures makes one of tables and plots only");
+    }
+    Ok(Outcome::Done)
+}

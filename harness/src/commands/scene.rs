@@ -1,0 +1,18 @@
+//! `cargo xtask scene`: a variant on the skin of a body, as stills, sweeps and a turntable.
+
+mod args;
+mod work;
+
+use anyhow::Result;
+use diffraction_cli::Outcome;
+use diffraction_cli::console::Console;
+
+use crate::commands::restart;
+
+pub(crate) use args::Args;
+
+pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    args.check()?;
+    restart::with_drivers()?;
+    work::run(args, console)
+}

@@ -1,0 +1,272 @@
+//! From flags to pictures.
+
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::{Result, bail};
+use diffraction_cli::Outcome;
+use diffraction_cli::console::Console;
+use diffraction_cli::files::write_whole;
+use diffraction_cli::progress;
+use diffraction_shaders::height::{self, Surface};
+use diffraction_shaders::input;
+use diffraction_shaders::plan::{Plan, SurfaceSpec, Variant};
+use diffraction_shaders::runner::Subject;
+use glam::DVec3;
+
+use super::args::{Args, Filter, Sweep};
+use crate::drivers::Prepared;
+use crate::drivers::gpu::{Backend, Gpu};
+use crate::record::Part;
+use crate::scene::picture::{Display, display, exr, png, reduced, stacked, strip};
+use crate::scene::{Light, Mesh, Orbit, PRINTED_LIGHTS, PRINTED_ZOOMS, Snake, read, snake, sphere};
+use crate::studio::{Hdr, Look, Studio, Truth, truth};
+
+/// Supersampled pictures are drawn so many times as wide.
+const SUPER: u32 = 4;
+/// Between pictures of a strip.
+const GAP: u32 = 4;
+/// How long a turntable shows each picture.
+const FRAME_MS: u16 = 80;
+/// What a driver may differ by from the scene in f64 at the 95th percentile: direction, and colour (CIEDE2000). A corner that
+/// moves by 1/256 pixel turns the directions on scales by 1e-5, which steep lobes show as 0.05.
+const TRUTH: (f64, f64) = (1e-4, 0.15);
+/// Fewest lit pixels that say something.
+const LEAST_LIT: usize = 64;
+/// The control: a frame of the other hand.
+const FLIP: (&str, &str) = ("cross(upright, straight)", "cross(straight, upright)");
+
+/// A skin that was planned.
+struct Skin {
+    spec: SurfaceSpec,
+    surface: Surface,
+}
+
+pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    let plan: Plan = args.plan.read(console)?;
+    let variant = plan.variant(args.variant.as_deref())?;
+    let mut skins = Vec::new();
+    for name in &args.surface {
+        let spec = plan.surface(name)?.clone();
+        let surface = input::load_surface(&spec)?;
+        surface.notes.iter().for_each(|note| console.note(note));
+        surface.field.check_pitch(&height::subject(&spec), variant.wavelengths.min_nm)?;
+        skins.push(Skin { spec, surface });
+    }
+    let mut mesh = match args.mesh.as_str() {
+        "snake" => snake(&Snake::standard()),
+        "sphere" => sphere(128),
+        file => read(Path::new(file))?,
+    };
+    mesh.notes.iter().for_each(|note| console.note(note));
+    turn(&mut mesh, args.orientation);
+    let gpu = Gpu::open(Backend::Vulkan, args.adapter.as_deref())?;
+    if args.truth {
+        return judge(args, &gpu, &skins, &variant, &mesh);
+    }
+    let mut rows = Vec::new();
+    for skin in &skins {
+        rows.push(sweep(args, &gpu, skin, &variant, &mesh, console)?);
+    }
+    if args.sweep.is_none() {
+        rows = vec![rows.concat()];
+    }
+    let Some(out) = &args.out else { return Ok(Outcome::Done) };
+    let shown = |p: &Hdr| display(p.width, p.height, &p.pixels, args.exposure);
+    let is_exr = out.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+    let bytes = match (&rows[0][..], args.sweep) {
+        ([one], _) if is_exr => exr(one.width, one.height, &one.pixels)?,
+        (_, Some(Sweep::Turntable)) => {
+            png(&rows.iter().flatten().map(shown).collect::<Vec<Display>>(), FRAME_MS)?
+        }
+        _ => {
+            let line = |row: &Vec<Hdr>| strip(&row.iter().map(shown).collect::<Vec<_>>(), GAP);
+            png(&[stacked(&rows.iter().map(line).collect::<Vec<_>>(), GAP)], FRAME_MS)?
+        }
+    };
+    write_whole(out, &bytes)?;
+    console.note(&format!(
+        "{}: {} pictures, exposure {}",
+        out.display(),
+        rows.iter().map(Vec::len).sum::<usize>(),
+        args.exposure
+    ));
+    Ok(Outcome::Done)
+}
+
+/// All pictures of one skin.
+fn sweep(
+    args: &Args,
+    gpu: &Gpu,
+    skin: &Skin,
+    variant: &Variant,
+    mesh: &Mesh,
+    console: &Console,
+) -> Result<Vec<Hdr>> {
+    let lights: Vec<DVec3> = args.light.iter().map(|l| DVec3::from(l.0)).collect();
+    let orbit = orbit(args, mesh);
+    let at = |orbit: Orbit, lights: &[DVec3], turned: f64| (orbit, lights.to_vec(), turned);
+    let shots = match args.sweep {
+        None => vec![at(orbit, &lights, 0.0)],
+        // printed is where the light goes
+        Some(Sweep::Lights) => PRINTED_LIGHTS.map(|l| at(orbit, &[-DVec3::from(l)], 0.0)).to_vec(),
+        Some(Sweep::Zoom) => {
+            PRINTED_ZOOMS.map(|zoom| at(Orbit { zoom, ..orbit }, &lights, 0.0)).to_vec()
+        }
+        Some(Sweep::Orientation) => {
+            [0.0, 30.0, 60.0, 90.0].map(|turned| at(orbit, &lights, turned)).to_vec()
+        }
+        Some(Sweep::Turntable) => (0..args.frames)
+            .map(|frame| {
+                let turned = 360.0 * f64::from(frame) / f64::from(args.frames);
+                let azimuth_deg = orbit.azimuth_deg + turned;
+                at(Orbit { azimuth_deg, ..orbit }, &lights, 0.0)
+            })
+            .collect(),
+    };
+    let subject =
+        Subject { height: &skin.surface.field, rotate_deg: skin.spec.rotate_deg, variant };
+    let widen = args.filter == Filter::Footprint;
+    let bar = progress::bar(shots.len(), &format!("drawing {}", skin.spec.name));
+    let (mut pictures, mut times) = (Vec::new(), Vec::new());
+    let mut studio = None;
+    let mut angle = f64::NAN;
+    for (orbit, lights, turned) in shots {
+        if studio.is_none() || turned != angle {
+            let mut mesh = mesh.clone();
+            turn(&mut mesh, turned);
+            angle = turned;
+            studio = Some(Studio::new(gpu, subject, mesh, widen)?);
+        }
+        let Some(studio) = &studio else { bail!("no picture was set up") };
+        if mesh.holds(orbit.eye()) {
+            console.note(
+                "the camera is inside of the mesh: what it sees are back sides, which are black",
+            );
+        }
+        let lights = lights.into_iter().map(Light::white).collect();
+        let look = Look { lights, texture_weight: args.texture_weight };
+        let picture = |times: &mut Vec<f64>| -> Result<Hdr> {
+            let factor = if args.filter == Filter::Supersample { SUPER } else { 1 };
+            let size = args.size.0.map(|side| side * factor);
+            let light = look.lights[0].direction;
+            let params = orbit.params(studio.mesh(), size, light)?;
+            let begun = Instant::now();
+            let drawn = studio.picture(&params, &look, size)?;
+            times.push(begun.elapsed().as_secs_f64());
+            let [width, height] = args.size.0;
+            Ok(match factor {
+                1 => drawn,
+                _ => Hdr { width, height, pixels: reduced(drawn.width, &drawn.pixels, factor) },
+            })
+        };
+        let first = picture(&mut times)?;
+        for _ in 0..args.time {
+            picture(&mut times)?;
+        }
+        pictures.push(first);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    if args.time > 0 {
+        times.sort_by(f64::total_cmp);
+        let [width, height] = args.size.0;
+        println!(
+            "{} {}: {width} × {height}, median {:.3} s of {} pictures, from {:.3} to {:.3} s",
+            skin.spec.name,
+            variant.name,
+            times[times.len() / 2],
+            times.len(),
+            times[0],
+            times[times.len() - 1]
+        );
+    }
+    Ok(pictures)
+}
+
+/// Each skin's picture against the scene in f64, and the same with a flipped bitangent, which has to fail.
+fn judge(
+    args: &Args,
+    gpu: &Gpu,
+    skins: &[Skin],
+    variant: &Variant,
+    mesh: &Mesh,
+) -> Result<Outcome> {
+    let mut outcome = Outcome::Done;
+    let light = DVec3::from(args.light[0].0);
+    let params = orbit(args, mesh).params(mesh, args.size.0, light)?;
+    for skin in skins {
+        let (height, rotate_deg) = (&skin.surface.field, skin.spec.rotate_deg);
+        let mut prepared = Prepared::new(Subject { height, rotate_deg, variant })?;
+        let allowed = prepared.form.promise().tolerance(Part::Arithmetic);
+        let allowed = allowed.and_then(|t| t.max_abs).unwrap_or_default();
+        let agrees = |found: &Truth| {
+            found.shading.max_abs <= allowed
+                && found.direction <= TRUTH.0
+                && found.scene.de2000.p95 <= TRUTH.1
+        };
+        let found = truth(gpu, &prepared, mesh, &params, args.size.0)?;
+        let lit = (found.scene.lit * found.pixels as f64).round() as usize;
+        if lit < LEAST_LIT {
+            bail!(
+                "{} on {}: {lit} lit pixels, fewer than the {LEAST_LIT} that a judgement takes: \
+                 raise --size or --zoom, or move --light",
+                skin.spec.name,
+                mesh.name
+            );
+        }
+        let Some(text) = prepared.sources.0.get_mut("mesh").filter(|t| t.contains(FLIP.0)) else {
+            bail!("the template `mesh` holds no `{}` to be flipped", FLIP.0);
+        };
+        *text = text.replace(FLIP.0, FLIP.1);
+        let flipped = truth(gpu, &prepared, mesh, &params, args.size.0)?;
+        let (pass, caught) = (agrees(&found), !agrees(&flipped));
+        if !(pass && caught) {
+            outcome = Outcome::Findings;
+        }
+        let record = serde_json::json!({
+            "kind": "scene",
+            "surface": skin.spec.name,
+            "variant": variant.name,
+            "route": format!("{}:{}", gpu.info().backend, gpu.info().name),
+            "mesh": mesh.name,
+            "pass": pass,
+            "allowed": {
+                "shading_max_abs": allowed,
+                "direction": TRUTH.0,
+                "scene_de2000_p95": TRUTH.1,
+            },
+            "lit_pixels": lit,
+            "truth": found,
+            "flipped_bitangent": {
+                "caught": caught,
+                "direction": flipped.direction,
+                "scene_de2000_p95": flipped.scene.de2000.p95,
+                "shading_max_abs": flipped.shading.max_abs,
+            },
+        });
+        println!("{record}");
+    }
+    Ok(outcome)
+}
+
+fn orbit(args: &Args, mesh: &Mesh) -> Orbit {
+    let [width, height] = args.size.0;
+    let shape = f64::from(width) / f64::from(height);
+    let around = match args.sweep {
+        Some(Sweep::Turntable) => Orbit::all_round(mesh, shape),
+        _ => Orbit::around(mesh, shape),
+    };
+    Orbit {
+        target: args.target.map_or(around.target, |t| DVec3::from(t.0)),
+        distance: args.distance.unwrap_or(around.distance),
+        azimuth_deg: args.azimuth,
+        elevation_deg: args.elevation,
+        zoom: args.zoom,
+        ..around
+    }
+}
+
+fn turn(mesh: &mut Mesh, by_deg: f64) {
+    mesh.vertices.iter_mut().for_each(|v| v.orientation_angle += by_deg.to_radians());
+}

@@ -1,0 +1,237 @@
+//! Every variant by every route against the exact reference, its twin, and the other routes.
+//!
+//! Each error is split: what the variant's approximation costs (*model*: unrounded twin against the exact field), what
+//! rounding the tables costs (*packing*: twin against unrounded twin), what a driver's 32-bit arithmetic costs
+//! (*arithmetic*: route against twin). Directions, exposure and what counts as lit are those of [`measure`](diffraction_shaders::measure).
+//!
+//! Results go to a [`Sink`] as soon as they are known. A route that fails three times in a row is not asked again.
+
+mod controls;
+mod pictures;
+mod unit;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use diffraction_shaders::error::Result;
+use diffraction_shaders::frame::Frame;
+use diffraction_shaders::height::{self, HeightField};
+use diffraction_shaders::input;
+use diffraction_shaders::plan::{Mode, SurfaceSpec, Variant};
+use diffraction_shaders::reference::Directions;
+use diffraction_shaders::runner::{Runner, Subject};
+use diffraction_shaders::variant::Form;
+use glam::DVec3;
+
+use crate::drivers::Prepared;
+use crate::drivers::routes::Route;
+use crate::record::{Gap, Record};
+
+pub use controls::{CONTROLS, SURFACE as CONTROL_SURFACE};
+pub use pictures::{AMPLIFIED, difference, mean_flip};
+
+/// Failures in a row after which a route is not asked again.
+const PATIENCE: u32 = 3;
+
+/// What is to be compared.
+pub struct Request<'a> {
+    /// The surfaces, in order.
+    pub surfaces: &'a [SurfaceSpec],
+    /// The variants, on every surface.
+    pub variants: &'a [Variant],
+    /// The open routes; the twin is always there.
+    pub routes: &'a [Box<dyn Route>],
+    /// Directions of the light, theta and phi in degrees.
+    pub lights: &'a [[f64; 2]],
+    /// Pixels along a side of the maps.
+    pub size: usize,
+    /// Factor on luminance before colour differences; `None`: from the exact map.
+    pub exposure: Option<f64>,
+    /// Variants per surface that slow routes take; of every mode the cheapest first.
+    pub subset: usize,
+}
+
+/// Takes results.
+pub trait Sink {
+    /// A result.
+    fn record(&mut self, record: Record) -> Result<()>;
+
+    /// A picture, PNG, by its place under the output folder.
+    fn picture(&mut self, place: &str, png: Vec<u8>) -> Result<()>;
+
+    /// Work begins on something; steps follow.
+    fn begin(&mut self, what: &str);
+
+    /// A step of [`steps`] is done.
+    fn step(&mut self);
+
+    /// Whether an earlier run has the results of this variant, as it is configured, for all of these routes.
+    fn has(&self, unit: &Unit<'_>, routes: &[String]) -> bool;
+
+    /// Whether an earlier run has a route's control.
+    fn has_control(&self, route: &str, control: &str) -> bool;
+}
+
+/// A variant on a surface under a light.
+#[derive(Clone, Copy, Debug)]
+pub struct Unit<'a> {
+    /// The surface's name.
+    pub surface: &'a str,
+    /// The variant.
+    pub variant: &'a Variant,
+    /// Direction of the light, theta and phi in degrees.
+    pub light: [f64; 2],
+    /// Pixels along a side of the map.
+    pub size: usize,
+}
+
+/// Steps of a whole run: one for each route and the twin under each light, one for each route's controls.
+pub fn steps(request: &Request<'_>) -> usize {
+    let units = request.surfaces.len() * request.variants.len() * request.lights.len();
+    units * (1 + request.routes.len()) + request.routes.len()
+}
+
+/// Whether pictures take so long by this route that it gets a subset of the variants.
+pub fn is_slow(route: &str) -> bool {
+    ["swiftshader", "webgpu", "webgl2"].iter().any(|name| route.to_lowercase().contains(name))
+}
+
+/// Compares everything.
+pub fn run(request: &Request<'_>, sink: &mut dyn Sink) -> Result<()> {
+    let mut failures = vec![0; request.routes.len()];
+    for (route, failures) in request.routes.iter().zip(&mut failures) {
+        sink.begin(&format!("controls by {}", route.name()));
+        *failures = controls::run(route.as_ref(), sink)?;
+        sink.step();
+    }
+    for spec in request.surfaces {
+        let surface = input::load_surface(spec)?;
+        run_surface(request, spec, &surface.field, &mut failures, sink)?;
+    }
+    Ok(())
+}
+
+/// The exact colours on a surface under a light.
+struct Truth {
+    light: DVec3,
+    /// The pixels of the map, then drawn ones.
+    directions: Vec<Directions>,
+    /// How many are the map's.
+    map: usize,
+    colours: Vec<[f64; 3]>,
+    exposure: f64,
+    /// Of the map alone, by which it is drawn; none where it is black.
+    map_exposure: Option<f64>,
+    /// Place of the map's picture.
+    picture: String,
+}
+
+impl Truth {
+    /// The colours of a runner in the order of the directions; the map by its own entry point.
+    fn ask(&self, runner: &dyn Runner, size: usize) -> Result<Vec<[f64; 3]>> {
+        let mut colours = runner.map(self.light, size, &|_| ())?.disc();
+        colours.extend(runner.tristimulus(&self.directions[self.map..], &|_| ())?);
+        Ok(colours)
+    }
+
+    fn frame(&self, colours: &[[f64; 3]], size: usize) -> Frame {
+        Frame::from_disc(size, &colours[..self.map])
+    }
+}
+
+fn run_surface(
+    request: &Request<'_>,
+    spec: &SurfaceSpec,
+    height: &HeightField,
+    failures: &mut [u32],
+    sink: &mut dyn Sink,
+) -> Result<()> {
+    let subset = subset(request, height);
+    // by optics and light, since variants share them
+    let mut truths: BTreeMap<(String, usize), Truth> = BTreeMap::new();
+    for (index, variant) in request.variants.iter().enumerate() {
+        let subject = Subject { height, rotate_deg: spec.rotate_deg, variant };
+        let pitch =
+            height.check_pitch(&height::subject(spec), variant.wavelengths.min_nm.min(380.0));
+        let prepared = match pitch.and_then(|()| Prepared::new(subject)) {
+            Ok(prepared) => prepared,
+            Err(error) => {
+                let gap = gap("all", Some((&spec.name, &variant.name)), &error.to_string(), false);
+                sink.record(gap)?;
+                for _ in 0..request.lights.len() * (1 + request.routes.len()) {
+                    sink.step();
+                }
+                continue;
+            }
+        };
+        let takes = |route: &dyn Route| subset.contains(&index) || !is_slow(&route.name());
+        for route in request.routes.iter().filter(|route| !takes(route.as_ref())) {
+            let reason = format!("not among the {} variants that slow routes take", subset.len());
+            sink.record(gap(&route.name(), Some((&spec.name, &variant.name)), &reason, false))?;
+        }
+        for (light_index, light) in request.lights.iter().enumerate() {
+            let unit = Unit { surface: &spec.name, variant, light: *light, size: request.size };
+            let names: Vec<String> = request
+                .routes
+                .iter()
+                .filter(|route| takes(route.as_ref()))
+                .map(|route| route.name())
+                .collect();
+            if sink.has(&unit, &names) {
+                (0..=request.routes.len()).for_each(|_| sink.step());
+                continue;
+            }
+            let key = (serde_json::to_string(&variant.optics).unwrap_or_default(), light_index);
+            if !truths.contains_key(&key) {
+                sink.begin(&format!("{}: exact, light {}°", spec.name, light[0]));
+                // the same in a run that goes on with another's results
+                let same = |other: &Variant| other.optics == variant.optics;
+                let number = request.variants.iter().position(same).unwrap_or(index);
+                let truth = unit::truth(request, &unit, subject, number, sink)?;
+                truths.insert(key.clone(), truth);
+            }
+            let Some(truth) = truths.get(&key) else { continue };
+            sink.begin(&format!("{}: {}, light {}°", spec.name, variant.name, light[0]));
+            let chosen: Vec<Option<&dyn Route>> = request
+                .routes
+                .iter()
+                .zip(failures.iter())
+                .map(|(route, failures)| {
+                    (takes(route.as_ref()) && *failures < PATIENCE).then_some(route.as_ref())
+                })
+                .collect();
+            unit::run(&unit, &prepared, truth, &chosen, failures, sink)?;
+        }
+    }
+    Ok(())
+}
+
+/// Which variants slow routes take on a surface: of every mode the cheapest, then the second of every mode, and so on.
+fn subset(request: &Request<'_>, height: &HeightField) -> BTreeSet<usize> {
+    let mut by_mode: BTreeMap<Mode, Vec<(u64, usize)>> = BTreeMap::new();
+    for (index, variant) in request.variants.iter().enumerate() {
+        if let Ok(form) = Form::new(variant, height) {
+            by_mode.entry(variant.mode).or_default().push((form.cost().fetches, index));
+        }
+    }
+    let mut ranked: Vec<(usize, Mode, usize)> = Vec::new();
+    for (mode, mut variants) in by_mode {
+        variants.sort_unstable();
+        ranked.extend(variants.iter().enumerate().map(|(rank, (_, index))| (rank, mode, *index)));
+    }
+    ranked.sort_unstable();
+    ranked.into_iter().take(request.subset).map(|(_, _, index)| index).collect()
+}
+
+fn failed(route: &str, at: Option<(&str, &str)>, reason: &str) -> Record {
+    gap(route, at, reason, true)
+}
+
+fn gap(route: &str, at: Option<(&str, &str)>, reason: &str, failed: bool) -> Record {
+    Record::Gap(Gap {
+        route: route.to_owned(),
+        surface: at.map(|(surface, _)| surface.to_owned()),
+        variant: at.map(|(_, variant)| variant.to_owned()),
+        reason: reason.to_owned(),
+        failed,
+    })
+}

@@ -1,0 +1,333 @@
+//! Negative controls: shaders that are wrong on purpose, which a comparison has to tell from right ones.
+//!
+//! Each is run once by every route on a surface and variant where its fault must show: a blazed grating, unlike its mirror
+//! image, under a light off the normal. The right shader has to pass there, or nothing is shown.
+
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
+use diffraction_shaders::error::Result;
+use diffraction_shaders::frame::view_directions;
+use diffraction_shaders::height::HeightField;
+use diffraction_shaders::height::synthetic::synthesise;
+use diffraction_shaders::measure::{auto_exposure, compare, on_orders};
+use diffraction_shaders::optics::direction;
+use diffraction_shaders::plan::{
+    Auto, Basis, Grating, Mode, Optics, Packing, Reconstruction, Sampling, TableFormat, Variant,
+};
+use diffraction_shaders::reference::Directions;
+use diffraction_shaders::runner::{Subject, TwinRunner, rounded};
+use diffraction_shaders::tables::Table;
+use diffraction_shaders::variant::{Part, Tolerance};
+
+use crate::drivers::Prepared;
+use crate::drivers::routes::Route;
+use crate::record::{self, Record};
+
+use super::{PATIENCE, Sink, Truth, failed};
+
+/// Light of the controls, theta and phi in degrees.
+const LIGHT: [f64; 2] = [20.0, 10.0];
+/// Side of the controls' map in pixels.
+const SIZE: usize = 48;
+/// Drawn directions of a control.
+const DRAWN: usize = 512;
+/// Name of the controls' surface in records.
+pub const SURFACE: &str = "blazed-control";
+
+/// A fault: its name, the mode it is made in, how it is made; `mean` is the right map's mean colour.
+pub struct Control {
+    /// Name in records.
+    pub name: &'static str,
+    /// The mode of the variant that is spoilt.
+    pub mode: Mode,
+    /// Whether it reads a prefiltered table through the linear filter.
+    pub filtered: bool,
+    spoil: fn(&mut Prepared<'_>, [f64; 3]),
+}
+
+impl Control {
+    /// The spoilt shader by a route against the twin of the right one.
+    fn record(
+        &self,
+        subject: Subject<'_>,
+        route: &dyn Route,
+        rights: &mut BTreeMap<(Mode, bool), Right>,
+    ) -> Result<record::Control> {
+        let mut prepared = Prepared::new(subject)?;
+        let right = match rights.entry((self.mode, self.filtered)) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(place) => place.insert(Right::new(&prepared, route)?),
+        };
+        (self.spoil)(&mut prepared, right.mean());
+        let Right { truth, allowed, max_abs } = right;
+        let wrong = truth.ask(route.runner(prepared).as_ref(), SIZE)?;
+        let wrong = compare(self.name, &truth.colours, &wrong, Some(truth.exposure))?;
+        let inside = |max_abs| allowed.contains(max_abs, [0.0; 2]);
+        Ok(record::Control {
+            surface: SURFACE.to_owned(),
+            variant: subject.variant.name.clone(),
+            route: route.name(),
+            control: self.name.to_owned(),
+            light: LIGHT,
+            max_abs: wrong.max_abs,
+            de2000_p95: wrong.de2000.p95,
+            right_max_abs: *max_abs,
+            tolerance: *allowed,
+            caught: inside(*max_abs) && !inside(wrong.max_abs),
+        })
+    }
+}
+
+/// All of them.
+pub const CONTROLS: [Control; 10] = [
+    Control {
+        name: "black",
+        mode: Mode::Full,
+        filtered: false,
+        spoil: |p, _| p.spectrum.texels.chunks_mut(4).for_each(|texel| texel[..3].fill(0.0)),
+    },
+    Control {
+        name: "constant",
+        mode: Mode::Full,
+        filtered: false,
+        // the mean colour is the constant that is hardest to find
+        spoil: |p, [x, y, z]| {
+            // tables that no driver reads would be missing at their names
+            let constant = format!("(1e-20 * tristimulus(wi, wr) + vec3f({x:?}, {y:?}, {z:?}))");
+            replace(p, "probe", "tristimulus(wi, wr)", &constant);
+            replace(p, "colour", "to_rgb(tristimulus(wi, wr))", &format!("to_rgb({constant})"));
+        },
+    },
+    Control {
+        name: "mirrored u",
+        mode: Mode::Full,
+        filtered: false,
+        spoil: |p, _| {
+            let mirrored = "return path * vec3f(-1.0, 1.0, 1.0);";
+            replace(p, "gain", "return path;", mirrored);
+        },
+    },
+    Control {
+        name: "largest term dropped",
+        mode: Mode::Full,
+        filtered: false,
+        spoil: |p, _| drop_largest(&mut p.terms),
+    },
+    Control {
+        name: "f16 unscaled",
+        mode: Mode::Full,
+        filtered: false,
+        spoil: |p, _| forget_scale(p),
+    },
+    Control {
+        name: "misprinted pq product",
+        mode: Mode::Pq,
+        filtered: false,
+        spoil: |p, _| {
+            replace(p, "pq", "a.x * b.y + a.y * b.x", "a.x * b.x + a.y * b.y");
+        },
+    },
+    Control {
+        name: "weights without jacobian",
+        mode: Mode::Adaptive,
+        filtered: false,
+        // weights per wavenumber, λ² times too small; 0.55 µm keeps its own
+        spoil: |p, _| {
+            let (width, mut rows) = (p.spectrum.width, p.spectrum.texels.chunks_mut(4));
+            // row 1 holds no weights
+            let first = rows.by_ref().take(width).collect::<Vec<_>>();
+            for texel in first.into_iter().chain(rows.skip(width)).filter(|t| t[3] > 0.0) {
+                let jacobian = (texel[3] / 0.55).powi(2);
+                texel[..3].iter_mut().for_each(|weight| *weight /= jacobian);
+            }
+        },
+    },
+    Control {
+        name: "nearest filter",
+        mode: Mode::Adaptive,
+        filtered: true,
+        spoil: |p, _| replace(p, "prefiltered", "place / size", "floor(place + 0.5) / size"),
+    },
+    Control {
+        name: "baked for one w",
+        mode: Mode::Baked,
+        filtered: false,
+        spoil: |p, _| {
+            let share = "min(path.z * path.z / max(4.0 - squared, 1e-6), 1.0)";
+            replace(p, "baked", share, "0.5");
+        },
+    },
+    Control {
+        name: "baked and mirrored",
+        mode: Mode::Baked,
+        filtered: false,
+        spoil: |p, _| replace(p, "baked", "uv.x < 0.0", "uv.x > 0.0"),
+    },
+];
+
+/// Runs all controls by a route; how many of them failed to run. A driver that fails [`PATIENCE`] times is not asked again.
+pub(super) fn run(route: &dyn Route, sink: &mut dyn Sink) -> Result<u32> {
+    let height = surface()?;
+    let mut rights: BTreeMap<(Mode, bool), Right> = BTreeMap::new();
+    let mut failures = 0;
+    for control in &CONTROLS {
+        if failures == PATIENCE || sink.has_control(&route.name(), control.name) {
+            continue;
+        }
+        let variant = variant(control.mode, control.filtered);
+        let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
+        match control.record(subject, route, &mut rights) {
+            Ok(record) => sink.record(Record::Control(record))?,
+            Err(error) => {
+                failures += 1;
+                let at = Some((SURFACE, control.name));
+                sink.record(failed(&route.name(), at, &error.to_string()))?;
+            }
+        }
+    }
+    Ok(failures)
+}
+
+/// What the right shader should give, may differ by, and differs by.
+struct Right {
+    truth: Truth,
+    allowed: Tolerance,
+    max_abs: f64,
+}
+
+impl Right {
+    fn new(prepared: &Prepared<'_>, route: &dyn Route) -> Result<Right> {
+        let Subject { height, variant, .. } = prepared.subject;
+        let light = rounded(direction(LIGHT[0], LIGHT[1]));
+        let map: Vec<Directions> =
+            view_directions(SIZE).into_iter().map(|wr| Directions { wi: light, wr }).collect();
+        let drawn = on_orders(height, &variant.optics, 0.0, light, DRAWN, 1);
+        let mut truth = Truth {
+            light,
+            map: map.len(),
+            directions: [map, drawn].concat(),
+            colours: Vec::new(),
+            exposure: 1.0,
+            map_exposure: None,
+            picture: String::new(),
+        };
+        truth.colours = truth.ask(&TwinRunner::new(prepared.subject, true)?, SIZE)?;
+        truth.exposure = auto_exposure(&truth.colours).unwrap_or(1.0);
+        let allowed = prepared.form.promise().tolerance(Part::Arithmetic).unwrap_or(Tolerance {
+            max_abs: Some(0.0),
+            de2000_p95: None,
+            map_p95: None,
+        });
+        let found = truth.ask(route.runner(prepared.clone()).as_ref(), SIZE)?;
+        let max_abs = compare("right", &truth.colours, &found, Some(truth.exposure))?.max_abs;
+        Ok(Right { truth, allowed, max_abs })
+    }
+
+    /// Mean colour of the map.
+    fn mean(&self) -> [f64; 3] {
+        let map = &self.truth.colours[..self.truth.map];
+        std::array::from_fn(|c| map.iter().map(|xyz| xyz[c]).sum::<f64>() / map.len() as f64)
+    }
+}
+
+/// The surface of the controls.
+fn surface() -> Result<HeightField> {
+    let grating = Grating::Blazed { period_um: 2.5, height_um: 0.3, pixels: 60 };
+    synthesise(&grating, SURFACE).map(|surface| surface.field)
+}
+
+/// The right variant of a mode; under a narrow window where it is filtered, which keeps its table small.
+fn variant(mode: Mode, filtered: bool) -> Variant {
+    let coherence_um = if filtered { 10.0 } else { Optics::standard().coherence_um };
+    let texts = Variant::texts(&Optics { coherence_um, ..Optics::standard() });
+    let name = match mode {
+        Mode::Full => "full",
+        Mode::Pq => "pq",
+        Mode::Adaptive => "adaptive",
+        Mode::Gems => "gems",
+        Mode::Baked => "baked",
+    };
+    Variant {
+        name: name.to_owned(),
+        mode,
+        basis: if filtered { Basis::Optimal } else { Basis::Taylor },
+        terms: Auto::Value(if filtered { 6 } else { 19 }),
+        reconstruction: if filtered { Reconstruction::Prefiltered } else { Reconstruction::Window },
+        sampling: if filtered { Sampling::Filter } else { Sampling::Load },
+        // `pq` needs neighbours
+        window_radius: Auto::Value(if mode == Mode::Pq { 3 } else { 1 }),
+        packing: Packing::Paired,
+        table: match mode {
+            Mode::Baked => TableFormat::Rgb9e5,
+            _ if filtered => TableFormat::F16,
+            _ => TableFormat::F32,
+        },
+        // small, since it is made for every route
+        bake_mib: 2.0,
+        hoist: true,
+        ..texts
+    }
+}
+
+/// The template of a name with a text replaced, which must be there.
+fn replace(prepared: &mut Prepared<'_>, template: &str, from: &str, to: &str) {
+    let text = prepared.sources.0.entry(template.to_owned()).or_default();
+    // a control that changes nothing is found out, because it is not caught
+    *text = text.replace(from, to);
+}
+
+/// Zeroes the term that is largest anywhere, the constant one apart.
+fn drop_largest(terms: &mut Table) {
+    let (channels, texels) = (terms.format.channels(), terms.width * terms.height);
+    let pair = |term: usize| (term / 2 * texels * channels, 2 * (term % 2));
+    let count = terms.layers * channels / 2;
+    let largest = |term: usize| {
+        let (first, channel) = pair(term);
+        let layer = &terms.texels[first..first + texels * channels];
+        layer.chunks(channels).map(|t| t[channel].hypot(t[channel + 1])).fold(0.0, f64::max)
+    };
+    let worst = (1..count).max_by(|a, b| largest(*a).total_cmp(&largest(*b)));
+    let Some((first, channel)) = worst.map(pair) else { return };
+    for texel in terms.texels[first..first + texels * channels].chunks_mut(channels) {
+        texel[channel..channel + 2].fill(0.0);
+    }
+}
+
+/// Terms as they come out of 16-bit floats that hold the transforms of `h^n` in µm, as the texts define them, without a
+/// scale: the high powers fall below the least number of the format.
+fn forget_scale(prepared: &mut Prepared<'_>) {
+    let Some(series) = prepared.form.series() else { return };
+    let expansion = series.expansion();
+    let factor = |term: usize| (1..=term).map(|n| expansion.z_max / n as f64).product::<f64>();
+    let terms = &mut prepared.terms;
+    let (channels, texels) = (terms.format.channels(), terms.width * terms.height);
+    for (layer, values) in terms.texels.chunks_mut(texels * channels).enumerate() {
+        for (channel, value) in values.iter_mut().enumerate() {
+            let term = layer * channels / 2 + channel % channels / 2;
+            let unscaled = half::f16::from_f64(*value / factor(term)).to_f64();
+            *value = unscaled * factor(term);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_control_changes_what_is_prepared() {
+        let height = surface().expect("valid");
+        for control in &CONTROLS {
+            let variant = variant(control.mode, control.filtered);
+            let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
+            let right = Prepared::new(subject).expect("resolves");
+            let mut wrong = right.clone();
+            (control.spoil)(&mut wrong, [0.1; 3]);
+            let same = right.sources == wrong.sources
+                && right.terms == wrong.terms
+                && right.spectrum == wrong.spectrum;
+            assert!(!same, "{} changes nothing", control.name);
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! Ways to evaluate a variant by its shader, on a driver of this machine or in a browser.
+
+pub mod icd;
+mod pictures;
+mod shader;
+mod stages;
+
+pub mod browser;
+pub mod egl;
+pub mod gpu;
+pub mod passthrough;
+pub mod routes;
+
+pub use browser::BrowserRunner;
+pub use egl::EglRunner;
+pub use passthrough::PassthroughRunner;
+pub use pictures::{BoundTable, Driver, DriverRunner, Prepared, params};
+pub use shader::{ShaderRunner, texture as table_texture};

@@ -1,0 +1,186 @@
+//! The program: found, started with a profile of its own, and ended with all that it started.
+
+use std::fs::{self, File};
+use std::io;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use diffraction_shaders::error::{Error, Result, Stage};
+
+use super::profile::Profile;
+
+/// Names under which distributions install it.
+const PROGRAMS: [&str; 4] =
+    ["chromium", "chromium-browser", "google-chrome-stable", "google-chrome"];
+
+/// What brings it.
+const REMEDY: &str = "apt-get install chromium brings it";
+
+/// Its name in errors.
+const SUBJECT: &str = "chromium";
+
+/// The file in the profile that takes what the program says on stderr.
+const LOG: &str = "stderr.log";
+
+/// Flags for any machine.
+const FLAGS: &[&str] = &[
+    "--headless=new",
+    // nothing of what a person's browser does by itself
+    "--no-first-run",
+    "--no-default-browser-check",
+    "--no-proxy-server",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-extensions",
+    "--disable-sync",
+    "--disable-breakpad",
+    "--password-store=basic",
+    // shared memory is small in containers
+    "--disable-dev-shm-usage",
+    // ends drivers that draw for longer than ten seconds
+    "--disable-gpu-watchdog",
+    // after a context was lost, a page gets no other
+    "--disable-domain-blocking-for-3d-apis",
+];
+
+/// A running browser.
+#[derive(Debug)]
+pub(super) struct Chromium {
+    child: Child,
+    profile: Profile,
+}
+
+impl Chromium {
+    /// Starts `program`, or the first of the usual names, on a page.
+    pub(super) fn start(program: Option<&Path>, flags: &[&str], address: &str) -> Result<Chromium> {
+        let profile = Profile::new()?;
+        let usual = PROGRAMS.map(Path::new);
+        for candidate in program.as_ref().map_or(usual.as_slice(), std::slice::from_ref) {
+            match spawn(candidate, flags, address, profile.path()) {
+                Ok(child) => return Ok(Chromium { child, profile }),
+                Err(e) if e.kind() == io::ErrorKind::NotFound => {}
+                Err(e) => {
+                    let cause = format!("{} cannot be started", candidate.display());
+                    return Err(failure(cause).source(e));
+                }
+            }
+        }
+        let cause = match program {
+            Some(program) => format!("there is no {}", program.display()),
+            None => "the routes webgpu and webgl2 need a browser, and none is installed".to_owned(),
+        };
+        Err(failure(cause).remedy(REMEDY))
+    }
+
+    /// Says how it ended, if it did.
+    pub(super) fn ended(&mut self) -> Option<Error> {
+        match self.child.try_wait() {
+            Ok(None) => None,
+            Ok(Some(status)) => Some(failure(format!("ended with {status}{}", self.last_words()))),
+            Err(e) => Some(failure("cannot be watched").source(e)),
+        }
+    }
+
+    /// Waits until it ended well, and returns what it said.
+    pub(super) fn finish(mut self, limit: Duration) -> Result<String> {
+        let begun = Instant::now();
+        loop {
+            match self.child.try_wait() {
+                Ok(Some(status)) if status.success() => return Ok(self.said()),
+                Ok(None) if begun.elapsed() > limit => {
+                    let words = self.last_words();
+                    return Err(failure(format!("did not end in {} s{words}", limit.as_secs())));
+                }
+                Ok(None) => std::thread::sleep(Duration::from_millis(20)),
+                _ => return Err(self.ended().unwrap_or_else(|| failure("cannot be watched"))),
+            }
+        }
+    }
+
+    /// What it said on stderr.
+    pub(super) fn said(&self) -> String {
+        let log = fs::read(self.profile.path().join(LOG)).unwrap_or_default();
+        String::from_utf8_lossy(&log).into_owned()
+    }
+
+    /// The end of what it said, as the end of a sentence.
+    pub(super) fn last_words(&self) -> String {
+        const LINES: usize = 5;
+        const LENGTH: usize = 300;
+        let log = self.said();
+        let told = log.lines().filter(|line| !line.contains("dbus") && !line.trim().is_empty());
+        let lines: Vec<String> =
+            told.map(|line| line.chars().take(LENGTH).collect::<String>()).collect();
+        match &lines[lines.len().saturating_sub(LINES)..] {
+            [] => String::new(),
+            last => format!("; its last words: {}", last.join(" | ")),
+        }
+    }
+
+    /// The folder with its profile.
+    pub(super) fn profile(&self) -> &Path {
+        self.profile.path()
+    }
+
+    /// Number of its first process.
+    pub(super) fn id(&self) -> u32 {
+        self.child.id()
+    }
+}
+
+impl Drop for Chromium {
+    fn drop(&mut self) {
+        end(&mut self.child);
+        self.profile.remove();
+    }
+}
+
+/// An error about the browser.
+pub(super) fn failure(cause: impl std::fmt::Display) -> Error {
+    Error::new(Stage::Run, SUBJECT, cause)
+}
+
+fn spawn(program: &Path, flags: &[&str], address: &str, profile: &Path) -> io::Result<Child> {
+    let mut command = Command::new(program);
+    command.args(FLAGS).args(flags);
+    if is_root() {
+        // the sandbox refuses to start as root
+        command.arg("--no-sandbox");
+    }
+    let mut folder = std::ffi::OsString::from("--user-data-dir=");
+    folder.push(profile);
+    command.arg(folder).arg(address);
+    let log = File::create(profile.join(LOG))?;
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(log);
+    #[cfg(unix)]
+    {
+        use std::os::unix::process::CommandExt;
+        // a group of its own, so that all of it can be ended at once
+        command.process_group(0);
+    }
+    command.spawn()
+}
+
+#[cfg(unix)]
+fn is_root() -> bool {
+    rustix::process::geteuid().is_root()
+}
+
+#[cfg(not(unix))]
+fn is_root() -> bool {
+    false
+}
+
+/// Ends the program with its group, if it still runs.
+fn end(child: &mut Child) {
+    if matches!(child.try_wait(), Ok(None)) {
+        #[cfg(unix)]
+        {
+            use rustix::process::{Pid, Signal, kill_process_group};
+            let _ = kill_process_group(Pid::from_child(child), Signal::KILL);
+        }
+        let _ = child.kill();
+        let _ = child.wait();
+    }
+}

@@ -1,0 +1,150 @@
+//! Emitted GLSL on a GL driver, exactly as emitted: the routes `glsl450` and `glsl-es300`.
+//!
+//! No window and no graphics card are needed: `libegl1 libgles2 libgl1-mesa-dri` bring Mesa's llvmpipe. The library is
+//! loaded at run time, so that building needs none of them.
+//!
+//! * Textures and the uniform block are found by the names, or the bindings, that [`emit`](diffraction_shaders::emit) reports; a name
+//!   that the driver does not know is an error.
+//! * Clip space is GL's own, y up. Pictures are handed out row by row from the top: row 0 is next to y = +1.
+//! * Every pipeline has a context of its own, which is current only inside calls, on the calling thread, and which takes
+//!   all its textures and buffers with it when it is dropped.
+//! * The display that EGL opens is kept until the process ends: others may have opened the same one.
+
+mod context;
+mod device;
+mod pipeline;
+
+use std::fmt;
+
+use diffraction_shaders::emit::{EmittedFile, emit};
+use diffraction_shaders::error::Result;
+use diffraction_shaders::module::Module;
+use diffraction_shaders::plan::Target;
+use diffraction_shaders::runner::{Progress, Subject};
+
+use super::pictures::{BAND_ROWS, BoundTable, Driver, DriverRunner, Prepared};
+use super::stages::stages;
+
+use device::Device;
+pub use pipeline::Pipeline;
+
+/// What brings a software driver.
+const REMEDY: &str = "apt-get install libegl1 libgles2 libgl1-mesa-dri brings a software driver";
+
+/// A variant's emitted GLSL on one driver.
+pub type EglRunner<'a> = DriverRunner<'a, Egl>;
+
+impl<'a> EglRunner<'a> {
+    /// Opens the first driver of the machine, computes the tables, and compiles nothing yet.
+    pub fn new(subject: Subject<'a>, dialect: Dialect) -> Result<EglRunner<'a>> {
+        let egl = Egl::open(dialect, None)?;
+        Ok(DriverRunner::with(Prepared::new(subject)?, egl))
+    }
+}
+
+/// A dialect of GLSL, and with it the kind of context that runs it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Dialect {
+    /// GLSL 4.50 in a core context of desktop GL 4.5 or later.
+    Glsl450,
+    /// GLSL ES 3.00 in a context of GLES 3.0 or later.
+    GlslEs300,
+}
+
+impl Dialect {
+    /// Both of them.
+    pub const ALL: [Dialect; 2] = [Dialect::Glsl450, Dialect::GlslEs300];
+
+    /// The target whose texts these are.
+    pub fn target(self) -> Target {
+        match self {
+            Dialect::Glsl450 => Target::Glsl450,
+            Dialect::GlslEs300 => Target::GlslEs300,
+        }
+    }
+
+    /// The route, which bears the target's name.
+    pub fn route(self) -> &'static str {
+        self.target().as_str()
+    }
+}
+
+impl fmt::Display for Dialect {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.route())
+    }
+}
+
+/// A driver that runs one dialect.
+#[derive(Clone, Debug)]
+pub struct Egl {
+    device: Device,
+}
+
+impl Egl {
+    /// Opens the first driver of the machine that runs `dialect`, and whose name contains `adapter`, in any case of
+    /// letters, where given. Mesa puts graphics cards before software.
+    ///
+    /// The error says why each display was refused.
+    pub fn open(dialect: Dialect, adapter: Option<&str>) -> Result<Egl> {
+        Device::open(dialect, adapter).map(|device| Egl { device })
+    }
+
+    /// The dialect.
+    pub fn dialect(&self) -> Dialect {
+        self.device.dialect
+    }
+
+    /// Renderer and version as the driver calls them.
+    pub fn driver(&self) -> &str {
+        &self.device.driver
+    }
+
+    /// Compiles the fragment entry point `entry` of emitted files, after their only vertex entry point, and uploads the
+    /// tables that it reads; `name` is the variant's, for errors.
+    pub fn compile(
+        &self,
+        name: &str,
+        files: &[EmittedFile],
+        entry: &str,
+        tables: &[BoundTable<'_>],
+    ) -> Result<Pipeline> {
+        let [(vertex, _), (fragment, _)] = stages(name, files, entry)?;
+        Pipeline::new(&self.device, name, [vertex, fragment], tables)
+    }
+}
+
+impl Driver for Egl {
+    type Pipeline = Pipeline;
+
+    fn route(&self) -> String {
+        self.dialect().route().to_owned()
+    }
+
+    fn pipeline(
+        &self,
+        module: &Module,
+        entry: &str,
+        tables: &[BoundTable<'_>],
+    ) -> Result<Pipeline> {
+        let files = emit(module, self.dialect().target())?;
+        self.compile(module.name(), &files, entry, tables)
+    }
+
+    fn draw(
+        &self,
+        pipeline: &Pipeline,
+        [width, height]: [u32; 2],
+        params: &[f32; 8],
+        progress: Progress<'_>,
+    ) -> Result<Vec<[f32; 4]>> {
+        let mut pixels = Vec::with_capacity(width as usize * height as usize);
+        for top in (0..height).step_by(BAND_ROWS as usize) {
+            let band = top..height.min(top + BAND_ROWS);
+            pixels.extend(pipeline.rows([width, height], params, band.clone())?);
+            // the context is not current here: whoever is told may use another one
+            progress(band.len() * width as usize);
+        }
+        Ok(pixels)
+    }
+}

@@ -1,0 +1,196 @@
+//! Which adapters there are, and opening one.
+
+use std::{fmt, str::FromStr};
+
+use diffraction_shaders::error::{Error, Result, Stage};
+
+use super::guard::Shared;
+
+/// The environment variable, and its value, that lets Mesa's GL render to 32-bit float targets.
+///
+/// It must be set before the process loads the driver, hence before it starts.
+pub const MESA_FLOAT_TARGETS: (&str, &str) =
+    ("MESA_EXTENSION_OVERRIDE", "+GL_ARB_color_buffer_float");
+
+/// A graphics interface of the operating system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Backend {
+    /// Vulkan.
+    Vulkan,
+    /// Desktop OpenGL by EGL.
+    Gl,
+    /// Metal; only on Apple's systems, where wgpu is built with it.
+    Metal,
+    /// Direct3D 12; only on Windows, where wgpu is built with it.
+    Dx12,
+}
+
+impl Backend {
+    /// All of them.
+    pub const ALL: [Backend; 4] = [Backend::Vulkan, Backend::Gl, Backend::Metal, Backend::Dx12];
+
+    /// The name on the command line: `vulkan`, `gl`, `metal`, `dx12`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Backend::Vulkan => "vulkan",
+            Backend::Gl => "gl",
+            Backend::Metal => "metal",
+            Backend::Dx12 => "dx12",
+        }
+    }
+
+    fn wgpu(self) -> wgpu::Backend {
+        match self {
+            Backend::Vulkan => wgpu::Backend::Vulkan,
+            Backend::Gl => wgpu::Backend::Gl,
+            Backend::Metal => wgpu::Backend::Metal,
+            Backend::Dx12 => wgpu::Backend::Dx12,
+        }
+    }
+}
+
+impl fmt::Display for Backend {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Backend {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Backend> {
+        Backend::ALL.into_iter().find(|backend| backend.name() == name).ok_or_else(|| {
+            Error::new(Stage::Run, name, "no such backend")
+                .remedy(format!("one of {}", Backend::ALL.map(Backend::name).join(", ")))
+        })
+    }
+}
+
+/// An adapter, in words.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AdapterInfo {
+    /// By which interface.
+    pub backend: Backend,
+    /// As the driver calls it; lavapipe and llvmpipe bear the same name, and differ by `backend` and `driver`.
+    pub name: String,
+    /// The driver and its version.
+    pub driver: String,
+}
+
+impl fmt::Display for AdapterInfo {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} ({})", self.name, self.driver)
+    }
+}
+
+/// All adapters of all backends.
+pub(super) fn list() -> Vec<AdapterInfo> {
+    Backend::ALL
+        .into_iter()
+        .flat_map(|backend| enumerate(backend).1)
+        .map(|(info, _)| info)
+        .collect()
+}
+
+/// Opens the first adapter of `backend` that matches `wanted`.
+pub(super) fn open(backend: Backend, wanted: Option<&str>) -> Result<Shared> {
+    let (instance, found) = enumerate(backend);
+    let Some((info, adapter)) = found.into_iter().find(|(info, _)| matches(info, wanted)) else {
+        return Err(none(backend, wanted));
+    };
+    let features = adapter.get_texture_format_features(super::render::TARGET);
+    if !features.allowed_usages.contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {
+        let error = Error::new(
+            Stage::Run,
+            format!("{backend} adapter {info}"),
+            "cannot render to 32-bit float targets",
+        );
+        let (name, value) = MESA_FLOAT_TARGETS;
+        return Err(match backend {
+            Backend::Gl => error.remedy(format!(
+                "with Mesa, set {name}={value} in the environment before the program starts"
+            )),
+            _ => error.remedy("choose another adapter or backend"),
+        });
+    }
+    let limits = adapter.limits();
+    let request = adapter.request_device(&wgpu::DeviceDescriptor {
+        label: None,
+        // timestamps for the time of frames; untranslated SPIR-V, which changes nothing for shaders that wgpu translates
+        required_features: adapter.features()
+            & (wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::PASSTHROUGH_SHADERS),
+        required_limits: limits.clone(),
+        experimental_features: wgpu::ExperimentalFeatures::disabled(),
+        memory_hints: wgpu::MemoryHints::MemoryUsage,
+        trace: wgpu::Trace::Off,
+    });
+    let (device, queue) = pollster::block_on(request).map_err(|e| {
+        Error::new(Stage::Run, format!("{backend} adapter {info}"), "opens no device").source(e)
+    })?;
+    Ok(Shared::new(instance, device, queue, info, limits))
+}
+
+/// The adapters of one backend, graphics cards before software, SwiftShader last, else in the driver's order.
+fn enumerate(backend: Backend) -> (wgpu::Instance, Vec<(AdapterInfo, wgpu::Adapter)>) {
+    let backends = wgpu::Backends::from(backend.wgpu());
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends,
+        // WGPU_DEBUG, WGPU_VALIDATION and the like are heeded; validation of indirect draws is off, since there are none
+        flags: wgpu::InstanceFlags::empty().with_env(),
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    let mut adapters: Vec<_> = pollster::block_on(instance.enumerate_adapters(backends))
+        .into_iter()
+        .map(|adapter| {
+            let info = adapter.get_info();
+            let driver = match (info.driver.trim(), info.driver_info.trim()) {
+                ("", "") => "unnamed driver".to_owned(),
+                ("", one) | (one, "") => one.to_owned(),
+                (driver, version) => format!("{driver} {version}"),
+            };
+            let rank = match info.device_type {
+                wgpu::DeviceType::DiscreteGpu => 0,
+                wgpu::DeviceType::IntegratedGpu => 1,
+                wgpu::DeviceType::VirtualGpu => 2,
+                wgpu::DeviceType::Other => 3,
+                wgpu::DeviceType::Cpu if !info.name.contains("SwiftShader") => 4,
+                // the slower of the two that machines without a graphics card have
+                wgpu::DeviceType::Cpu => 5,
+            };
+            (rank, AdapterInfo { backend, name: info.name, driver }, adapter)
+        })
+        .collect();
+    adapters.sort_by_key(|(rank, ..)| *rank);
+    (instance, adapters.into_iter().map(|(_, info, adapter)| (info, adapter)).collect())
+}
+
+fn matches(info: &AdapterInfo, wanted: Option<&str>) -> bool {
+    let Some(wanted) = wanted.map(str::to_lowercase) else { return true };
+    [&info.name, &info.driver].iter().any(|text| text.to_lowercase().contains(&wanted))
+}
+
+fn none(backend: Backend, wanted: Option<&str>) -> Error {
+    let cause = match wanted {
+        Some(wanted) => format!("no adapter whose name contains '{wanted}'"),
+        None => "no adapter".to_owned(),
+    };
+    let found = list();
+    let listing: Vec<String> = Backend::ALL
+        .into_iter()
+        .filter(|b| {
+            *b == backend || wgpu::Instance::enabled_backend_features().contains(b.wgpu().into())
+        })
+        .map(|b| {
+            let names: Vec<String> = found
+                .iter()
+                .filter(|info| info.backend == b)
+                .map(|info| info.to_string())
+                .collect();
+            format!("{b}: {}", if names.is_empty() { "none".to_owned() } else { names.join(", ") })
+        })
+        .collect();
+    Error::new(Stage::Run, backend, cause).remedy(format!(
+        "found {}; Debian's software drivers are mesa-vulkan-drivers libvulkan1 for vulkan, libegl1 libgles2 libgl1-mesa-dri for gl",
+        listing.join("; ")
+    ))
+}

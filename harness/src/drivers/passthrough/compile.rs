@@ -1,0 +1,51 @@
+//! From an emitted file to the words that a driver gets.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+use std::time::Duration;
+
+use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::plan::Target;
+
+use super::Entry;
+use crate::process::{accepted, hlsl_to_spirv, on_path};
+
+/// Time that a tool has for one file.
+const TIME_LIMIT: Duration = Duration::from_secs(60);
+
+/// The words of an entry point: the file itself, or what `compiler` makes of it. `name` is the variant's, for errors.
+///
+/// What `spirv-val` has against them is an error, where it is installed.
+pub(super) fn words(compiler: Option<&Path>, name: &str, entry: &Entry<'_>) -> Result<Vec<u32>> {
+    let subject = format!("{name}: {}: {}", entry.file.name, entry.entry);
+    let fail = |cause: String| Error::new(Stage::Run, &subject, cause);
+    let folder =
+        tempfile::tempdir().map_err(|e| fail("no temporary folder".to_owned()).source(e))?;
+    let spirv = folder.path().join("shader.spv");
+    let unwritten = |e| fail(format!("{}: cannot be used", spirv.display())).source(e);
+    let bytes = match (entry.file.target, compiler) {
+        (Target::Spirv, _) => entry.file.bytes.clone(),
+        (Target::Hlsl, Some(compiler)) => {
+            let text = folder.path().join("shader.hlsl");
+            fs::write(&text, &entry.file.bytes).map_err(unwritten)?;
+            hlsl_to_spirv(compiler, &text, (entry.entry, entry.stage), &spirv, TIME_LIMIT)
+                .map_err(fail)?;
+            fs::read(&spirv).map_err(unwritten)?
+        }
+        (target, _) => return Err(fail(format!("{} is not run by this route", target.as_str()))),
+    };
+    let words = bytes.chunks_exact(4);
+    if !words.remainder().is_empty() {
+        return Err(fail(format!("{} bytes are no words of four", bytes.len())));
+    }
+    let words =
+        words.map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect();
+    if let Some(validator) = on_path("spirv-val") {
+        fs::write(&spirv, &bytes).map_err(unwritten)?;
+        let mut validate = Command::new(validator);
+        accepted(validate.args(["--target-env", "vulkan1.0"]).arg(&spirv), TIME_LIMIT)
+            .map_err(fail)?;
+    }
+    Ok(words)
+}

@@ -1,0 +1,82 @@
+//! Evaluation of the specialised WGSL by a driver, through wgpu.
+
+use std::borrow::Cow;
+use std::ops::ControlFlow;
+
+use diffraction_shaders::error::Result;
+use diffraction_shaders::module::Module;
+use diffraction_shaders::runner::{Progress, Subject};
+use diffraction_shaders::tables::{SAMPLER, Table, TexelFormat};
+
+use super::gpu::{Gpu, Pipeline, Program, Shader, Texture, TextureFormat, TextureLayout, Uniform};
+use super::pictures::{BAND_ROWS, BoundTable, Driver, DriverRunner, Prepared};
+
+/// A variant's shader on one adapter.
+pub type ShaderRunner<'a> = DriverRunner<'a, Gpu>;
+
+impl<'a> ShaderRunner<'a> {
+    /// Computes the tables and compiles nothing yet.
+    pub fn new(subject: Subject<'a>, gpu: Gpu) -> Result<ShaderRunner<'a>> {
+        Ok(DriverRunner::with(Prepared::new(subject)?, gpu))
+    }
+}
+
+impl Driver for Gpu {
+    type Pipeline = Pipeline;
+
+    fn route(&self) -> String {
+        let info = self.info();
+        format!("{}:{}", info.backend, info.name)
+    }
+
+    fn pipeline(
+        &self,
+        module: &Module,
+        entry: &str,
+        tables: &[BoundTable<'_>],
+    ) -> Result<Pipeline> {
+        self.program(&Program {
+            name: module.name(),
+            shader: Shader::Wgsl(module.text()),
+            vertex_entry: "vert",
+            fragment_entry: entry,
+            textures: tables.iter().map(|&(binding, table)| texture(table, binding)).collect(),
+            uniform: Some(Uniform { binding: 0, size: size_of::<[f32; 8]>() as u32 }),
+        })
+    }
+
+    fn draw(
+        &self,
+        pipeline: &Pipeline,
+        [width, height]: [u32; 2],
+        params: &[f32; 8],
+        progress: Progress<'_>,
+    ) -> Result<Vec<[f32; 4]>> {
+        let mut before = 0;
+        pipeline.render_bands(width, height, bytemuck::bytes_of(params), BAND_ROWS, |done, _| {
+            progress((done - before) as usize * width as usize);
+            before = done;
+            ControlFlow::Continue(())
+        })
+    }
+}
+
+/// A table as wgpu takes it.
+pub fn texture(table: &Table, binding: u32) -> Texture<'static> {
+    Texture {
+        binding,
+        layout: if table.layers == 0 { TextureLayout::D2 } else { TextureLayout::D2Array },
+        format: match table.format {
+            TexelFormat::Rg16Float => TextureFormat::Rg16Float,
+            TexelFormat::Rgba16Float => TextureFormat::Rgba16Float,
+            TexelFormat::Rg32Float => TextureFormat::Rg32Float,
+            TexelFormat::Rgba32Float => TextureFormat::Rgba32Float,
+            TexelFormat::Rgb9e5Ufloat => TextureFormat::Rgb9e5Ufloat,
+        },
+        width: table.width as u32,
+        height: table.height as u32,
+        layers: table.layers.max(1) as u32,
+        sampler: table.filtered.then_some(SAMPLER),
+        bytes: Cow::Owned(table.bytes()),
+    }
+}

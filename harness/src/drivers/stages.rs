@@ -1,0 +1,30 @@
+//! Which emitted files a pipeline is made of.
+
+use diffraction_shaders::emit::EmittedFile;
+use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::module;
+
+/// A file and the name of one of its entry points in it.
+pub(super) type StageFile<'a> = (&'a EmittedFile, &'a str);
+
+/// The files with the first vertex entry point, that of whole screens, and with the fragment entry point `entry`; `name` is the variant's.
+pub(super) fn stages<'a>(
+    name: &str,
+    files: &'a [EmittedFile],
+    entry: &str,
+) -> Result<[StageFile<'a>; 2]> {
+    let find = |stage: module::Stage, wanted: Option<&str>| {
+        let of_file = |file: &'a EmittedFile| {
+            let mut points = file.entry_points.iter();
+            let point = points.find(|point| {
+                point.stage == stage && wanted.is_none_or(|name| name == point.source_name)
+            });
+            point.map(|point| (file, point.emitted_name.as_str()))
+        };
+        files.iter().find_map(of_file).ok_or_else(|| {
+            let cause = format!("no emitted file has {}", wanted.unwrap_or("a vertex stage"));
+            Error::new(Stage::Run, name, cause)
+        })
+    };
+    Ok([find(module::Stage::Vertex, None)?, find(module::Stage::Fragment, Some(entry))?])
+}

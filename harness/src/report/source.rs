@@ -1,0 +1,71 @@
+//! A folder of results as it was read.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Component, Path};
+
+use diffraction_shaders::error::{Error, Result, Stage};
+
+use crate::record::{self, Record};
+
+/// First bytes of a PNG file (ISO/IEC 15948, 5.2).
+const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
+
+/// Records of a folder, with the pictures that they name.
+#[derive(Clone, Debug, Default)]
+pub struct Folder {
+    /// What the page calls it.
+    pub name: String,
+    /// The records, in the order of the file.
+    pub records: Vec<Record>,
+    /// Pictures by their places, or why there is none; a place that is not listed was left out on purpose.
+    pub pictures: BTreeMap<String, std::result::Result<Vec<u8>, String>>,
+}
+
+/// Reads `records.jsonl` of a folder and, where they are wanted, the pictures that it names.
+pub fn read(folder: &Path, pictures: bool) -> Result<Folder> {
+    let path = folder.join(record::FILE);
+    if !path.is_file() {
+        return Err(Error::new(
+            Stage::Record,
+            folder.display(),
+            format!("has no {}", record::FILE),
+        )
+        .remedy("name a folder that compare, bench or testbench wrote with --out"));
+    }
+    let records = record::read(&path)?;
+    let mut found = BTreeMap::new();
+    for place in records.iter().flat_map(places).filter(|_| pictures) {
+        if !found.contains_key(place) {
+            found.insert(place.to_owned(), picture(folder, place));
+        }
+    }
+    let name = folder
+        .file_name()
+        .map_or_else(|| folder.display().to_string(), |name| name.to_string_lossy().into_owned());
+    Ok(Folder { name, records, pictures: found })
+}
+
+/// The pictures that a record names.
+fn places(record: &Record) -> Vec<&str> {
+    match record {
+        Record::Compare(compare) => compare.pictures.iter().flatten().map(String::as_str).collect(),
+        Record::Testbench(bench) => bench.svg.iter().map(String::as_str).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// A picture under the folder; a record must not bring any other file into the page.
+fn picture(folder: &Path, place: &str) -> std::result::Result<Vec<u8>, String> {
+    let inside = Path::new(place).components().all(|part| matches!(part, Component::Normal(_)));
+    if !inside || place.is_empty() {
+        return Err("lies outside the folder".into());
+    }
+    let bytes = fs::read(folder.join(place)).map_err(|e| e.to_string())?;
+    let known = match place.rsplit_once('.') {
+        Some((_, "png")) => bytes.starts_with(PNG),
+        Some((_, "svg")) => std::str::from_utf8(&bytes).is_ok_and(|text| text.contains("<svg")),
+        _ => false,
+    };
+    if known { Ok(bytes) } else { Err("is neither a PNG nor an SVG picture".into()) }
+}

@@ -1,0 +1,91 @@
+//! What each pixel of a picture sees, in f64: a judge of the drivers that shares no code with them.
+
+use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::variant::mesh::{MeshParams, MeshVertex, mesh_vert};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::mesh::Mesh;
+
+/// The visible point of a pixel's centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// Index of the triangle.
+    pub triangle: usize,
+    /// Least weight of a corner: 0 on an edge of the triangle.
+    pub inside: f64,
+    /// What the vertex stage hands over there; `position` in clip space.
+    pub at: MeshVertex,
+}
+
+/// The visible points of a picture of that many pixels, `[row][column]` from the top; `None` where nothing is.
+///
+/// Time: pixels of all triangles' boxes. Triangles that reach behind the camera are an error: nothing is clipped here.
+pub fn visible(
+    mesh: &Mesh,
+    params: &MeshParams,
+    [width, height]: [u32; 2],
+) -> Result<Vec<Option<Seen>>> {
+    let corners: Vec<MeshVertex> =
+        mesh.vertices.par_iter().map(|vertex| mesh_vert(params, vertex)).collect();
+    let used = mesh.triangles.iter().flatten();
+    if used.clone().any(|i| corners[*i as usize].position.w <= 0.0) {
+        let cause = "reaches behind the camera, and the exact picture clips nothing";
+        return Err(Error::new(Stage::Run, &mesh.name, cause).remedy("move the camera out"));
+    }
+    let pixel = |i: u32| {
+        let position = corners[i as usize].position;
+        let (x, y) = (position.x / position.w, position.y / position.w);
+        DVec2::new(0.5 * (x + 1.0) * f64::from(width), 0.5 * (1.0 - y) * f64::from(height))
+    };
+    let mut seen: Vec<Option<Seen>> = vec![None; width as usize * height as usize];
+    let mut depths = vec![f64::INFINITY; seen.len()];
+    for (triangle, indices) in mesh.triangles.iter().enumerate() {
+        let [a, b, c] = indices.map(pixel);
+        let area = (b - a).perp_dot(c - a);
+        if area == 0.0 {
+            continue;
+        }
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        let range = |low: f64, high: f64, size: u32| {
+            (low - 0.5).ceil().max(0.0) as i64
+                ..=(high - 0.5).floor().min(f64::from(size) - 1.0) as i64
+        };
+        for row in range(low.y, high.y, height) {
+            for column in range(low.x, high.x, width) {
+                let p = DVec2::new(column as f64 + 0.5, row as f64 + 0.5);
+                let weights = DVec3::new(
+                    (c - b).perp_dot(p - b) / area,
+                    (a - c).perp_dot(p - c) / area,
+                    (b - a).perp_dot(p - a) / area,
+                );
+                if weights.min_element() < 0.0 {
+                    continue;
+                }
+                let at = blend(indices.map(|i| &corners[i as usize]), weights);
+                let place = row as usize * width as usize + column as usize;
+                let depth = at.position.z / at.position.w;
+                if (0.0..=1.0).contains(&depth) && depth < depths[place] {
+                    depths[place] = depth;
+                    seen[place] = Some(Seen { triangle, inside: weights.min_element(), at });
+                }
+            }
+        }
+    }
+    Ok(seen)
+}
+
+/// Interpolation over a triangle in perspective: weights on the screen, over `w`.
+fn blend(corners: [&MeshVertex; 3], screen: DVec3) -> MeshVertex {
+    let ws = DVec3::from(corners.map(|c| c.position.w));
+    let weights = screen / ws / (screen / ws).element_sum();
+    let [a, b, c] = corners;
+    let [p, q, r] = weights.to_array();
+    MeshVertex {
+        position: p * a.position + q * b.position + r * c.position,
+        place: p * a.place + q * b.place + r * c.place,
+        normal: p * a.normal + q * b.normal + r * c.normal,
+        tangent: p * a.tangent + q * b.tangent + r * c.tangent,
+        uv: p * a.uv + q * b.uv + r * c.uv,
+    }
+}

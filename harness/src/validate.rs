@@ -1,0 +1,196 @@
+//! External validators over emitted files.
+//!
+//! Every tool runs on the files in place, function forms inside a shell that calls them. A tool that crashes, or does
+//! not end in time, has rejected its file.
+
+mod reflect;
+mod shell;
+mod tools;
+
+use std::{
+    collections::BTreeSet,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use diffraction_shaders::{
+    diagnostic::Diagnostic,
+    error::{Error, Result, Stage},
+};
+use rayon::prelude::*;
+use serde::Serialize;
+
+pub use reflect::Reflection;
+pub use tools::{External, HlslSpirv, Naga, Reads, tools};
+
+/// A validator.
+pub trait Tool: Send + Sync {
+    /// Its name on the command line and in tables.
+    fn name(&self) -> &str;
+
+    /// The Debian package that brings it, where there is one.
+    fn package(&self) -> Option<&str>;
+
+    /// Whether it can run here; its version, as far as it tells.
+    fn version(&self) -> Option<String>;
+
+    /// Whether it reads files of that name.
+    fn reads(&self, name: &str) -> bool;
+
+    /// Checks a file; the error is what the tool had to say.
+    fn check(&self, file: &Path) -> Result<(), String>;
+}
+
+/// What the tools said about a folder.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Report {
+    /// One line per tool, in the order given.
+    pub tools: Vec<ToolReport>,
+    /// Rejected files, in order of tools, then paths.
+    pub failures: Vec<Failure>,
+    /// Shader files that none of the tools reads.
+    pub unread: Vec<Unread>,
+}
+
+impl Report {
+    /// Whether every tool that ran accepted every file it reads, and at least one file was read.
+    pub fn accepted(&self) -> bool {
+        self.failures.is_empty() && self.tools.iter().any(|tool| tool.files > 0)
+    }
+
+    /// The failures as errors without a place.
+    pub fn diagnostics(&self) -> Vec<Diagnostic> {
+        let describe = |failure: &Failure| {
+            let message = format!("{}: rejected by {}", failure.file.display(), failure.tool);
+            Diagnostic::error(message).note(&failure.message)
+        };
+        self.failures.iter().map(describe).collect()
+    }
+}
+
+/// A shader file that no tool has read.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct Unread {
+    /// Path relative to the folder.
+    pub file: PathBuf,
+    /// Why.
+    pub reason: String,
+}
+
+/// One line of the table of tools.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ToolReport {
+    /// Name of the tool.
+    pub name: String,
+    /// Its version; `None` where it is not installed.
+    pub version: Option<String>,
+    /// Files that it read.
+    pub files: usize,
+    /// Files that it rejected.
+    pub rejected: usize,
+}
+
+/// A file that a tool rejected.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct Failure {
+    /// Path relative to the folder.
+    pub file: PathBuf,
+    /// Name of the tool.
+    pub tool: String,
+    /// What the tool said.
+    pub message: String,
+}
+
+/// Runs the tools over every file below `folder`, in parallel.
+///
+/// Tools that are not installed are left out and reported so; one that is named in `required` is an error then, as is
+/// an unknown name.
+pub fn validate(folder: &Path, tools: &[Box<dyn Tool>], required: &[String]) -> Result<Report> {
+    let versions: Vec<Option<String>> = tools.par_iter().map(|tool| tool.version()).collect();
+    for name in required {
+        let known = tools.iter().zip(&versions).find(|(tool, _)| tool.name() == name);
+        match known {
+            None => {
+                let names: Vec<&str> = tools.iter().map(|tool| tool.name()).collect();
+                return Err(Error::new(Stage::Run, name, "is not a validator known here")
+                    .remedy(format_args!("known are {}", names.join(", "))));
+            }
+            Some((tool, None)) => {
+                let error = Error::new(Stage::Run, name, "is required and not installed");
+                return Err(match tool.package() {
+                    Some(package) => error.remedy(format_args!("apt-get install {package}")),
+                    None => error.remedy("put its binary on the PATH"),
+                });
+            }
+            Some((_, Some(_))) => {}
+        }
+    }
+    let mut files = Vec::new();
+    walk(folder, &mut files)?;
+    files.sort();
+    let mut jobs = Vec::new();
+    let mut unread = BTreeSet::new();
+    for file in &files {
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        let readers = tools.iter().enumerate().filter(|(_, tool)| tool.reads(&name));
+        let before = jobs.len();
+        jobs.extend(readers.filter(|(i, _)| versions[*i].is_some()).map(|(i, _)| (i, file)));
+        if jobs.len() == before && is_shader(&name) {
+            let reason = if name.ends_with(".metal") {
+                "Metal's compiler comes with macOS only".to_owned()
+            } else {
+                let named = tools.iter().filter(|tool| tool.reads(&name)).map(|tool| tool.name());
+                format!("none is installed of: {}", named.collect::<Vec<_>>().join(", "))
+            };
+            unread.insert(Unread { file: relative(file, folder), reason });
+        }
+    }
+    jobs.sort();
+    let failures: Vec<(usize, Failure)> = jobs
+        .par_iter()
+        .filter_map(|&(index, file)| {
+            let tool = &tools[index];
+            let message = tool.check(file).err()?;
+            let failure =
+                Failure { file: relative(file, folder), tool: tool.name().to_owned(), message };
+            Some((index, failure))
+        })
+        .collect();
+    let rows = tools.iter().zip(versions).enumerate().map(|(index, (tool, version))| ToolReport {
+        name: tool.name().to_owned(),
+        version,
+        files: jobs.iter().filter(|(i, _)| *i == index).count(),
+        rejected: failures.iter().filter(|(i, _)| *i == index).count(),
+    });
+    Ok(Report {
+        tools: rows.collect(),
+        failures: failures.into_iter().map(|(_, failure)| failure).collect(),
+        unread: unread.into_iter().collect(),
+    })
+}
+
+fn relative(file: &Path, folder: &Path) -> PathBuf {
+    file.strip_prefix(folder).unwrap_or(file).to_owned()
+}
+
+/// Suffixes of the files that a package calls shaders.
+fn is_shader(name: &str) -> bool {
+    let suffixes = [".wgsl", ".glsl", ".es300.vert", ".es300.frag", ".spv", ".hlsl", ".metal"];
+    suffixes.iter().any(|suffix| name.ends_with(suffix))
+}
+
+/// Adds the files below a folder, links not followed.
+fn walk(folder: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
+    let unreadable =
+        |error| Error::new(Stage::Run, folder.display(), "cannot be listed").source(error);
+    for entry in fs::read_dir(folder).map_err(unreadable)? {
+        let entry = entry.map_err(unreadable)?;
+        let kind = entry.file_type().map_err(unreadable)?;
+        if kind.is_dir() {
+            walk(&entry.path(), files)?;
+        } else if kind.is_file() {
+            files.push(entry.path());
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,161 @@
+//! The least shaders around function forms, since validators read whole shaders.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use diffraction_shaders::module::function_names;
+use diffraction_shaders::variant::{DIRECTIONAL, FUNCTIONS, Function as _};
+use tempfile::TempDir;
+
+/// Begin of the names of shells.
+pub const NAME: &str = "shell";
+
+/// What a validator gets in place of a file.
+pub struct Inputs {
+    /// One or more whole shaders.
+    pub files: Vec<Input>,
+    /// Holds the shells; removed with this value.
+    _folder: Option<TempDir>,
+}
+
+/// A whole shader.
+pub struct Input {
+    /// Its file name, which tells the language.
+    pub name: String,
+    /// Its absolute path, so that no file name is taken for an option.
+    pub file: PathBuf,
+}
+
+/// The file itself, or shells around the function form that it holds; an error if it breaks the rules of such forms.
+pub fn inputs(file: &Path) -> Result<Inputs, String> {
+    let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let language =
+        ["wgsl", "glsl", "hlsl"].into_iter().find(|l| name.ends_with(&format!(".fn.{l}")));
+    let Some(language) = language else {
+        let file = fs::canonicalize(file).map_err(|error| error.to_string())?;
+        return Ok(Inputs { files: vec![Input { name, file }], _folder: None });
+    };
+    let text = fs::read_to_string(file).map_err(|error| error.to_string())?;
+    let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
+    let mut files = Vec::new();
+    for (name, text) in shells(language, &text)? {
+        let file = folder.path().join(&name);
+        fs::write(&file, text).map_err(|error| error.to_string())?;
+        files.push(Input { name, file });
+    }
+    Ok(Inputs { files, _folder: Some(folder) })
+}
+
+/// Names and texts of the shells around a function form.
+fn shells(language: &str, text: &str) -> Result<Vec<(String, String)>, String> {
+    let forbidden: &[&str] = match language {
+        "wgsl" => &["@group", "@binding", "@vertex", "@fragment"],
+        "glsl" => &["#version", "precision ", "layout", "main"],
+        _ => &["register", "SV_"],
+    };
+    if let Some(word) = forbidden.iter().find(|word| text.contains(**word)) {
+        return Err(format!("a function form has no `{word}`"));
+    }
+    match language {
+        "wgsl" => Ok(vec![(format!("{NAME}.wgsl"), wgsl(text)?)]),
+        "glsl" => {
+            let sum = calls(text, "vec3 ", "vec3(0.0, 0.6, 0.8)")?;
+            let whole = |head: &str| {
+                format!(
+                    "{head}\n{text}\nout vec4 colour;\nvoid main() {{\n    colour = vec4({sum}, 1.0);\n}}\n"
+                )
+            };
+            let desktop = whole("#version 450 core");
+            let embedded = whole("#version 300 es\nprecision highp float;\nprecision highp int;");
+            Ok(vec![
+                (
+                    format!("{NAME}.frag.glsl"),
+                    desktop.replace("out vec4", "layout(location = 0) out vec4"),
+                ),
+                (format!("{NAME}.es300.frag"), embedded),
+            ])
+        }
+        _ => {
+            let sum = calls(text, "float3 ", "float3(0.0, 0.6, 0.8)")?;
+            let main =
+                format!("float4 main() : SV_Target0 {{\n    return float4({sum}, 1.0);\n}}\n");
+            Ok(vec![(format!("{NAME}.hlsl"), format!("{text}\n{main}"))])
+        }
+    }
+}
+
+/// The sum of all functions, called with that direction twice.
+fn calls(text: &str, begin: &str, direction: &str) -> Result<String, String> {
+    let declared = function_names(&FUNCTIONS)
+        .into_iter()
+        .filter(|name| text.contains(&format!("\n{begin}{name}(")));
+    let calls: Vec<String> =
+        declared.map(|name| format!("{name}({direction}, {direction})")).collect();
+    let first = DIRECTIONAL.name();
+    if !calls.iter().any(|call| call.starts_with(first)) {
+        return Err(format!("there is no function `{first}`"));
+    }
+    Ok(calls.join(" + "))
+}
+
+/// Textures and the sampler are parameters in WGSL: the shell binds one for each.
+fn wgsl(text: &str) -> Result<String, String> {
+    let first = DIRECTIONAL.name();
+    if !text.starts_with(&format!("fn {first}(")) {
+        return Err(format!("the text does not begin with `fn {first}(`"));
+    }
+    let mut shell = text.to_owned();
+    let mut calls = Vec::new();
+    let mut bound: Vec<String> = Vec::new();
+    for name in function_names(&FUNCTIONS) {
+        let mut lines = text.lines();
+        let Some(parameters) = lines.find_map(|l| l.strip_prefix(&format!("fn {name}("))) else {
+            continue;
+        };
+        let parameters = parameters.split_once(") -> ").ok_or("a signature over several lines")?.0;
+        let mut arguments = Vec::new();
+        for parameter in parameters.split(", ") {
+            let (name, ty) = parameter.split_once(": ").ok_or("a parameter without a type")?;
+            if !(ty.starts_with("texture") || ty == "sampler") {
+                arguments.push(format!("{ty}(0.0, 0.6, 0.8)"));
+                continue;
+            }
+            let bound_name = format!("{name}_of_shell");
+            if !bound.contains(&bound_name) {
+                let binding = bound.len();
+                shell += &format!("@group(0) @binding({binding}) var {bound_name}: {ty};\n");
+                bound.push(bound_name.clone());
+            }
+            arguments.push(bound_name);
+        }
+        calls.push(format!("{name}({})", arguments.join(", ")));
+    }
+    let sum = calls.join(" + ");
+    shell += &format!(
+        "@fragment\nfn shell() -> @location(0) vec4f {{\n    return vec4f({sum}, 1.0);\n}}\n"
+    );
+    Ok(shell)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn forms_that_break_their_rules_are_refused() {
+        let refused = |language: &str, text: &str| shells(language, text).unwrap_err();
+        assert_eq!(
+            refused("wgsl", "// late\nfn diffraction(wi: vec3f) -> vec3f {\n}\n"),
+            "the text does not begin with `fn diffraction(`"
+        );
+        assert_eq!(refused("wgsl", "@group(0)"), "a function form has no `@group`");
+        assert_eq!(refused("glsl", "#version 450\n"), "a function form has no `#version`");
+        assert_eq!(refused("glsl", "float f();\n"), "there is no function `diffraction`");
+        assert_eq!(
+            refused("hlsl", "Texture2D t : register(t0);"),
+            "a function form has no `register`"
+        );
+    }
+}
