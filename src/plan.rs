@@ -7,6 +7,7 @@ mod parse;
 mod select;
 mod surface;
 mod variants;
+mod vocabulary;
 mod words;
 
 use std::path::PathBuf;
@@ -15,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 pub use parse::MAX_PLAN_BYTES;
 pub use variants::MAX_VARIANTS;
+pub use vocabulary::{Key, vocabulary};
 
 /// One surface of a plan.
 #[derive(Clone, Debug, PartialEq, Serialize)]
