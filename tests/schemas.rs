@@ -167,7 +167,7 @@ fn forms() -> String {
     FORMS.replace("BAKED", &baked.map(preset).concat())
 }
 
-/// A surface whose table is wider than any API guarantees, and one with more nodes than a row of WebGL 2 has.
+/// A surface whose table is wider than any API guarantees, so that every profile has its gap.
 const WIDE: &str = r#"schema = 1
 [[surface]]
 name = "wide"

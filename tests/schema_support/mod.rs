@@ -56,8 +56,7 @@ fn resolved<'a>(root: &'a Value, schema: &'a Value, at: Place) -> (&'a Value, Pl
     }
 }
 
-/// What a walk finds: a place of the schema, its subschema, and the value there with its own pointer. A name of a property
-/// comes with the pointer of its object.
+/// What a walk finds: a place of the schema, its subschema, and the value there with its own pointer.
 pub struct Visit<'a> {
     pub place: Place,
     pub schema: &'a Value,
@@ -115,7 +114,7 @@ fn may_be(branch: &Value, value: &Value) -> bool {
         && branch["properties"].as_object().into_iter().flatten().all(constant)
 }
 
-/// Whether a value has the type, or one of the types, that a schema states; any has the type `null` of JSON: none stated.
+/// Whether a value has the type, or one of the types, that a schema states; any has where it states none.
 pub fn is_of_type(stated: &Value, value: &Value) -> bool {
     match stated {
         Value::String(name) => match name.as_str() {
