@@ -1,5 +1,6 @@
 //! `plan.toml` as pure data: surfaces, optics, the axes of the variants, targets.
 
+mod axis;
 mod item;
 mod mode;
 mod names;
@@ -9,6 +10,7 @@ mod select;
 mod surface;
 mod target;
 mod variants;
+mod vocabulary;
 mod words;
 
 use std::path::PathBuf;
@@ -19,6 +21,7 @@ pub use mode::Mode;
 pub use optics::{Coherence, CoherenceScaling, Colour, Illuminant, Optics, Window};
 pub use target::Target;
 pub use variants::MAX_VARIANTS;
+pub use vocabulary::{Key, vocabulary};
 
 /// One surface of a plan.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -2,7 +2,9 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 mod height_support;
+mod plan_words;
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -54,6 +56,24 @@ fn every_seed_is_small_and_read() {
     }
     assert_eq!(formats, ["exr", "gsf", "npy", "plan", "png", "text", "tiff"]);
     assert!(total < 50 << 10, "{total} bytes");
+}
+
+/// A fuzz target puts together what it is given: a word in no seed and not in the dictionary it hardly ever finds.
+#[test]
+fn seeds_and_dictionary_have_every_key_and_word_of_a_plan() {
+    let known = plan_words::all();
+    let mut used = BTreeSet::new();
+    for path in entries(&folder().join("plan")) {
+        used.extend(plan_words::used(&fs::read_to_string(path).unwrap()));
+    }
+    let missing: Vec<_> = known.difference(&used).collect();
+    assert!(missing.is_empty(), "no seed of a plan has {missing:?}");
+    let dictionary = fs::read_to_string(folder().join("../dictionaries/plan.dict")).unwrap();
+    let entries: BTreeSet<&str> = dictionary.lines().collect();
+    let words = known.iter().flat_map(|(_, key, word)| word.iter().chain([key]));
+    let missing: BTreeSet<&String> =
+        words.filter(|word| !entries.contains(format!("\"{word}\"").as_str())).collect();
+    assert!(missing.is_empty(), "fuzz/dictionaries/plan.dict lacks {missing:?}");
 }
 
 /// `cargo test --release --test fuzz_seeds -- --ignored` writes the seeds of the files anew.

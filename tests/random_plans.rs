@@ -1,8 +1,10 @@
 //! Random plans: the valid ones compile, always to the same bytes; one fault makes an error with a place, never a panic.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+mod plan_words;
 mod random;
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use diffraction_shaders::diagnostic::Diagnostic;
@@ -12,7 +14,8 @@ use diffraction_shaders::plan::Plan;
 use diffraction_shaders::template::Sources;
 use proptest::prelude::*;
 use proptest::sample::Index;
-use proptest::test_runner::{Config, RngSeed};
+use proptest::strategy::ValueTree;
+use proptest::test_runner::{Config, RngSeed, TestRunner};
 use random::{Draft, plans};
 
 /// The same cases on every machine, and none kept in a file.
@@ -26,7 +29,42 @@ fn config(cases: u32) -> Config {
     }
 }
 
-const FILE: &str = "folder/plan.toml";
+/// Beside the seeds, which are the files of random plans.
+const FILE: &str = "fuzz/plan.toml";
+
+/// Plans that are read but for one fault must not all be the same few: every key and every word is in one that is accepted,
+/// and every value that a variant can be told apart by is in one that is built.
+#[test]
+fn random_plans_use_every_key_and_word() {
+    let mut runner = TestRunner::new(config(1));
+    let (mut drawn, mut built) = (BTreeSet::new(), BTreeSet::new());
+    let (mut accepted, all) = (0, 2000);
+    for _ in 0..all {
+        let text = plans().new_tree(&mut runner).unwrap().current().text();
+        let Ok(plan) = Plan::parse_all(&text, Path::new(FILE)) else { continue };
+        accepted += 1;
+        drawn.extend(plan_words::used(&text));
+        for variant in &plan.variants {
+            let canonical: serde_json::Value = serde_json::from_str(&variant.canonical()).unwrap();
+            for (key, value) in canonical.as_object().unwrap() {
+                built.insert((key.clone(), value.as_str().map(str::to_owned)));
+            }
+        }
+    }
+    let known = plan_words::all();
+    let missing: Vec<_> = known.difference(&drawn).collect();
+    assert!(missing.is_empty(), "random plans never have {missing:?}");
+    let unknown: Vec<_> = drawn.difference(&known).collect();
+    assert!(unknown.is_empty(), "the vocabulary lacks {unknown:?}, which the reader accepts");
+    for (_, key, word) in known.into_iter().filter(|(table, ..)| table == "variants") {
+        // a range is three keys there; what reads bins is told apart by what does not
+        let is_told =
+            !matches!((key.as_str(), word.as_deref()), ("wavelengths", _) | (_, Some("window")));
+        let is_built = built.iter().any(|(k, w)| *k == key && (word.is_none() || *w == word));
+        assert!(is_built || !is_told, "no variant of a random plan has {key} {word:?}");
+    }
+    assert!(2 * accepted > all, "only {accepted} of {all} plans are accepted");
+}
 
 proptest! {
     #![proptest_config(config(60))]
@@ -55,7 +93,17 @@ proptest! {
 }
 
 /// What a random plan may be refused for: combinations of words that each are valid.
-const CONSTRAINTS: [&str; 4] = ["hoist = false", "pq repeats", "gems maps", "no variant is left"];
+const CONSTRAINTS: [&str; 9] = [
+    "hoist = false",
+    "pq repeats",
+    "pq has no coherence window",
+    "gems maps",
+    "no variant is left",
+    "a prefiltered table",
+    "filter no tables of 32-bit floats",
+    "numbers with a shared exponent",
+    "baked integrates",
+];
 
 /// Fails unless every error is one of those that are expected.
 fn only<E: std::fmt::Debug>(expected: &[&str], errors: Vec<E>) -> Result<(), TestCaseError> {
@@ -158,7 +206,7 @@ const FAULTS: [Fault; 10] = [
 ];
 
 /// Numbers that a key refuses, by the last part of its name.
-const BAD_NUMBERS: [(&str, &[&str]); 12] = [
+const BAD_NUMBERS: [(&str, &[&str]); 22] = [
     ("schema", &["0", "2", "-1", "1.0"]),
     ("period_um", &["0", "-1.0", "nan", "inf"]),
     ("height_um", &["0.0", "-0.1", "-inf", "nan"]),
@@ -171,10 +219,21 @@ const BAD_NUMBERS: [(&str, &[&str]); 12] = [
     ("terms", &["0", "201", "[0]", "[1, 2, -3]", "1.5", "[]"]),
     ("window_radius", &["-1", "65", "[0, 65]", "1e2"]),
     ("term_error", &["0", "0.6", "-1e-3", "nan"]),
+    ("periods", &["0", "[0, 1]", "[1, 10001]", "[1, 2, 3]", "[]"]),
+    ("bake_error", &["0", "0.04", "11", "nan"]),
+    ("bake_mib", &["0.1", "513", "-inf"]),
+    ("rotate_deg", &["nan", "inf", "-inf"]),
+    ("size_um", &["0", "-1.0", "nan"]),
+    ("pixel_um", &["0.0", "0.3", "inf"]),
+    ("z_unit_um", &["0", "-1e-3", "nan"]),
+    ("pitch_um", &["0", "-0.5", "inf"]),
+    ("length_um", &["0.0", "-0.5", "nan"]),
+    ("regularity", &["-0.1", "1.01", "nan"]),
 ];
 
 /// Keys that a section cannot do without.
-const REQUIRED: [&str; 7] = ["schema", "name", "kind", "period_um", "pixels", "duty", "apex"];
+const REQUIRED: [&str; 10] =
+    ["schema", "name", "kind", "period_um", "pixels", "duty", "apex", "file", "pitch_um", "seed"];
 
 impl Fault {
     /// The broken text, and the line that an error must name where that is known; `None` if the plan has no place for
@@ -201,10 +260,10 @@ impl Fault {
                 Some(i)
             }
             Fault::UnknownWord => {
-                let i = pairs
-                    .iter()
-                    .copied()
-                    .filter(|&i| lines[i].contains('"') && key(&lines[i]) != Some("illuminant"));
+                let i = pairs.iter().copied().filter(|&i| {
+                    // an illuminant or a file may have any name
+                    lines[i].contains('"') && !matches!(key(&lines[i]), Some("illuminant" | "file"))
+                });
                 let found: Vec<usize> = i.collect();
                 let i = found[at.index(found.len())];
                 lines[i] = lines[i].replacen('"', "\"No ", 1);

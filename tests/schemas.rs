@@ -2,19 +2,31 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod common;
+mod schema_support;
 
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::OnceLock;
 use std::{fs, path::Path};
 
-use diffraction_shaders::generate::{Request, generate};
+use diffraction_shaders::generate::{Generated, Request, generate, index};
 use diffraction_shaders::manifest::SCHEMA_VERSION;
-use diffraction_shaders::plan::{Plan, Target};
+use diffraction_shaders::package::Package;
+use diffraction_shaders::plan::{Plan, Target, vocabulary};
+use diffraction_shaders::profile::Profile;
 use diffraction_shaders::template::{GENERATED, Sources};
 use jsonschema::Validator;
+use schema_support::{is_of_type, places, walk};
 use serde_json::{Value, json};
 
-fn schema(name: &str) -> Validator {
+const SCHEMAS: [&str; 4] = ["package", "variant", "table", "probe"];
+
+fn schema_text(name: &str) -> Value {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("schemas/{name}.schema.json"));
-    let schema: Value = serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap();
+    serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap()
+}
+
+fn schema(name: &str) -> Validator {
+    let schema = schema_text(name);
     assert!(jsonschema::meta::is_valid(&schema), "{name}");
     jsonschema::validator_for(&schema).unwrap()
 }
@@ -37,18 +49,353 @@ fn errors(schema: &Validator, value: &Value) -> Vec<String> {
     schema.iter_errors(value).map(describe).collect()
 }
 
+/// Every form that a package may have, on small surfaces: flat, along the axes, turned. `gems` has no period on the flat one.
+const FORMS: &str = r#"schema = 1
+[[surface]]
+name = "tiny"
+grating = { kind = "blazed", period_um = 1.0, height_um = 0.1, pixels = 16 }
+[[surface]]
+name = "turned"
+grating = { kind = "lamellar", period_um = 1.0, height_um = 0.1, pixels = 16, duty = 0.5 }
+rotate_deg = 30.0
+[[surface]]
+name = "flat"
+grating = { kind = "flat", period_um = 1.0, pixels = 16 }
+[variants]
+mode = "full"
+basis = ["taylor", "taylor-zero", "chebyshev", "optimal"]
+terms = 3
+window_radius = 0
+wavelengths = { min_nm = 400, max_nm = 700, step_nm = 100 }
+table = ["f32", "f16"]
+packing = ["paired", "single"]
+bake_error = 10.0
+bake_mib = 0.25
+[[preset]]
+name = "as-printed"
+basis = "taylor-zero"
+terms = 2
+packing = "single"
+hoist = false
+[[preset]]
+name = "left-to-the-tool"
+terms = "auto"
+window_radius = "auto"
+colour = "thesis"
+illuminant = "A"
+[[preset]]
+name = "one-wavelength"
+wavelengths = { min_nm = 550, max_nm = 550 }
+terms = 2
+[[preset]]
+name = "ensemble"
+coherence = "ensemble"
+coherence_scaling = "wavelength"
+shadowing = false
+terms = 2
+[[preset]]
+name = "prefiltered"
+basis = "chebyshev"
+reconstruction = "prefiltered"
+coherence_um = 2.0
+terms = 3
+[[preset]]
+name = "prefiltered-filter"
+reconstruction = "prefiltered"
+sampling = "filter"
+table = "f16"
+coherence_um = 2.0
+terms = 3
+[[preset]]
+name = "pq"
+mode = "pq"
+terms = 3
+[[preset]]
+name = "pq-given"
+mode = "pq"
+periods = [3, 4]
+table = "f16"
+terms = 3
+[[preset]]
+name = "adaptive"
+mode = "adaptive"
+terms = 3
+[[preset]]
+name = "adaptive-ensemble"
+mode = "adaptive"
+coherence = "ensemble"
+basis = "optimal"
+table = "f16"
+terms = 3
+[[preset]]
+name = "adaptive-prefiltered"
+mode = "adaptive"
+reconstruction = "prefiltered"
+coherence_um = 2.0
+terms = 3
+[[preset]]
+name = "adaptive-filter"
+mode = "adaptive"
+reconstruction = "prefiltered"
+sampling = "filter"
+basis = "optimal"
+table = "f16"
+packing = "single"
+coherence_um = 2.0
+terms = 3
+[[preset]]
+name = "gems"
+mode = "gems"
+BAKED[targets]
+tables = ["bin", "ktx2", "exr"]
+"#;
+
+/// The forms of `baked`: formats that a filter reads, and those that are loaded.
+fn forms() -> String {
+    let baked = [
+        ("f32", "load"),
+        ("f16", "load"),
+        ("f16", "filter"),
+        ("rgb9e5", "load"),
+        ("rgb9e5", "filter"),
+    ];
+    let preset = |(table, sampling): (&str, &str)| {
+        format!(
+            "[[preset]]\nname = \"baked-{table}-{sampling}\"\nmode = \"baked\"\ntable = \"{table}\"\nsampling = \"{sampling}\"\nbake_error = 10.0\nbake_mib = 0.25\n"
+        )
+    };
+    FORMS.replace("BAKED", &baked.map(preset).concat())
+}
+
+/// A surface whose table is wider than any API guarantees, so that every profile has its gap.
+const WIDE: &str = r#"schema = 1
+[[surface]]
+name = "wide"
+grating = { kind = "blazed", period_um = 800.0, height_um = 0.1, pixels = 9000 }
+[variants]
+terms = 1
+window_radius = 0
+wavelengths = { min_nm = 380, max_nm = 780, step_nm = 200 }
+[targets]
+emit = "wgsl"
+"#;
+
+struct Made {
+    plan: Plan,
+    package: Package,
+}
+
+fn made(text: &str) -> Made {
+    let plan = Plan::parse(text, Path::new("plan.toml")).unwrap_or_else(|e| panic!("{e}"));
+    let sources = Sources::builtin();
+    let request = Request {
+        surfaces: &plan.surfaces,
+        variants: &plan.variants,
+        targets: &plan.targets,
+        containers: &plan.containers,
+        sources: &sources,
+        cache: None,
+        keep: &|_, _| false,
+    };
+    let Generated { mut package, .. } =
+        generate(&request, &|_| ()).unwrap_or_else(|e| panic!("{e:?}"));
+    package.seal(index(&request).unwrap()).unwrap();
+    Made { plan, package }
+}
+
+/// The packages that between them have everything, made once.
+fn packages() -> &'static [Made] {
+    static PACKAGES: OnceLock<[Made; 2]> = OnceLock::new();
+    PACKAGES.get_or_init(|| [made(&forms()), made(WIDE)])
+}
+
+/// All JSON files of all packages with the names of their schemas.
+fn documents() -> Vec<(&'static str, String, Value)> {
+    let of = |made: &'static Made| {
+        made.package.files().keys().filter_map(|path| {
+            let value = serde_json::from_slice(made.package.bytes(path).unwrap());
+            Some((schema_of(path)?, path.clone(), value.unwrap()))
+        })
+    };
+    packages().iter().flat_map(of).collect()
+}
+
 #[test]
-fn generated_files_keep_their_schemas() {
-    let package = common::package();
-    let mut counts = std::collections::BTreeMap::new();
-    for path in package.files().keys() {
-        let Some(name) = schema_of(path) else { continue };
-        let value = serde_json::from_slice(package.bytes(path).unwrap()).unwrap();
-        assert_eq!(errors(&schema(name), &value), Vec::<String>::new(), "{path}");
-        *counts.entry(name).or_insert(0) += 1;
+fn files_of_every_form_keep_their_schemas() {
+    let schemas: BTreeMap<&str, Validator> = SCHEMAS.map(|name| (name, schema(name))).into();
+    let mut wrong = Vec::new();
+    for (name, path, value) in documents() {
+        wrong.extend(errors(&schemas[name], &value).into_iter().map(|e| format!("{path}: {e}")));
     }
-    assert!(counts["package"] == 1 && counts["variant"] == 2 && counts["table"] >= 3, "{counts:?}");
-    assert_eq!(counts["probe"], 2);
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// The packages that schemas are tested with have every word of a variant's keys, and the gaps that are meant.
+#[test]
+fn the_forms_are_all_forms() {
+    let Made { plan, package } = &packages()[0];
+    let mut built = BTreeSet::new();
+    for variant in &plan.variants {
+        let path = format!("shaders/turned/{}/manifest.json", variant.name);
+        let file = package.bytes(&path).unwrap_or_else(|| panic!("{path}"));
+        let manifest: Value = serde_json::from_slice(file).unwrap();
+        for (key, value) in manifest["configuration"].as_object().unwrap() {
+            built.insert((key.clone(), value.as_str().map(str::to_owned)));
+        }
+    }
+    for key in vocabulary().into_iter().filter(|key| key.table == "variants") {
+        // a window is what is summed unless another form is named
+        for word in key.words.into_iter().filter(|word| word != "window") {
+            assert!(
+                built.contains(&(key.name.clone(), Some(word.clone()))),
+                "no {} {word}",
+                key.name
+            );
+        }
+    }
+    let index: Value = serde_json::from_slice(package.bytes("manifest.json").unwrap()).unwrap();
+    let gaps: Vec<&str> = index["gaps"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|gap| gap["variant"].as_str().unwrap())
+        .collect();
+    assert!(gaps.contains(&"gems"), "{gaps:?}");
+    assert!(
+        index["gaps"].as_array().unwrap().iter().all(|gap| gap["surface"] == "flat"),
+        "{gaps:?}"
+    );
+}
+
+/// No schema leaves room: every object is closed or a map of what it states, every value has a type, words or a constant.
+#[test]
+fn schemas_are_strict() {
+    for name in SCHEMAS {
+        let text = schema_text(name);
+        for (place, schema) in places(&text) {
+            let states = ["type", "enum", "const", "oneOf", "anyOf"];
+            assert!(states.iter().any(|key| schema.get(key).is_some()), "{name}{place}: any value");
+            let types = &schema["type"];
+            if schema.get("type").is_some() && is_of_type(types, &json!({})) {
+                let more = &schema["additionalProperties"];
+                let closed = *more == json!(false) && schema["properties"].is_object();
+                let map = more.is_object() && schema["propertyNames"].is_object();
+                assert!(closed || map, "{name}{place}: an open object");
+            }
+            if schema.get("type").is_some() && is_of_type(types, &json!([])) {
+                assert!(
+                    schema["items"].is_object() || schema["maxItems"] == 0,
+                    "{name}{place}: an open array"
+                );
+            }
+        }
+    }
+}
+
+/// The other direction: whatever a schema names, a package has, so that nothing is left of what is written no more.
+#[test]
+fn schemas_name_nothing_that_is_never_written() {
+    let texts: BTreeMap<&str, Value> = SCHEMAS.map(|name| (name, schema_text(name))).into();
+    let mut seen: BTreeMap<(&str, String), BTreeSet<String>> = BTreeMap::new();
+    for (name, _, value) in &documents() {
+        walk(&texts[name], value, &mut |visit| {
+            let values = seen.entry((name, visit.place.clone())).or_default();
+            values.insert(if visit.schema.get("enum").is_some() {
+                visit.value.to_string()
+            } else {
+                String::new()
+            });
+            if let Some(object) = visit.value.as_object()
+                && visit.schema["propertyNames"].is_object()
+            {
+                let names =
+                    seen.entry((name, format!("{}/propertyNames", visit.place))).or_default();
+                names.extend(object.keys().map(|name| json!(name).to_string()));
+            }
+        });
+    }
+    let mut unseen = Vec::new();
+    for (name, text) in &texts {
+        for (place, schema) in places(text) {
+            match seen.get(&(*name, place.clone())) {
+                None => unseen.push(format!("{name}{place}")),
+                Some(values) => {
+                    let words =
+                        schema["enum"].as_array().into_iter().flatten().map(Value::to_string);
+                    unseen.extend(
+                        words
+                            .filter(|word| !values.contains(word))
+                            .map(|word| format!("{name}{place}: {word}")),
+                    );
+                }
+            }
+        }
+    }
+    assert!(unseen.is_empty(), "{unseen:#?}");
+}
+
+/// Each place of each schema refuses what is not meant there: another key, a key too few, another type, an unknown word.
+#[test]
+fn mangled_packages_break_their_schemas() {
+    let texts: BTreeMap<&str, Value> = SCHEMAS.map(|name| (name, schema_text(name))).into();
+    let validators: BTreeMap<&str, Validator> = SCHEMAS.map(|name| (name, schema(name))).into();
+    let (mut done, mut counts, mut accepted) = (BTreeSet::new(), BTreeMap::new(), Vec::new());
+    for (name, path, value) in &documents() {
+        let mut places = Vec::new();
+        walk(&texts[name], value, &mut |visit| {
+            if done.insert((*name, visit.place.clone())) {
+                places.push((visit.schema.clone(), visit.pointer));
+            }
+        });
+        for (schema, pointer) in places {
+            let at = value.pointer(&pointer).unwrap();
+            for wrong in wrong_values(&schema, at) {
+                let mut mangled = value.clone();
+                *mangled.pointer_mut(&pointer).unwrap() = wrong.clone();
+                *counts.entry(*name).or_insert(0) += 1;
+                if validators[name].is_valid(&mangled) {
+                    accepted.push(format!("{path}{pointer}: {wrong}"));
+                }
+            }
+        }
+    }
+    assert!(accepted.is_empty(), "{accepted:#?}");
+    println!("{counts:?}");
+    assert!(SCHEMAS.iter().all(|name| counts[name] >= 30), "{counts:?}");
+}
+
+/// What a place may not have, made from what it has.
+fn wrong_values(schema: &Value, value: &Value) -> Vec<Value> {
+    // of no type that any place states together with the one it has
+    let mut wrong = vec![match value {
+        Value::Bool(_) => json!("true"),
+        _ => json!(true),
+    }];
+    if let Some(object) = value.as_object() {
+        let mut more = object.clone();
+        more.insert("more".to_owned(), json!(1));
+        wrong.push(Value::Object(more));
+        for key in schema["required"].as_array().into_iter().flatten() {
+            let mut less = object.clone();
+            less.remove(key.as_str().unwrap());
+            wrong.push(Value::Object(less));
+        }
+    }
+    if schema.get("enum").is_some()
+        || schema.get("const").is_some()
+        || schema.get("pattern").is_some()
+    {
+        wrong.push(json!("No such word"));
+    }
+    for (limit, step) in
+        [("minimum", -1.0), ("exclusiveMinimum", 0.0), ("maximum", 1.0), ("exclusiveMaximum", 0.0)]
+    {
+        wrong.extend(schema[limit].as_f64().map(|limit| json!(limit + step)));
+    }
+    if let Some(least) = schema["minItems"].as_u64() {
+        wrong.push(json!(value.as_array().unwrap()[..least as usize - 1]));
+    }
+    wrong
 }
 
 /// A sum over lobes says what bounds its loops, the same number as in its text.
@@ -192,10 +539,18 @@ fn probes() {
     }
 }
 
+/// The words of languages and profiles are those of the code, in its order.
 #[test]
-fn schemas_name_every_target() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("schemas/package.schema.json");
-    let schema: Value = serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap();
-    let words: Vec<&str> = Target::all().into_iter().map(Target::as_str).collect();
-    assert_eq!(schema["properties"]["targets"]["items"]["enum"], json!(words));
+fn schemas_name_every_target_and_profile() {
+    let targets: Vec<&str> = Target::all().into_iter().map(Target::as_str).collect();
+    let profiles: Vec<&str> = Profile::ALL.into_iter().map(Profile::name).collect();
+    let (package, variant) = (schema_text("package"), schema_text("variant"));
+    for (schema, pointer, words) in [
+        (&package, "/properties/targets/items/enum", &targets),
+        (&variant, "/properties/targets/propertyNames/enum", &targets),
+        (&variant, "/properties/requires/properties/profiles/items/enum", &profiles),
+        (&variant, "/properties/requires/properties/gaps/propertyNames/enum", &profiles),
+    ] {
+        assert_eq!(schema.pointer(pointer), Some(&json!(words)), "{pointer}");
+    }
 }

@@ -7,11 +7,11 @@ use std::collections::BTreeMap;
 use anyhow::Result;
 use diffraction_shaders::input;
 use diffraction_shaders::plan::{
-    Auto, Grating, Plan, Rejected, SurfaceSource, SurfaceSpec, Variant,
+    Auto, Grating, Mode, Plan, Rejected, SurfaceSource, SurfaceSpec, Variant, vocabulary,
 };
 use diffraction_shaders::tables::Series;
 use diffraction_shaders::variant::Form;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use crate::Outcome;
 use crate::args::PlanArgs;
@@ -104,18 +104,28 @@ fn variant_object(variant: &Variant, plan: &Plan, costs: &Costs) -> Value {
         "mode": variant.mode,
         "basis": variant.basis,
         "terms": auto(variant.terms),
+        "term_error": variant.term_error,
         "reconstruction": variant.reconstruction,
         "window_radius": auto(variant.window_radius),
+        "periods": variant.periods.map_or(json!("auto"), |periods| json!(periods)),
         "wavelengths": variant.wavelengths,
         "samples": samples(variant),
         "table": variant.table,
         "packing": variant.packing,
         "sampling": variant.sampling,
         "hoist": variant.hoist,
+        "bake_error": variant.bake_error,
+        "bake_mib": variant.bake_mib,
         "optics": variant.optics,
+        "configuration": configuration(variant),
         "hash": variant.hash(),
         "cost": cost.collect::<Vec<_>>(),
     })
+}
+
+/// What a variant reads: all that its hash is of.
+fn configuration(variant: &Variant) -> Map<String, Value> {
+    serde_json::from_str(&variant.canonical()).unwrap_or_default()
 }
 
 /// Wavelength nodes of a mode that has them.
@@ -136,24 +146,19 @@ fn auto(value: Auto<u32>) -> Value {
 
 fn human(plan: &Plan, costs: &Costs) -> String {
     let surfaces = plan.surfaces.iter().map(|surface| vec![surface.name.clone(), source(surface)]);
-    let variants = plan.variants.iter().map(|variant| {
-        vec![
-            variant.name.clone(),
-            variant.mode.as_str().to_owned(),
-            variant.basis.as_str().to_owned(),
-        ]
-    });
     let mut text = table::text(&["surface", "heights"], surfaces.collect());
     text.push('\n');
-    text += &table::text(&["variant", "mode", "basis"], variants.collect());
+    text += &configurations(&plan.variants);
     text.push('\n');
     text += &cost_table(plan, costs);
     let targets: Vec<&str> = plan.targets.iter().map(|target| target.as_str()).collect();
     text += &format!("targets: {}\n", targets.join(", "));
     if !plan.rejected.is_empty() {
-        let rejected = plan.rejected.iter().map(|r| vec![r.name.clone(), r.reason.clone()]);
-        text.push('\n');
-        text += &table::text(&["rejected", "reason"], rejected.collect());
+        text += "\nrejected\n";
+        for Rejected { name, reason } in &plan.rejected {
+            let words: Vec<String> = reason.split(' ').map(str::to_owned).collect();
+            text += &table::wrapped(&format!("  {name}:"), &words, " ");
+        }
     }
     text
 }
@@ -163,9 +168,50 @@ pub(crate) fn or_dash(number: Option<u32>) -> String {
     number.map_or_else(|| "-".to_owned(), |number| number.to_string())
 }
 
-/// One line for each cost, with the surfaces that share it.
+/// What the variants read, mode by mode: first what is the same in all of a mode, then of each what is not.
+fn configurations(variants: &[Variant]) -> String {
+    let mut modes: Vec<Mode> = Vec::new();
+    for variant in variants {
+        if !modes.contains(&variant.mode) {
+            modes.push(variant.mode);
+        }
+    }
+    let mut text = String::new();
+    for mode in modes {
+        let of_mode = || variants.iter().filter(move |variant| variant.mode == mode);
+        let all: Vec<Vec<String>> = of_mode().map(settings).collect();
+        let is_shared = |setting: &String| all.iter().all(|of_one| of_one.contains(setting));
+        let shared: Vec<String> = all[0].iter().filter(|s| is_shared(s)).cloned().collect();
+        text += &table::wrapped(&format!("mode {}:", mode.as_str()), &shared, ", ");
+        for (variant, settings) in of_mode().zip(&all) {
+            let own: Vec<String> = settings.iter().filter(|s| !is_shared(s)).cloned().collect();
+            text += &table::wrapped(&format!("  {}:", variant.name), &own, ", ");
+        }
+    }
+    text
+}
+
+/// The keys that a variant reads with their values, but for the mode, in the order of the plan's keys.
+fn settings(variant: &Variant) -> Vec<String> {
+    let is_axis = |table: &str| matches!(table, "variants" | "variants.wavelengths");
+    let order: Vec<String> =
+        vocabulary().into_iter().filter(|key| is_axis(key.table)).map(|key| key.name).collect();
+    let place = |name: &String| order.iter().position(|known| known == name).unwrap_or(order.len());
+    let mut settings: Vec<(String, Value)> = configuration(variant).into_iter().collect();
+    settings.retain(|(name, _)| name != "mode");
+    settings.sort_by_key(|(name, _)| place(name));
+    let shown = |value: Value| match value {
+        Value::String(word) => word,
+        Value::Number(n) => n.as_f64().map_or_else(|| n.to_string(), |x| x.to_string()),
+        other => other.to_string(),
+    };
+    settings.into_iter().map(|(name, value)| format!("{name} {}", shown(value))).collect()
+}
+
+/// The costs of every variant, one line for all surfaces that share them.
 fn cost_table(plan: &Plan, costs: &Costs) -> String {
     let mut rows: Vec<Vec<String>> = Vec::new();
+    let mut starts: Vec<(usize, &str)> = Vec::new();
     for variant in &plan.variants {
         let begin = rows.len();
         for surface in &plan.surfaces {
@@ -183,34 +229,40 @@ fn cost_table(plan: &Plan, costs: &Costs) -> String {
                 cost.fetches.to_string(),
                 format!("{:.1}", cost.table_bytes as f64 / 1024.0),
             ];
-            match rows[begin..].iter_mut().find(|row| row[2..] == numbers) {
-                Some(row) => row[1] = format!("{}, {}", row[1], surface.name),
-                None => rows.push(
-                    [variant.name.clone(), surface.name.clone()]
-                        .into_iter()
-                        .chain(numbers)
-                        .collect(),
-                ),
+            match rows[begin..].iter_mut().find(|row| row[..8] == numbers) {
+                Some(row) => row[8] = format!("{}, {}", row[8], surface.name),
+                None => rows.push(numbers.into_iter().chain([surface.name.clone()]).collect()),
             }
+        }
+        if rows.len() > begin {
+            starts.push((begin, &variant.name));
         }
     }
     if rows.is_empty() {
         return String::new();
     }
     let head = [
-        "variant",
-        "on",
         "terms",
         "radius",
-        "evaluations, mean",
+        "evaluations",
         "worst",
-        "term fetches, worst",
-        "fetches, mean",
+        "term fetches",
+        "fetches",
         "worst",
-        "tables, KiB",
+        "KiB",
+        "on",
     ];
-    table::text(&head, rows)
-        + "evaluations and fetches per pixel; uniform wavelengths cost every lit pixel the same\n\n"
+    let lines = table::text(&head, rows);
+    let mut text = String::new();
+    for (i, line) in lines.lines().enumerate() {
+        // the head is above the first variant
+        for (_, name) in starts.iter().filter(|(start, _)| i > 0 && *start == i - 1) {
+            text += &format!("{name}\n");
+        }
+        text += &format!("  {line}\n");
+    }
+    text + "evaluations and fetches per pixel, mean and worst, those of terms at worst; KiB of all tables;\n\
+            uniform wavelengths cost every lit pixel the same\n\n"
 }
 
 /// A surface in a few words.

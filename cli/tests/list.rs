@@ -1,9 +1,13 @@
 //! `diffraction list` as a user runs it: data on stdout, diagnostics on stderr, exit codes.
 #![allow(clippy::unwrap_used, reason = "a test that unwraps fails with the error")]
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
+
+use diffraction_shaders::plan::{Plan, Variant, vocabulary};
+use serde_json::Value;
 
 const PLAN: &str = r#"schema = 1
 [[surface]]
@@ -38,7 +42,7 @@ fn folder(plan: &str) -> tempfile::TempDir {
 fn json_has_everything_in_the_order_of_the_plan() {
     let done = diffraction(folder(PLAN).path(), &["list", "--json"]);
     assert_eq!((done.status.code(), done.stderr.len()), (Some(0), 0));
-    let list: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
+    let list: Value = serde_json::from_slice(&done.stdout).unwrap();
     assert_eq!(list["surfaces"][0]["name"], "a");
     assert_eq!(list["variants"][0]["name"], "full-taylor-t31-lcwave");
     assert_eq!(list["variants"][0]["mode"], "full");
@@ -71,6 +75,98 @@ fn the_table_tells_costs_and_rejections() {
     }
 }
 
+/// Variants of every mode and with every key away from its default, in as few as that takes.
+const FORMS: &str = r#"schema = 1
+[[surface]]
+name = "a"
+grating = { kind = "blazed", period_um = 2.5, height_um = 0.3, pixels = 100 }
+[variants]
+mode = ["full", "pq", "adaptive", "gems", "baked"]
+terms = ["auto", 12]
+term_error = 0.02
+window_radius = 2
+periods = [[20, 30], "auto"]
+table = ["f16"]
+bake_error = 3
+bake_mib = 1.5
+coherence_um = 40
+refractive_index = 1.4
+[[preset]]
+name = "filtered"
+reconstruction = "prefiltered"
+coherence_um = 2
+table = "f16"
+sampling = "filter"
+"#;
+
+/// All that a variant reads is in both outputs, whatever keys there are.
+#[test]
+fn every_key_of_a_configuration_is_listed() {
+    let folder = folder(FORMS);
+    let plan = Plan::read(&folder.path().join("plan.toml")).unwrap();
+    let json = xtask(folder.path(), &["list", "--json"]);
+    let list: Value = serde_json::from_slice(&json.stdout).unwrap();
+    let human = String::from_utf8(xtask(folder.path(), &["list"]).stdout).unwrap();
+    let axes = || vocabulary().into_iter().filter(|key| key.table == "variants");
+    let mut read = BTreeSet::new();
+    assert_eq!(list["variants"].as_array().unwrap().len(), plan.variants.len());
+    for (variant, listed) in plan.variants.iter().zip(list["variants"].as_array().unwrap()) {
+        let canonical: Value = serde_json::from_str(&variant.canonical()).unwrap();
+        assert_eq!(listed["configuration"], canonical, "{}", variant.name);
+        for key in axes().map(|key| key.name) {
+            let is_listed = [listed, &listed["optics"]].iter().any(|of| of.get(&key).is_some());
+            assert!(is_listed, "{} is listed without {key}", variant.name);
+        }
+        let told = told(&human, variant);
+        for (key, value) in canonical.as_object().unwrap() {
+            let places = [listed, &listed["optics"], &listed["wavelengths"]];
+            assert!(places.iter().any(|of| of.get(key) == Some(value)), "{key} of {listed}");
+            let value = match value {
+                Value::String(word) => word.clone(),
+                Value::Number(n) => n.as_f64().unwrap().to_string(),
+                other => other.to_string(),
+            };
+            let setting = format!("{key} {value}");
+            assert!(told.contains(&setting), "{}: no {setting:?} in {told:?}", variant.name);
+            read.insert(key.clone());
+        }
+    }
+    // a plan that reads few keys would show little
+    let spectral = ["min_nm", "max_nm", "step_nm"].map(str::to_owned);
+    let known = axes().map(|key| key.name).filter(|name| name != "wavelengths").chain(spectral);
+    assert_eq!(read, known.collect());
+}
+
+/// What the table tells of a variant: the settings of its mode and its own, taken apart.
+fn told(human: &str, variant: &Variant) -> Vec<String> {
+    let mut entries: Vec<String> = Vec::new();
+    for line in human.lines().skip_while(|line| !line.starts_with("mode ")) {
+        match (line.strip_prefix("      "), entries.last_mut()) {
+            (Some(rest), Some(entry)) => *entry = format!("{entry} {rest}"),
+            _ if line.is_empty() => break,
+            _ => entries.push(line.to_owned()),
+        }
+    }
+    let of = |head: String| {
+        let entry = entries.iter().find_map(|entry| entry.strip_prefix(head.as_str()));
+        entry.unwrap_or_else(|| panic!("{head:?} is not in\n{human}")).trim_start().to_owned()
+    };
+    let mode = variant.mode.as_str();
+    let parts = [of(format!("mode {mode}:")), of(format!("  {}:", variant.name))];
+    let settings = parts.iter().flat_map(|part| part.split(", ")).map(str::to_owned);
+    settings.chain([format!("mode {mode}")]).collect()
+}
+
+/// The widest lines are tables of numbers; what is words is broken.
+#[test]
+fn the_table_fits_a_terminal_of_100_columns() {
+    for plan in [FORMS, PLAN] {
+        let text = String::from_utf8(xtask(folder(plan).path(), &["list"]).stdout).unwrap();
+        let wide: Vec<&str> = text.lines().filter(|line| line.chars().count() > 100).collect();
+        assert!(wide.is_empty(), "{wide:#?}");
+    }
+}
+
 #[test]
 fn every_fault_of_a_plan_is_one_line_and_the_exit_code_is_two() {
     let broken = PLAN.replace("0.3", "-1").replace("\"full\", \"pq\"", "\"fool\"");
@@ -85,7 +181,7 @@ fn every_fault_of_a_plan_is_one_line_and_the_exit_code_is_two() {
     );
     let done = diffraction(folder.path(), &["--message-format", "json", "list"]);
     for line in String::from_utf8(done.stderr).unwrap().lines() {
-        let object: serde_json::Value = serde_json::from_str(line).unwrap();
+        let object: Value = serde_json::from_str(line).unwrap();
         assert_eq!(object["severity"], "error", "{line}");
     }
     assert_eq!(
@@ -101,6 +197,6 @@ fn the_committed_plan_is_sound() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let done = diffraction(root, &["list", "--json"]);
     assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
-    let list: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
+    let list: Value = serde_json::from_slice(&done.stdout).unwrap();
     assert_eq!(list["rejected"].as_array().map(Vec::len), Some(0));
 }

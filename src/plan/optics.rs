@@ -9,9 +9,10 @@ use serde_json::{Value, json};
 
 use crate::hash::sha256;
 
+use super::axis::{Axis, values, worded};
 use super::item::Item;
 use super::names::number;
-use super::variants::{Axis, Setting};
+use super::variants::Setting;
 use super::words;
 
 /// Light and material.
@@ -254,6 +255,12 @@ pub(super) enum OpticsSetting {
     Colour(Colour),
 }
 
+impl From<OpticsSetting> for Setting {
+    fn from(setting: OpticsSetting) -> Setting {
+        Setting::Optics(setting)
+    }
+}
+
 impl OpticsSetting {
     pub(super) fn apply(self, optics: &mut Optics) {
         match self {
@@ -270,29 +277,27 @@ impl OpticsSetting {
 
 /// Keys of `[optics]`; as axes of the product they vary fastest.
 pub(super) const OPTICS: [Axis; 7] = [
-    ("coherence_um", coherence_um),
-    ("coherence", |item| {
-        Some(Setting::Optics(OpticsSetting::Coherence(item.word(words::COHERENCES)?.1)))
+    values("coherence_um", coherence_um),
+    worded!("coherence", words::COHERENCES, |(_, word)| OpticsSetting::Coherence(word).into()),
+    worded!("coherence_scaling", words::SCALINGS, |(_, word)| {
+        OpticsSetting::CoherenceScaling(word).into()
     }),
-    ("coherence_scaling", |item| {
-        Some(Setting::Optics(OpticsSetting::CoherenceScaling(item.word(words::SCALINGS)?.1)))
-    }),
-    ("refractive_index", refractive_index),
-    ("shadowing", |item| Some(Setting::Optics(OpticsSetting::Shadowing(item.boolean()?)))),
-    ("illuminant", illuminant),
-    ("colour", |item| Some(Setting::Optics(OpticsSetting::Colour(item.word(words::COLOURS)?.1)))),
+    values("refractive_index", refractive_index),
+    values("shadowing", |item| item.boolean().map(|on| OpticsSetting::Shadowing(on).into())),
+    values("illuminant", illuminant),
+    worded!("colour", words::COLOURS, |(_, word)| OpticsSetting::Colour(word).into()),
 ];
 
 fn coherence_um(item: &Item) -> Option<Setting> {
     let what = "the coherence length in µm; sunlight has about 65";
     let length_um = item.number("from 0.1 to 10000", what, |x| (0.1..=10000.0).contains(&x))?;
-    Some(Setting::Optics(OpticsSetting::CoherenceUm(length_um)))
+    Some(OpticsSetting::CoherenceUm(length_um).into())
 }
 
 fn refractive_index(item: &Item) -> Option<Setting> {
     let what = "an index of 1 reflects nothing, and the gain divides by the reflectance at normal incidence";
     let index = item.number("above 1 and at most 5", what, |n| n > 1.0 && n <= 5.0)?;
-    Some(Setting::Optics(OpticsSetting::RefractiveIndex(index)))
+    Some(OpticsSetting::RefractiveIndex(index).into())
 }
 
 fn illuminant(item: &Item) -> Option<Setting> {
@@ -301,5 +306,5 @@ fn illuminant(item: &Item) -> Option<Setting> {
         item.fail("names no illuminant", "use a name such as \"D65\", or a CSV file");
         return None;
     }
-    Some(Setting::Optics(OpticsSetting::Illuminant(text.into())))
+    Some(OpticsSetting::Illuminant(text.into()).into())
 }

@@ -17,7 +17,14 @@ use super::variants::{Draft, read_optics, read_preset, read_product};
 use super::words::{self, Words, unavailable};
 use super::{Container, Optics, Plan, Rejected, SurfaceSpec, Target, Variant, surface};
 
-const SECTIONS: [&str; 6] = ["schema", "surface", "optics", "variants", "preset", "targets"];
+pub(super) const SECTIONS: [&str; 6] =
+    ["schema", "surface", "optics", "variants", "preset", "targets"];
+
+/// A key of `[targets]` with its words.
+pub(super) const EMIT: (&str, Words<Target>) = ("emit", TARGETS);
+
+/// A key of `[targets]` with its words.
+pub(super) const TABLES: (&str, Words<Option<Container>>) = ("tables", words::CONTAINERS);
 
 impl Plan {
     /// Checks the text of a plan; `path` names it in messages, and its folder is what files are relative to.
@@ -236,15 +243,14 @@ fn surfaces(root: &Table, folder: &Path, lambda_min_nm: f64) -> Vec<SurfaceSpec>
 fn targets(table: Option<&Table>) -> (Vec<Target>, Vec<Container>) {
     let mut containers = BTreeSet::new();
     let Some(table) = table else { return (Target::all(), Vec::new()) };
-    table.only(&["emit", "tables"]);
-    if let Some(item) = table.get("tables") {
-        containers
-            .extend(listed(&item, "table container", words::CONTAINERS).into_iter().flatten());
+    table.only(&[EMIT.0, TABLES.0]);
+    if let Some(item) = table.get(TABLES.0) {
+        containers.extend(listed(&item, "table container", TABLES.1).into_iter().flatten());
     }
     let mut targets = Vec::new();
-    match table.get("emit") {
+    match table.get(EMIT.0) {
         Some(item) => {
-            for target in listed(&item, "target", TARGETS) {
+            for target in listed(&item, "target", EMIT.1) {
                 if !targets.contains(&target) {
                     targets.push(target);
                 }

@@ -7,7 +7,7 @@ use serde::Deserialize;
 use super::item::{Item, Table, suggest};
 use super::{FileSource, Grating, Level, SurfaceSource, SurfaceSpec, words};
 
-const KEYS: [&str; 9] = [
+pub(super) const KEYS: [&str; 10] = [
     "name",
     "grating",
     "file",
@@ -16,22 +16,25 @@ const KEYS: [&str; 9] = [
     "height_um",
     "z_unit_um",
     "rotate_deg",
-    "level",
+    LEVEL.0,
+    "clip_percent",
 ];
+/// The key of [`KEYS`] that takes words.
+pub(super) const LEVEL: (&str, &[(&str, Level)]) = ("level", words::LEVELS);
+
 const FILE_KEYS: [&str; 4] = ["size_um", "pixel_um", "height_um", "z_unit_um"];
 
 /// Reads one surface; `lambda_min_nm` is the shortest wavelength that the plan asks of it.
 pub(super) fn read(table: &Table, folder: &Path, lambda_min_nm: f64) -> Option<SurfaceSpec> {
-    let known: Vec<&str> = KEYS.into_iter().chain(["clip_percent"]).collect();
-    table.only(&known);
+    table.only(&KEYS);
     let name = name(table)?;
     let table = &table.renamed(format!("surface.{name}"));
     let rotate_deg = match table.get("rotate_deg") {
         Some(item) => item.number("finite", "an angle in degrees", |_| true)?,
         None => 0.0,
     };
-    let level = match table.get("level") {
-        Some(item) => item.word(words::LEVELS)?.1,
+    let level = match table.get(LEVEL.0) {
+        Some(item) => item.word(LEVEL.1)?.1,
         None => Level::None,
     };
     let clip_percent = match table.get("clip_percent") {
@@ -239,11 +242,24 @@ fn check_pitch(table: &Table, limit_um: f64) -> bool {
     parts_are_sound
 }
 
+/// The kinds of gratings, and the keys of a kind, as their reader tells them to whoever misspells one.
+pub(super) fn grating_words(kind: Option<&str>) -> Vec<String> {
+    let pair = |key: &str, value: &str| (key.to_owned(), toml::Value::String(value.to_owned()));
+    let table = [pair("kind", kind.unwrap_or("?")), pair("?", "?")].into_iter().collect();
+    let told = Grating::deserialize(toml::Value::Table(table)).err().map(|e| e.to_string());
+    let words = told.as_deref().map(quoted_words).unwrap_or_default();
+    words.into_iter().skip(1).map(str::to_owned).collect()
+}
+
+/// What stands in backticks in the first line of a message of the reader.
+fn quoted_words(message: &str) -> Vec<&str> {
+    message.lines().next().unwrap_or(message).split('`').skip(1).step_by(2).collect()
+}
+
 /// Finds the place that a message of the reader speaks of; its words in backticks are the bad one and the known.
 fn explain(table: &Table, message: &str) {
     let line = message.lines().next().unwrap_or(message);
-    let words: Vec<&str> = line.split('`').skip(1).step_by(2).collect();
-    match words.as_slice() {
+    match quoted_words(message).as_slice() {
         [bad, known @ ..] if line.starts_with("unknown field") => {
             let at = holder(table, bad);
             at.only(

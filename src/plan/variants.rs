@@ -1,5 +1,6 @@
 //! Axes of the product and keys of presets: one reader per key, one list that fixes their order.
 
+use super::axis::{Axis, values, values_or_auto, worded};
 use super::item::{Item, Table};
 use super::mode::{self, MODES};
 use super::optics::{OPTICS, OpticsSetting};
@@ -57,33 +58,35 @@ pub(super) enum Setting {
     Optics(OpticsSetting),
 }
 
-/// A key and its reader.
-pub(super) type Axis = (&'static str, fn(&Item) -> Option<Setting>);
-
 /// Keys of `[variants]` and of a preset in the order of the product: the first varies slowest.
-const AXES: [Axis; 14] = [
-    ("mode", |item| item.word(MODES).map(Setting::Mode)),
-    ("basis", |item| item.word(words::BASES).map(Setting::Basis)),
-    ("terms", |item| auto(item, 1..201, "the number of terms, or \"auto\"").map(Setting::Terms)),
-    ("term_error", term_error),
-    ("reconstruction", |item| item.word(words::RECONSTRUCTIONS).map(Setting::Reconstruction)),
-    ("window_radius", |item| {
+pub(super) const AXES: [Axis; 14] = [
+    worded!("mode", MODES, Setting::Mode),
+    worded!("basis", words::BASES, Setting::Basis),
+    values_or_auto("terms", |item| {
+        auto(item, 1..201, "the number of terms, or \"auto\"").map(Setting::Terms)
+    }),
+    values("term_error", term_error),
+    worded!("reconstruction", words::RECONSTRUCTIONS, Setting::Reconstruction),
+    values_or_auto("window_radius", |item| {
         auto(item, 0..65, "bins to each side of the nearest one, or \"auto\"")
             .map(Setting::WindowRadius)
     }),
-    ("periods", |item| periods(item).map(Setting::Periods)),
-    ("wavelengths", |item| wavelengths(item).map(Setting::Wavelengths)),
-    ("table", |item| item.word(words::TABLE_FORMATS).map(Setting::Table)),
-    ("packing", |item| item.word(words::PACKINGS).map(|(_, packing)| Setting::Packing(packing))),
-    ("sampling", |item| item.word(words::SAMPLINGS).map(|(_, word)| Setting::Sampling(word))),
-    ("hoist", |item| item.boolean().map(Setting::Hoist)),
-    ("bake_error", bake_error),
-    ("bake_mib", bake_mib),
+    values_or_auto("periods", |item| periods(item).map(Setting::Periods)),
+    values("wavelengths", |item| wavelengths(item).map(Setting::Wavelengths)),
+    worded!("table", words::TABLE_FORMATS, Setting::Table),
+    worded!("packing", words::PACKINGS, |(_, packing)| Setting::Packing(packing)),
+    worded!("sampling", words::SAMPLINGS, |(_, word)| Setting::Sampling(word)),
+    values("hoist", |item| item.boolean().map(Setting::Hoist)),
+    values("bake_error", bake_error),
+    values("bake_mib", bake_mib),
 ];
+
+/// Keys of a range of wavelengths.
+pub(super) const WAVELENGTHS: [&str; 3] = ["min_nm", "max_nm", "step_nm"];
 
 /// Reads `[optics]` over the documented defaults.
 pub(super) fn read_optics(table: &Table) -> Optics {
-    table.only(&OPTICS.map(|(key, _)| key));
+    table.only(&OPTICS.map(|axis| axis.key));
     let mut draft = Draft::standard(Optics::standard());
     for (_, value) in preset_values(table, &OPTICS) {
         draft.set(value);
@@ -94,10 +97,10 @@ pub(super) fn read_optics(table: &Table) -> Optics {
 /// Reads `[variants]` and spans the product over a base.
 pub(super) fn read_product(table: &Table, base: &Draft) -> Vec<Draft> {
     let axes = [AXES.as_slice(), OPTICS.as_slice()].concat();
-    table.only(&axes.iter().map(|(key, _)| *key).collect::<Vec<_>>());
+    table.only(&axes.iter().map(|axis| axis.key).collect::<Vec<_>>());
     let values: Vec<Vec<Setting>> = axes
         .iter()
-        .filter_map(|(key, read)| Some(axis_values(key, &table.get(key)?, *read)))
+        .filter_map(|axis| Some(axis_values(axis.key, &table.get(axis.key)?, axis.read)))
         .collect();
     let count = values.iter().try_fold(1usize, |n, axis| n.checked_mul(axis.len()));
     if count.is_none_or(|n| n > MAX_VARIANTS) {
@@ -120,7 +123,7 @@ pub(super) fn read_product(table: &Table, base: &Draft) -> Vec<Draft> {
 /// Reads the keys of a preset, `name` apart, over a base; refuses what cannot be built.
 pub(super) fn read_preset(table: &Table, base: &Draft) -> Option<Variant> {
     let axes = [AXES.as_slice(), OPTICS.as_slice()].concat();
-    let mut known: Vec<_> = axes.iter().map(|(key, _)| *key).collect();
+    let mut known: Vec<_> = axes.iter().map(|axis| axis.key).collect();
     known.push("name");
     table.only(&known);
     let draft = preset_values(table, &axes)
@@ -236,13 +239,13 @@ fn available<T: Copy>(
 }
 
 fn preset_values(table: &Table, axes: &[Axis]) -> Vec<(&'static str, Setting)> {
-    let value = |(key, read): &Axis| {
-        let item = table.get(key)?;
-        if item.is_array() && *key != "periods" {
+    let value = |axis: &Axis| {
+        let item = table.get(axis.key)?;
+        if item.is_array() && axis.key != "periods" {
             item.fail("is an array", "expected one value; only [variants] takes several");
             return None;
         }
-        Some((*key, read(&item)?))
+        Some((axis.key, (axis.read)(&item)?))
     };
     axes.iter().filter_map(value).collect()
 }
@@ -268,10 +271,14 @@ fn axis_values(key: &str, item: &Item, read: fn(&Item) -> Option<Setting>) -> Ve
     values
 }
 
+fn is_auto(item: &Item) -> bool {
+    words::AUTO.iter().any(|(word, ())| item.as_str() == Some(word))
+}
+
 fn auto(item: &Item, range: std::ops::Range<u64>, what: &str) -> Option<Auto<u32>> {
-    match item.as_str() {
-        Some("auto") => Some(Auto::Auto),
-        _ => item.whole(range, what).and_then(|n| u32::try_from(n).ok()).map(Auto::Value),
+    match is_auto(item) {
+        true => Some(Auto::Auto),
+        false => item.whole(range, what).and_then(|n| u32::try_from(n).ok()).map(Auto::Value),
     }
 }
 
@@ -297,7 +304,7 @@ fn is_pair(item: &Item) -> bool {
 
 fn periods(item: &Item) -> Option<Option<[u32; 2]>> {
     let what = "the numbers of replicas along x and y, [qx, qy], or \"auto\"";
-    if item.as_str() == Some("auto") {
+    if is_auto(item) {
         return Some(None);
     }
     if !item.is_array() {
@@ -315,7 +322,7 @@ fn periods(item: &Item) -> Option<Option<[u32; 2]>> {
 
 fn wavelengths(item: &Item) -> Option<Wavelengths> {
     let table = item.table("{ min_nm, max_nm, step_nm }")?;
-    table.only(&["min_nm", "max_nm", "step_nm"]);
+    table.only(&WAVELENGTHS);
     let limit = |key: &str, default: f64| match table.get(key) {
         Some(item) => {
             let what = "the range of the spectral tables; visible light is 380 to 780 nm";

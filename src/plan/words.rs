@@ -48,6 +48,14 @@ pub(super) const COLOURS: &[(&str, Colour)] = &[("srgb", Colour::Srgb), ("thesis
 pub(super) const LEVELS: &[(&str, Level)] =
     &[("none", Level::None), ("plane", Level::Plane), ("rows", Level::Rows)];
 
+/// Stands for a number that is left to the tool.
+pub(super) const AUTO: &[(&str, ())] = &[("auto", ())];
+
+/// The words of a list.
+pub(super) fn names<T>(words: &[(&'static str, T)]) -> Vec<&'static str> {
+    words.iter().map(|(word, _)| *word).collect()
+}
+
 /// Why a planned word is refused.
 pub(super) fn unavailable(key: &str, word: &str) -> String {
     format!("{key} \"{word}\" is not available in this version")

@@ -24,8 +24,43 @@ pub fn text(head: &[&str], rows: Vec<Vec<String>>) -> String {
     text
 }
 
+/// Width of a terminal that lists are written for.
+const WIDTH: usize = 100;
+
+/// A head and items after it, in as many lines as they take; the lines after the first are indented.
+pub(crate) fn wrapped(head: &str, items: &[String], between: &str) -> String {
+    const INDENT: &str = "      ";
+    let mut text = String::new();
+    let mut line = head.to_owned();
+    for (i, item) in items.iter().enumerate() {
+        let item = if i + 1 < items.len() {
+            format!("{item}{}", between.trim_end())
+        } else {
+            item.clone()
+        };
+        if line.chars().count() + 1 + item.chars().count() > WIDTH {
+            text += &line;
+            text.push('\n');
+            line = format!("{INDENT}{item}");
+        } else {
+            line = format!("{line} {item}");
+        }
+    }
+    text + &line + "\n"
+}
+
 #[cfg(test)]
 mod tests {
+    #[test]
+    fn long_lists_break_between_items() {
+        let items: Vec<String> = (0..40).map(|i| format!("item {i}")).collect();
+        let text = super::wrapped("head:", &items, ", ");
+        assert!(text.lines().all(|line| line.chars().count() <= super::WIDTH));
+        let whole = text.lines().map(str::trim).collect::<Vec<_>>().join(" ");
+        assert_eq!(whole, format!("head: {}", items.join(", ")));
+        assert_eq!(super::wrapped("head:", &[], ", "), "head:\n");
+    }
+
     #[test]
     fn numbers_stand_right_and_words_left() {
         let rows =

@@ -1,0 +1,62 @@
+//! What may stand in a plan: for tests and tools that must not have a list of their own.
+
+use std::collections::BTreeSet;
+
+use super::axis::Axis;
+use super::optics::OPTICS;
+use super::variants::{AXES, WAVELENGTHS};
+use super::words::names;
+use super::{parse, surface};
+
+/// A key that a plan may have.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Key {
+    /// Dotted path of its table, without brackets; empty at the top.
+    pub table: &'static str,
+    /// The key.
+    pub name: String,
+    /// Every word that it takes; none of keys with numbers, tables, names and files alone.
+    pub words: Vec<String>,
+}
+
+/// Every key of a plan with its words, table by table, from the lists that the reader itself compares with. The parts of a
+/// crossed grating have the keys of a grating.
+pub fn vocabulary() -> Vec<Key> {
+    let mut keys = Vec::new();
+    let mut add = |table, name: &str, words: Vec<&str>| {
+        let words = words.into_iter().map(str::to_owned).collect();
+        keys.push(Key { table, name: name.to_owned(), words });
+    };
+    for name in parse::SECTIONS {
+        add("", name, Vec::new());
+    }
+    for name in surface::KEYS {
+        add(
+            "surface",
+            name,
+            if name == surface::LEVEL.0 { names(surface::LEVEL.1) } else { Vec::new() },
+        );
+    }
+    let kinds = surface::grating_words(None);
+    add("surface.grating", "kind", kinds.iter().map(String::as_str).collect());
+    let of_kinds = kinds.iter().flat_map(|kind| surface::grating_words(Some(kind)));
+    for name in of_kinds.collect::<BTreeSet<_>>() {
+        add("surface.grating", &name, Vec::new());
+    }
+    let axis = |axis: &Axis| (axis.key, (axis.words)());
+    for (name, words) in OPTICS.iter().map(axis) {
+        add("optics", name, words);
+    }
+    add("preset", "name", Vec::new());
+    for (table, waves) in [("variants", "variants.wavelengths"), ("preset", "preset.wavelengths")] {
+        for (name, words) in AXES.iter().chain(&OPTICS).map(axis) {
+            add(table, name, words);
+        }
+        for name in WAVELENGTHS {
+            add(waves, name, Vec::new());
+        }
+    }
+    add("targets", parse::EMIT.0, names(parse::EMIT.1));
+    add("targets", parse::TABLES.0, names(parse::TABLES.1));
+    keys
+}
