@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let plan = input::read_plan(&path).map_err(|errors| format!("{errors:?}"))?;
         let cache = folder.path().join("cache");
         let request = Request {
-            surfaces: &plan.surfaces,
+            surfaces: &diffraction_shaders::input::read_surfaces(&plan.surfaces).unwrap(),
             variants: &plan.variants,
             targets: &Target::all(),
             containers: &[],

@@ -13,7 +13,8 @@ use serde_json::json;
 
 use crate::error::{Error, Result, Stage};
 use crate::hash::{of_value, sha256};
-use crate::height::{self, Origin, Surface, read::MAX_FILE_BYTES};
+use crate::height::read::{MAX_FILE_BYTES, Reading};
+use crate::height::{self, Origin, Surface};
 use crate::plan::{FileSource, Illuminant, Plan, SurfaceSource, SurfaceSpec};
 use crate::spectrum;
 
@@ -107,7 +108,7 @@ impl SurfaceInput {
     pub fn read(spec: &SurfaceSpec) -> Result<SurfaceInput> {
         let bytes = match &spec.source {
             SurfaceSource::Grating(_) => None,
-            SurfaceSource::File(file) => Some(read_heights(file, &height::subject(spec))?),
+            SurfaceSource::File(file) => Some(height_bytes(file, &height::subject(spec))?),
         };
         let identity = identity(spec, bytes.as_deref());
         Ok(SurfaceInput { spec: spec.clone(), bytes, identity, prepared: OnceLock::new() })
@@ -165,8 +166,14 @@ pub fn load_surface(spec: &SurfaceSpec) -> Result<Surface> {
         .ok_or_else(|| Error::new(Stage::Height, height::subject(spec), "has no heights"))
 }
 
+/// Reads and decodes the file of surface `name`, before anything is prepared.
+pub fn read_heights(source: &FileSource, name: &str) -> Result<Reading> {
+    let bytes = height_bytes(source, &height::read::subject(name, &source.path))?;
+    height::read::parse(source, name, &bytes)
+}
+
 /// The whole file; its size is checked before anything is allocated.
-fn read_heights(source: &FileSource, subject: &str) -> Result<Vec<u8>> {
+fn height_bytes(source: &FileSource, subject: &str) -> Result<Vec<u8>> {
     let error = |cause: &str| Error::new(Stage::Height, subject, cause);
     height::read::check_source(source, subject)?;
     let meta = fs::metadata(&source.path).map_err(|e| {

@@ -6,15 +6,16 @@ mod data_support;
 use std::path::Path;
 
 use diffraction_shaders::frame::view_directions;
-use diffraction_shaders::height::{HeightField, load};
+use diffraction_shaders::height::HeightField;
+use diffraction_shaders::input::load_surface as load;
 use diffraction_shaders::measure::{Comparison, compare, on_orders};
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{Plan, Variant};
 use diffraction_shaders::reference::Directions;
-use diffraction_shaders::resolve::{Lobes, resolve};
 use diffraction_shaders::runner::{Exact, Runner, Subject, TwinRunner};
 use diffraction_shaders::specialise;
-use diffraction_shaders::tables::Table;
+use diffraction_shaders::tables::{LobeGeometry, Table};
+use diffraction_shaders::variant::Form;
 use diffraction_shaders::variant::Twin;
 
 const BLAZED: &str = "{ kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 100 }";
@@ -68,7 +69,7 @@ fn under(theta_i: f64, name: &str, (height, variant): &(HeightField, Variant)) -
     let all = compare(name, &exact, &colours, None).unwrap();
     let map = directions.len() - 1000;
     let drawn = compare(name, &exact[map..], &colours[map..], None).unwrap();
-    let cost = resolve(variant, height).unwrap().cost;
+    let cost = Form::new(variant, height).unwrap().cost();
     println!(
         "{name} {}: all p95 {:.3} max {:.3}, drawn p95 {:.3} max {:.3}, max_abs {:.1e}; evaluations {:.1} worst {}",
         variant.name,
@@ -159,7 +160,7 @@ fn an_ensemble_is_exact_though_lobes_overlap() {
 #[test]
 fn a_single_patch_with_overlapping_lobes_is_refused() {
     let (height, variant) = grating(CROSSED, "coherence_um = 2.0");
-    let told = resolve(&variant, &height).unwrap_err().to_string();
+    let told = Form::new(&variant, &height).unwrap_err().to_string();
     assert!(told.contains("σf·L = 0.64") && told.contains("ensemble"), "{told}");
     let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
     assert!(TwinRunner::new(subject, true).is_err());
@@ -187,7 +188,8 @@ fn the_response_at_one_wavelength_is_the_exact_one() {
 fn a_grating_is_visited_at_the_wavelengths_of_its_orders() {
     let (height, variant) = grating(BLAZED, "");
     let period_um = height.size_x_um();
-    let lobes = Lobes::new(&variant, [period_um, height.size_y_um()]);
+    let patch_um = [period_um, height.size_y_um()];
+    let lobes = LobeGeometry::new((&variant.optics).into(), &variant.wavelengths, patch_um);
     for u in [-1.7, -0.9, -0.31, 0.4, 0.8, 1.3, 1.9] {
         let [low, high] = [0.78, 0.38].map(|lambda_um: f64| period_um * u / lambda_um);
         let (least, most) = (low.min(high).ceil() as i64, low.max(high).floor() as i64);

@@ -3,14 +3,16 @@
 
 use std::path::Path;
 
-use diffraction_shaders::bake::{Colours, bake, sharpen};
-use diffraction_shaders::height::{HeightField, load};
+use diffraction_shaders::height::HeightField;
+use diffraction_shaders::input::load_surface as load;
 use diffraction_shaders::measure::{auto_exposure, compare, standard};
 use diffraction_shaders::optics::{direction, gain};
 use diffraction_shaders::plan::{Plan, Variant, Wavelengths};
 use diffraction_shaders::reference::{Directions, Reference};
-use diffraction_shaders::resolve::{Axes, resolve};
 use diffraction_shaders::runner::{Runner, Subject, TwinRunner, rounded};
+use diffraction_shaders::tables::Axes;
+use diffraction_shaders::tables::bake::{Colours, bake, sharpen};
+use diffraction_shaders::variant::Form;
 use glam::DVec3;
 
 const BLAZED: &str = "{ kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 60 }";
@@ -28,8 +30,14 @@ fn read(grating: &str, keys: &str) -> (HeightField, Variant) {
     (load(&plan.surfaces[0]).unwrap().field, plan.variants[0].clone())
 }
 
+fn axes_of(form: &Form) -> Axes {
+    let Form::Baked(baked) = form else { panic!("{form:?} is not baked") };
+    baked.axes
+}
+
 fn baked(height: &HeightField, variant: &Variant, axes: Axes) -> Colours {
-    bake(height, &variant.optics, &VISIBLE, axes, &|_| ()).unwrap()
+    bake(height, (&variant.optics).into(), &variant.optics.illuminant, &VISIBLE, axes, &|_| ())
+        .unwrap()
 }
 
 /// Directions with a given `(u, v, w)`, the light and the viewer as high as each other.
@@ -111,7 +119,7 @@ fn tables_do_not_depend_on_the_number_of_threads() {
 fn sizes_follow_the_surface_the_light_and_the_error() {
     let axes = |grating: &str, keys: &str| {
         let (height, variant) = read(grating, keys);
-        resolve(&variant, &height).unwrap().axes
+        axes_of(&Form::new(&variant, &height).unwrap())
     };
     let plain = axes(BLAZED, "table = \"rgb9e5\"");
     assert!(plain.columns.is_multiple_of(8) && plain.pages > 1 && plain.page_columns() < 2048);
@@ -126,10 +134,10 @@ fn sizes_follow_the_surface_the_light_and_the_error() {
             let keys = format!("table = \"{table}\"\nbake_mib = {mib}\nbake_error = 0.1");
             let (height, variant) = read(BLAZED, &keys);
             let form = Form::new(&variant, &height).unwrap();
-            let found = resolved.axes.texels() * bytes;
+            let found = axes_of(&form).texels() * bytes;
             let most = (mib * f64::from(1 << 20)) as u64;
             assert!(found <= most && found * 5 > most * 4, "{keys}: {found}");
-            assert_eq!(resolved.cost.table_bytes, found);
+            assert_eq!(form.cost().table_bytes, found);
         }
     }
 }

@@ -9,7 +9,8 @@ use std::path::Path;
 use diffraction_shaders::basis::Expansion;
 use diffraction_shaders::emit::emit;
 use diffraction_shaders::frame::view_directions;
-use diffraction_shaders::height::{HeightField, load};
+use diffraction_shaders::height::HeightField;
+use diffraction_shaders::input::load_surface as load;
 use diffraction_shaders::measure::{Comparison, compare, on_orders};
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{
@@ -214,7 +215,7 @@ fn colours_with_few_terms() {
                 "{MODES}coherence = [\"single\", \"ensemble\"]\nbasis = \"{basis}\"\nterms = {terms}\ntable = [\"f32\", \"f16\"]\npacking = [\"paired\", \"single\"]"
             );
             let (height, plan) = plan(&surface, &keys);
-            let isolated = |v: &&Variant| resolve(v, &height).is_ok();
+            let isolated = |v: &&Variant| Form::new(v, &height).is_ok();
             for variant in plan.variants.iter().filter(isolated) {
                 let found = difference(&height, variant, false);
                 println!(
@@ -253,13 +254,13 @@ fn every_mode_and_form_compiles_for_every_target() {
         assert_eq!(shapes.len(), 3);
         let nodes = specialise::node_count(&shapes);
         let defines = specialise::defines(variant, &form, 0.0, nodes);
-        let module = specialise::shader(&Sources::builtin(), &variant.name, &defines)
+        let module = specialise::shader(&Sources::builtin(), &variant.name, &form, &defines)
             .unwrap_or_else(|e| panic!("{}: {:?}", variant.name, common::lines(&e)));
         for target in common::TARGETS {
             emit(&module, target).unwrap_or_else(|e| panic!("{}: {e}", variant.name));
         }
         let bytes: usize = shapes.iter().map(Table::byte_count).sum();
-        assert_eq!(bytes as u64, resolved.cost.table_bytes, "{}", variant.name);
+        assert_eq!(bytes as u64, form.cost().table_bytes, "{}", variant.name);
     }
 }
 
@@ -277,6 +278,6 @@ fn what_has_no_meaning_is_told() {
         term_error: 1e-9,
         ..plan.variants[0].clone()
     };
-    let told = resolve(&fine, &height).unwrap_err().to_string();
+    let told = Form::new(&fine, &height).unwrap_err().to_string();
     assert!(told.contains("term_error = 1e-9"), "{told}");
 }

@@ -220,7 +220,7 @@ tables = {tables}
     let plan = Plan::parse(&text, Path::new("plan.toml")).unwrap();
     let sources = Sources::builtin();
     let request = Request {
-        surfaces: &plan.surfaces,
+        surfaces: &diffraction_shaders::input::read_surfaces(&plan.surfaces).unwrap(),
         variants: &plan.variants,
         targets: &plan.targets,
         containers: &plan.containers,

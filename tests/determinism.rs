@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use diffraction_shaders::generate::{Request, generate, index};
+use diffraction_shaders::input::read_surfaces;
 use diffraction_shaders::package::{MANIFEST, Package};
 use diffraction_shaders::plan::{Plan, SurfaceSpec, Target, Variant};
 use diffraction_shaders::template::Sources;
@@ -43,7 +44,7 @@ packing = "single"
 
 fn package(surfaces: &[SurfaceSpec], variants: &[Variant], targets: &[Target]) -> Package {
     let request = Request {
-        surfaces,
+        surfaces: &read_surfaces(surfaces).unwrap(),
         variants,
         targets,
         containers: &[],

@@ -3,7 +3,8 @@
 
 use std::path::Path;
 
-use diffraction_shaders::height::{HeightField, load};
+use diffraction_shaders::height::HeightField;
+use diffraction_shaders::input::load_surface as load;
 use diffraction_shaders::plan::{Plan, Variant};
 use diffraction_shaders::reference::Directions;
 use diffraction_shaders::runner::{Runner, Subject, TwinRunner};
@@ -54,10 +55,10 @@ fn what_it_has_not_is_told() {
     let runner = TwinRunner::new(subject, true).unwrap();
     let told = runner.response(&[up], 550.0).unwrap_err().to_string();
     assert!(told.contains("has no wavelength axis"), "{told}");
-    let cost = resolve(&variant, &height).unwrap().cost;
+    let cost = Form::new(&variant, &height).unwrap().cost();
     assert_eq!((cost.evaluations, cost.fetches), (0, 1));
 
     let (height, variant) = read("{ kind = \"flat\", period_um = 2.5, pixels = 100 }");
-    let told = resolve(&variant, &height).unwrap_err().to_string();
+    let told = Form::new(&variant, &height).unwrap_err().to_string();
     assert!(told.contains("a flat surface has no period"), "{told}");
 }

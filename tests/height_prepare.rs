@@ -4,7 +4,8 @@
 
 mod height_support;
 
-use diffraction_shaders::height::{self, EXTRUDED, HeightField, Surface, level};
+use diffraction_shaders::height::{EXTRUDED, HeightField, Surface, level};
+use diffraction_shaders::input;
 use diffraction_shaders::plan::{Level, SurfaceSpec};
 use height_support::*;
 

@@ -4,8 +4,9 @@
 
 mod height_support;
 
-use diffraction_shaders::height::read::{Reading, read};
+use diffraction_shaders::height::read::Reading;
 use diffraction_shaders::height::{HeightField, write_gsf};
+use diffraction_shaders::input::read_heights as read;
 use diffraction_shaders::plan::FileSource;
 use height_support::*;
 use image::ExtendedColorType;

@@ -11,6 +11,7 @@ use std::path::Path;
 use diffraction_shaders::height::HeightField;
 use diffraction_shaders::height::inspect::{Facts, Periods, facts, periods};
 use diffraction_shaders::height::synthetic::synthesise;
+use diffraction_shaders::input;
 use diffraction_shaders::inspect::{Inspection, height_picture, inspect, spectrum_picture};
 use diffraction_shaders::plan::{FileSource, Grating, Plan, SurfaceSpec};
 use height_support::{floats, folder, integers, png, put, surface};
@@ -153,7 +154,7 @@ fn terms_window_and_cost_are_those_of_the_plan() {
     assert_eq!(found.terms[1].terms, [27, 29, 31]);
     assert_eq!(found.terms[0].levelled, [1, 1, 1]);
     // `terms = "auto"` keeps 1e-3
-    assert_eq!(found.variants[0].terms, 18);
+    assert_eq!(found.variants[0].terms, Some(18));
     assert_eq!(found.window.overlap, [false; 2]);
     assert_near(found.window.sigma_bins[0], 2.5 / (TAU * 16.25), 1e-12);
     assert_eq!((found.step_um, found.void_pixels), (None, 0));

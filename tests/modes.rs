@@ -51,7 +51,7 @@ fn every_shader_that_the_constraints_leave_compiles_for_every_target() {
             let tables = specialise::shapes(&form, rotate_deg);
             let nodes = specialise::node_count(&tables);
             let defines = specialise::defines(variant, &form, rotate_deg, nodes);
-            let module = specialise::shader(&Sources::builtin(), &variant.name, &defines)
+            let module = specialise::shader(&Sources::builtin(), &variant.name, &form, &defines)
                 .unwrap_or_else(|e| panic!("{}: {:?}", variant.name, common::lines(&e)));
             for target in common::TARGETS {
                 emit(&module, target).unwrap_or_else(|e| panic!("{}: {e}", variant.name));

@@ -134,6 +134,7 @@ fn contract() -> Contract {
     Contract {
         entry_points: entry_points.map(|(name, stage)| (name.to_owned(), stage)).into(),
         samplers: BTreeSet::from(["linear".to_owned()]),
+        functions: vec!["shade"],
     }
 }
 

@@ -4,6 +4,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use diffraction_shaders::input::read_plan;
 use diffraction_shaders::plan::{Auto, Basis, Mode, Packing, Plan, SurfaceSource, Target, Variant};
 
 const SURFACE: &str = "schema = 1\n[[surface]]\nname = \"a\"\ngrating = { kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 100 }\n";
@@ -250,7 +251,7 @@ fn all_faults_are_told_in_the_order_of_the_text() {
 #[test]
 fn files_that_are_no_plan_are_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let read = |path: &Path| Plan::read(path).unwrap_err().to_string();
+    let read = |path: &Path| read_plan(path).unwrap_err()[0].to_string();
     assert!(read(&folder.path().join("absent.toml")).contains("absent.toml: cannot be read"));
     assert!(read(folder.path()).contains("is a folder"));
     let bytes = folder.path().join("bytes.toml");

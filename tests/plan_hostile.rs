@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use diffraction_shaders::error::Error;
-use diffraction_shaders::plan::{MAX_PLAN_BYTES, Plan};
+use diffraction_shaders::plan::Plan;
 
 const HEAD: &str = "schema = 1\n[[surface]]\nname = \"a\"\n\
     grating = { kind = \"flat\", period_um = 1, pixels = 20 }\n";
@@ -16,7 +16,7 @@ const LIMIT: Duration = Duration::from_secs(15);
 fn filled(piece: impl Fn(usize) -> String) -> String {
     let mut text = HEAD.to_owned();
     let mut i = 0;
-    while text.len() + 200 < MAX_PLAN_BYTES as usize {
+    while text.len() + 200 < diffraction_shaders::input::MAX_PLAN_BYTES as usize {
         text += &piece(i);
         i += 1;
     }

@@ -10,11 +10,11 @@ use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{Grating, Plan, Variant};
 use diffraction_shaders::reference::Directions;
 use diffraction_shaders::replicas;
-use diffraction_shaders::resolve::{Resolved, replica_tail, resolve};
 use diffraction_shaders::runner::{Runner, Subject, TwinRunner};
 use diffraction_shaders::specialise;
 use diffraction_shaders::tables::Table;
 use diffraction_shaders::variant::Twin;
+use diffraction_shaders::variant::{Form, Pq, replica_tail};
 use glam::{DVec2, DVec3};
 use rustfft::num_complex::Complex64;
 
@@ -43,10 +43,15 @@ fn response(twin: &Twin<'_>, f: DVec2, z: f64) -> f64 {
     twin.response(path, lambda_um).unwrap()
 }
 
-fn prepared(variant: &Variant, height: &HeightField) -> (Resolved, Vec<Table>) {
+fn prepared(variant: &Variant, height: &HeightField) -> (Form, Vec<Table>) {
     let form = Form::new(variant, height).unwrap();
     let tables = specialise::tables(&form, height, 0.0).unwrap();
-    (resolved, tables)
+    (form, tables)
+}
+
+fn pq_of(form: &Form) -> &Pq {
+    let Form::Pq(pq) = form else { panic!("{form:?} is not pq") };
+    pq
 }
 
 const FREQUENCIES: [DVec2; 6] = [
@@ -65,12 +70,13 @@ fn all_bins_of_odd_and_even_patches_give_the_direct_sum() {
         for periods in ["[1, 1]", "[3, 2]", "[4, 7]"] {
             let variant =
                 variant(&format!("mode = \"pq\"\nwindow_radius = 6\nperiods = {periods}"));
-            let (resolved, tables) = prepared(&variant, &height);
-            assert_eq!(resolved.taps, [columns as u32, rows as u32]);
+            let (form, tables) = prepared(&variant, &height);
+            assert_eq!(pq_of(&form).taps, [columns as u32, rows as u32]);
             let twin = Twin::new(&form, &tables, &variant.optics, 0.0);
             for f in FREQUENCIES {
                 for z in [-14.0, -22.0, -3.0] {
-                    let direct = replicas::amplitude(&height, f, z, resolved.periods).norm_sqr();
+                    let direct =
+                        replicas::amplitude(&height, f, z, pq_of(&form).periods).norm_sqr();
                     let got = response(&twin, f, z);
                     assert!((got - direct).abs() < 1e-9, "{columns}×{rows} {f}: {got}, {direct}");
                 }
@@ -85,7 +91,7 @@ fn fewer_bins_err_less_than_is_stated() {
     for radius in [0, 1, 2, 4, 8] {
         let variant =
             variant(&format!("mode = \"pq\"\nwindow_radius = {radius}\nperiods = [1, 1]"));
-        let (resolved, tables) = prepared(&variant, &height);
+        let (form, tables) = prepared(&variant, &height);
         let twin = Twin::new(&form, &tables, &variant.optics, 0.0);
         let (mut errors, mut squares) = (0.0, 0.0);
         for i in 0..400 {
@@ -94,7 +100,7 @@ fn fewer_bins_err_less_than_is_stated() {
             errors += (response(&twin, f, -20.0).sqrt() - direct).powi(2);
             squares += direct.powi(2);
         }
-        let tail = replica_tail([1, 1], resolved.taps, resolved.pixels);
+        let tail = replica_tail([1, 1], pq_of(&form).taps, pq_of(&form).pixels);
         let share = errors / squares;
         println!("radius {radius}: {share:.1e} of the light, {tail:.1e} stated");
         assert!(share < tail, "radius {radius}: {share} of {tail}");
@@ -107,11 +113,11 @@ fn fewer_bins_err_less_than_is_stated() {
 fn order_peaks_are_those_of_the_full_sum_and_of_the_closed_form() {
     let height = blazed();
     let (pq, full) = (variant("mode = \"pq\""), variant("mode = \"full\"\nwindow_radius = 2"));
-    let (resolved, tables) = prepared(&pq, &height);
-    let (full_resolved, full_tables) = prepared(&full, &height);
-    assert_eq!(resolved.periods, [26, 650], "the coherence length over 2.5 µm and 0.1 µm");
+    let (form, tables) = prepared(&pq, &height);
+    let (full_form, full_tables) = prepared(&full, &height);
+    assert_eq!(pq_of(&form).periods, [26, 650], "the coherence length over 2.5 µm and 0.1 µm");
     let twin = Twin::new(&form, &tables, &pq.optics, 0.0);
-    let full = Twin::new(&full_resolved, &full_tables, &full, 0.0);
+    let full = Twin::new(&full_form, &full_tables, &full.optics, 0.0);
     for m in -5..=5 {
         for z in [-9.1, -16.0, -22.2] {
             let f = DVec2::new(f64::from(m) / 2.5, 0.0);
@@ -135,7 +141,7 @@ fn colours_are_in_the_ratio_of_the_line_areas() {
     let full = variant(&format!("mode = \"full\"\n{keys}"));
     let ratio = 1.0 / (26.0 * 2.5) / (PI.sqrt() / (TAU * 65.0 / 4.0));
     let area = |variant: &Variant, m: f64| {
-        let (resolved, tables) = prepared(variant, &height);
+        let (form, tables) = prepared(variant, &height);
         let twin = Twin::new(&form, &tables, &variant.optics, 0.0);
         let at = |i: i32| DVec2::new((m + (f64::from(i) + 0.5) / 400.0) / 2.5, 0.0);
         (-200..200).map(|i| response(&twin, at(i), -20.9)).sum::<f64>()
@@ -190,7 +196,7 @@ fn interpolated(
 fn the_misprinted_product_is_far_away() {
     let height = rough(9, 7);
     let variant = variant("mode = \"pq\"\nwindow_radius = 6\nperiods = [1, 1]");
-    let (resolved, tables) = prepared(&variant, &height);
+    let (form, tables) = prepared(&variant, &height);
     let twin = Twin::new(&form, &tables, &variant.optics, 0.0);
     let misprint = |a: Complex64, b: Complex64| {
         Complex64::new(a.re * b.re - a.im * b.im, a.re * b.re + a.im * b.im)

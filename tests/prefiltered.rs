@@ -5,17 +5,18 @@ use std::path::Path;
 
 use diffraction_shaders::emit::{BindingKind, EmittedFile, emit};
 use diffraction_shaders::frame::view_directions;
-use diffraction_shaders::height::{HeightField, load};
+use diffraction_shaders::height::HeightField;
+use diffraction_shaders::input::load_surface as load;
 use diffraction_shaders::measure::{Comparison, compare, on_orders};
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{Auto, Plan, Sampling, Target, Variant};
 use diffraction_shaders::reference::Directions;
-use diffraction_shaders::resolve::{GRID_ERROR, grid_error, resolve};
 use diffraction_shaders::runner::{Exact, Runner, Subject, TwinRunner};
 use diffraction_shaders::specialise;
 use diffraction_shaders::tables::{SAMPLER, SAMPLER_NAME, SPECTRUM, Table};
 use diffraction_shaders::template::Sources;
 use diffraction_shaders::variant::Twin;
+use diffraction_shaders::variant::{Form, GRID_ERROR, grid_error};
 
 const FINGERS: &str = "{ kind = \"fingers\", size_um = 13.0, pixels = 160, pitch_um = 1.1, height_um = 0.3, seed = 3 }";
 const BUMPS: &str =
@@ -87,7 +88,7 @@ fn linear_interpolation_errs_as_stated() {
     let (height, variant) = read(FINGERS, "");
     let variant = Variant { terms: Auto::Value(14), ..variant };
     let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
-    let grid = resolve(&variant, &height).unwrap().grid.unwrap();
+    let grid = Form::new(&variant, &height).unwrap().series().unwrap().grid.unwrap();
     let stated = grid_error(&grid);
     assert!(stated <= GRID_ERROR && stated > 0.9 * GRID_ERROR, "{stated}");
     let directions = directions(&height, &variant, 20.0);
@@ -107,14 +108,14 @@ fn tables_do_not_grow_with_the_patch() {
     let (small, variant) = read(FINGERS, "");
     let large = FINGERS.replace("13.0", "26.0").replace("160", "320");
     let (large, _) = read(&large, "");
-    let bins = |height| resolve(&variant, height).unwrap().bins;
+    let bins = |height| Form::new(&variant, height).unwrap().series().unwrap().bins;
     assert_eq!(bins(&small), bins(&large));
     let (height, variant) = read(FINGERS, "");
     let mut wide = variant.clone();
     wide.optics.coherence_um = 600.0;
-    let told = resolve(&wide, &height).unwrap_err().to_string();
+    let told = Form::new(&wide, &height).unwrap_err().to_string();
     assert!(told.contains("coherence_um = 600") && told.contains("window"), "{told}");
-    let cost = |v: &Variant| resolve(v, &height).unwrap().cost;
+    let cost = |v: &Variant| Form::new(v, &height).unwrap().cost();
     let filtered = Variant { sampling: Sampling::Filter, ..variant.clone() };
     assert_eq!(cost(&variant).term_fetches, 4 * cost(&filtered).term_fetches);
 }
@@ -129,7 +130,7 @@ fn every_language_has_one_plain_sampler() {
         assert_eq!(tables.iter().filter(|table| table.filtered).count(), count);
         let nodes = specialise::node_count(&tables);
         let defines = specialise::defines(&variant, &form, 0.0, nodes);
-        let module = specialise::shader(&Sources::builtin(), "test", &defines).unwrap();
+        let module = specialise::shader(&Sources::builtin(), "test", &form, &defines).unwrap();
         for target in Target::all() {
             for file in emit(&module, target).unwrap() {
                 let samplers = file.bindings.iter().filter(|b| b.kind == BindingKind::Sampler);

@@ -4,7 +4,8 @@
 
 mod height_support;
 
-use diffraction_shaders::height::{self, HeightField, Surface, synthetic::synthesise};
+use diffraction_shaders::height::{HeightField, Surface, synthetic::synthesise};
+use diffraction_shaders::input;
 use diffraction_shaders::measure::{Comparison, compare};
 use diffraction_shaders::optics::{diffuser_scale, direction};
 use diffraction_shaders::plan::{FileSource, Grating, Optics};

@@ -116,7 +116,7 @@ fn only<E: std::fmt::Debug>(expected: &[&str], errors: Vec<E>) -> Result<(), Tes
 
 fn package(plan: &Plan) -> Result<(Package, Vec<Gap>), Vec<Diagnostic>> {
     let request = Request {
-        surfaces: &plan.surfaces,
+        surfaces: &diffraction_shaders::input::read_surfaces(&plan.surfaces).unwrap(),
         variants: &plan.variants,
         targets: &plan.targets,
         containers: &plan.containers,

@@ -189,7 +189,7 @@ fn made(text: &str) -> Made {
     let plan = Plan::parse(text, Path::new("plan.toml")).unwrap_or_else(|e| panic!("{e}"));
     let sources = Sources::builtin();
     let request = Request {
-        surfaces: &plan.surfaces,
+        surfaces: &diffraction_shaders::input::read_surfaces(&plan.surfaces).unwrap(),
         variants: &plan.variants,
         targets: &plan.targets,
         containers: &plan.containers,
@@ -404,7 +404,7 @@ fn bounds_of_lobes_are_those_of_the_text() {
     let text = "schema = 1\n[[surface]]\nname = \"blazed\"\ngrating = { kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 60 }\n[variants]\nmode = \"adaptive\"\nterms = 9\ncoherence = [\"single\", \"ensemble\"]\n[targets]\nemit = [\"wgsl\"]\n";
     let plan = Plan::parse(text, Path::new("plan.toml")).unwrap();
     let request = Request {
-        surfaces: &plan.surfaces,
+        surfaces: &diffraction_shaders::input::read_surfaces(&plan.surfaces).unwrap(),
         variants: &plan.variants,
         targets: &plan.targets,
         containers: &plan.containers,

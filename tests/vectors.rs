@@ -7,7 +7,8 @@ mod data_support;
 use std::fs;
 use std::path::Path;
 
-use diffraction_shaders::height::{self, HeightField};
+use diffraction_shaders::height::HeightField;
+use diffraction_shaders::input;
 use diffraction_shaders::plan::{FileSource, Level, Optics, SurfaceSource, SurfaceSpec};
 use diffraction_shaders::reference::{Directions, Reference};
 

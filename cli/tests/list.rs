@@ -6,7 +6,8 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use diffraction_shaders::plan::{Plan, Variant, vocabulary};
+use diffraction_shaders::input::read_plan;
+use diffraction_shaders::plan::{Variant, vocabulary};
 use serde_json::Value;
 
 const PLAN: &str = r#"schema = 1
@@ -103,10 +104,10 @@ sampling = "filter"
 #[test]
 fn every_key_of_a_configuration_is_listed() {
     let folder = folder(FORMS);
-    let plan = Plan::read(&folder.path().join("plan.toml")).unwrap();
-    let json = xtask(folder.path(), &["list", "--json"]);
+    let plan = read_plan(&folder.path().join("plan.toml")).unwrap();
+    let json = diffraction(folder.path(), &["list", "--json"]);
     let list: Value = serde_json::from_slice(&json.stdout).unwrap();
-    let human = String::from_utf8(xtask(folder.path(), &["list"]).stdout).unwrap();
+    let human = String::from_utf8(diffraction(folder.path(), &["list"]).stdout).unwrap();
     let axes = || vocabulary().into_iter().filter(|key| key.table == "variants");
     let mut read = BTreeSet::new();
     assert_eq!(list["variants"].as_array().unwrap().len(), plan.variants.len());
@@ -161,7 +162,7 @@ fn told(human: &str, variant: &Variant) -> Vec<String> {
 #[test]
 fn the_table_fits_a_terminal_of_100_columns() {
     for plan in [FORMS, PLAN] {
-        let text = String::from_utf8(xtask(folder(plan).path(), &["list"]).stdout).unwrap();
+        let text = String::from_utf8(diffraction(folder(plan).path(), &["list"]).stdout).unwrap();
         let wide: Vec<&str> = text.lines().filter(|line| line.chars().count() > 100).collect();
         assert!(wide.is_empty(), "{wide:#?}");
     }

@@ -117,7 +117,7 @@ fn what_is_wrong_is_seen() {
         }),
         ("f16 not scaled", TableFormat::F16, |prepared| {
             // powers of heights in µm, without the factor z^n/n! that terms have here, and without the scales of the format
-            let (scale, z) = (prepared.resolved.scale, basis::greatest_z(380.0));
+            let (scale, z) = (prepared.form.series().unwrap().scale(), basis::greatest_z(380.0));
             let factor = |term: usize| (1..=term).fold(1.0, |f, n| f * z / n as f64);
             let layer = prepared.terms.width * prepared.terms.height * 4;
             for (i, v) in prepared.terms.texels.iter_mut().enumerate() {

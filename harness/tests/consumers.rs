@@ -11,8 +11,8 @@ use std::time::Duration;
 
 use diffraction_harness::drivers::browser::{check_page, drive_page};
 use diffraction_shaders::generate::{Request, generate, index};
+use diffraction_shaders::input;
 use diffraction_shaders::package::write;
-use diffraction_shaders::plan::Plan;
 use diffraction_shaders::template::Sources;
 use serde_json::{Value, json};
 
@@ -185,7 +185,7 @@ fn package() -> &'static Path {
     PACKAGE.get_or_init(|| {
         let plan = input::read_plan(&Path::new(ROOT).join("plans/gallery.toml")).unwrap();
         let request = Request {
-            surfaces: &plan.surfaces,
+            surfaces: &input::read_surfaces(&plan.surfaces).unwrap(),
             variants: &plan.variants,
             targets: &plan.targets,
             containers: &[],

@@ -132,7 +132,7 @@ fn function_forms_pass_the_probes_on_real_drivers() {
 fn package() -> Package {
     let plan = Plan::parse(PLAN, Path::new("plan.toml")).unwrap();
     let request = Request {
-        surfaces: &plan.surfaces,
+        surfaces: &diffraction_shaders::input::read_surfaces(&plan.surfaces).unwrap(),
         variants: &plan.variants,
         targets: &Target::all(),
         containers: &[],

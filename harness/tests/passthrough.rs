@@ -130,7 +130,7 @@ fn what_is_wrong_is_seen() {
             numbers(&mut prepared.terms, largest).for_each(|v| *v = 0.0);
         }),
         ("f16 unscaled", TableFormat::F16, |prepared| {
-            let scale = prepared.resolved.scale;
+            let scale = prepared.form.series().unwrap().scale();
             assert_ne!(scale, Scale::NONE);
             for term in 0..2 * prepared.terms.layers {
                 numbers(&mut prepared.terms, term).for_each(|v| *v *= scale.of(term));

@@ -6,7 +6,8 @@ mod data_support;
 
 use diffraction_harness::drivers::gpu::{Backend, Gpu};
 use diffraction_harness::drivers::{DriverRunner, Prepared, ShaderRunner};
-use diffraction_shaders::height::{self, HeightField, synthetic::synthesise};
+use diffraction_shaders::height::{HeightField, synthetic::synthesise};
+use diffraction_shaders::input;
 use diffraction_shaders::measure::{Comparison, compare};
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{

@@ -8,7 +8,8 @@ use std::path::Path;
 
 use diffraction_harness::testbench::{self, Lobe, Measurement, Picture, Profile, Protocol};
 use diffraction_shaders::height::inspect::facts;
-use diffraction_shaders::height::{HeightField, load, synthetic::synthesise};
+use diffraction_shaders::height::{HeightField, synthetic::synthesise};
+use diffraction_shaders::input::load_surface as load;
 use diffraction_shaders::optics::window_sigma_um;
 use diffraction_shaders::plan::{Grating, Mode, Optics, Plan, Variant, Wavelengths};
 use diffraction_shaders::runner::{Runner, Subject, TwinRunner};

@@ -11,6 +11,7 @@ use diffraction_harness::tune::search::{Found, State, search, to_time};
 use diffraction_harness::tune::verdict::{Baseline, Results, Run, front, settle, winner};
 use diffraction_harness::tune::{Candidate, Lost};
 use diffraction_shaders::height;
+use diffraction_shaders::input;
 use diffraction_shaders::plan::{Auto, Mode, Plan, Variant};
 use diffraction_shaders::profile::Profile;
 use diffraction_shaders::runner::Subject;
@@ -77,7 +78,7 @@ fn candidates_are_presets_of_the_plan_and_keep_its_optics() {
     // the counts of each basis are those that its errors ask for
     let terms = |basis: &str| -> Vec<u32> {
         let of = kept.iter().filter(|c| name(c).starts_with(&format!("adaptive-{basis}-")));
-        let mut all: Vec<u32> = of.map(|c| c.form.series().unwrap().expansion().terms).collect();
+        let mut all: Vec<u32> = of.map(|c| c.on.series().unwrap().expansion().terms).collect();
         all.sort_unstable();
         all.dedup();
         all
@@ -100,7 +101,7 @@ fn bounds_sizes_and_profiles_prune_with_their_reasons() {
     // an even number of terms costs what the odd one below it does
     assert!(lost.iter().any(|l| l.verdict == Verdict::Dominated));
     for (i, one) in kept.iter().enumerate() {
-        for other in kept.iter().skip(i + 1).filter(|other| other.form == one.form) {
+        for other in kept.iter().skip(i + 1).filter(|other| other.kind == one.kind) {
             let better = |a: &Candidate, b: &Candidate| {
                 let bounds = a.bounds.all().into_iter().zip(b.bounds.all());
                 a.fetches() <= b.fetches()
@@ -225,7 +226,7 @@ fn settled(errors_and_times: &[(LightError, Time)]) -> Vec<Tune> {
     let states = errors_and_times.iter().map(|(e, _)| State::Measured(vec![*e])).collect();
     let times = errors_and_times.iter().map(|(_, t)| Ok(*t)).enumerate().collect();
     let texts = Variant::texts(&plan.optics);
-    let cost = resolve(&texts, &height).expect("resolves").cost;
+    let cost = Form::new(&texts, &height).expect("resolves").cost();
     let baseline = Baseline { errors: vec![error(4.0, None)], time: Some(time(1e5, None)), cost };
     let run = Run {
         surface: "wave",

@@ -121,7 +121,7 @@ fn finish(source: &FileSource, subject: &str, mut raster: Raster) -> Result<Read
 }
 
 /// How errors name a surface that comes from a file.
-pub(super) fn subject(name: &str, path: &Path) -> String {
+pub fn subject(name: &str, path: &Path) -> String {
     format!("surface {name}: {}", path.display())
 }
 

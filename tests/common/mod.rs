@@ -166,7 +166,7 @@ hoist = false
     fs::write(&plan, text).unwrap();
     let plan = input::read_plan(&plan).unwrap_or_else(|errors| panic!("{errors:#?}"));
     let request = Request {
-        surfaces: &plan.surfaces,
+        surfaces: &input::read_surfaces(&plan.surfaces).unwrap(),
         variants: &plan.variants,
         targets: &TARGETS,
         containers: &plan.containers,
