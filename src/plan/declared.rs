@@ -20,13 +20,15 @@ use crate::template::Sources;
 use crate::variant::{Form, Ground};
 
 /// One variant of every form, small enough to be laid out often.
-const FORMS: [&str; 10] = [
+const FORMS: [&str; 12] = [
     "terms = 5\ncoherence_um = 9",
     "terms = \"auto\"\nwindow_radius = \"auto\"\ncoherence_um = 9",
     "terms = 5\nwavelengths = { min_nm = 550, max_nm = 550 }",
     "terms = 5\nreconstruction = \"prefiltered\"\ntable = \"f16\"\ncoherence_um = 9",
     "mode = \"pq\"\nterms = 5",
     "mode = \"pq\"\nterms = 5\nperiods = [3, 2]",
+    "mode = \"pq\"\nterms = \"auto\"",
+    "mode = \"adaptive\"\nterms = \"auto\"",
     "mode = \"adaptive\"\nterms = 5",
     "mode = \"adaptive\"\nterms = 5\nreconstruction = \"prefiltered\"\ntable = \"f16\"\ncoherence_um = 9",
     "mode = \"baked\"\ntable = \"f16\"\nbake_mib = 4\ncoherence_um = 9",
@@ -86,7 +88,8 @@ fn fingerprint(variant: &Variant, height: &HeightField) -> Option<Vec<String>> {
     let ids = tables.iter().map(TableSpec::id);
     let (scale, space) =
         (form.diffuser_scale(&variant.optics), form.colour_space(variant.optics.colour));
-    let more = [format!("{scale:?}"), space.to_owned(), format!("{:?}", form.promise())];
+    let bounds = (form.promise(), form.error_bound(), form.lobe_bounds());
+    let more = [format!("{scale:?}"), space.to_owned(), format!("{bounds:?}")];
     Some(text.chain(ids).chain(more).collect())
 }
 
