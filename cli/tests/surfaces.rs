@@ -56,7 +56,7 @@ fn commands_of_one_surface_take_its_optics() {
         "--surface",
     ];
     let explain = ["explain", "sum", "--surface"];
-    let inspect = ["inspect", "--json", "--surface"];
+    let inspect = ["inspect", "--surface"];
     for args in [exact.as_slice(), &twin, &explain, &inspect] {
         let on = |folder, surface| stdout(folder, &[args, &[surface]].concat());
         assert_eq!(on(&own, "card"), on(&same, "card"), "{args:?}");
