@@ -45,12 +45,15 @@ impl Mode {
     }
 }
 
+/// A condition on a variant.
+type When = fn(&Variant) -> bool;
+
 /// What a mode does with the entries of the canonical configuration, the mode itself apart. All others it leaves alone.
 struct Declared {
     /// Read by every variant of the mode.
     always: &'static [&'static str],
     /// Read where a variant is such.
-    sometimes: &'static [(&'static str, fn(&Variant) -> bool)],
+    sometimes: &'static [(&'static str, When)],
     /// Not read, but refused with a reason where they differ from the default, by [`broken`].
     refused: &'static [&'static str],
 }
@@ -186,8 +189,7 @@ fn counts_replicas(variant: &Variant) -> bool {
 /// Whether a variant reads an entry of the canonical configuration.
 pub(super) fn reads(variant: &Variant, key: &str) -> bool {
     let Declared { always, sometimes, .. } = variant.mode.declared();
-    let is_such =
-        |(known, is_such): &(&str, fn(&Variant) -> bool)| *known == key && is_such(variant);
+    let is_such = |(known, is_such): &(&str, When)| *known == key && is_such(variant);
     key == "mode" || always.contains(&key) || sometimes.iter().any(is_such)
 }
 
