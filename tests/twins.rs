@@ -21,7 +21,7 @@ fn functions(path: &Path, except: &[&str]) -> BTreeSet<String> {
 fn templates_and_twins_have_the_same_functions() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut modes = 0;
-    for entry in fs::read_dir(root.join("src/twin")).unwrap() {
+    for entry in fs::read_dir(root.join("src/variant/twin")).unwrap() {
         let twin = entry.unwrap().path();
         let name = twin.file_stem().unwrap().to_str().unwrap();
         let template = root.join(format!("templates/{name}.wgsl"));
