@@ -28,11 +28,11 @@ coherence_um = 20
 [variants]
 mode = ["full", "pq", "adaptive", "baked", "gems"]
 basis = ["taylor", "optimal"]
-terms = [5, 6, "auto"]
+terms = [5, "auto"]
 term_error = [0.1]
 reconstruction = ["window", "prefiltered"]
 window_radius = [0, "auto"]
-wavelengths = [{}, { min_nm = 400 }, { step_nm = 10 }, { max_nm = 700 }]
+wavelengths = [{}, { min_nm = 400, step_nm = 10 }]
 table = ["f32", "f16"]
 packing = ["paired", "single"]
 bake_mib = 0.5
@@ -44,7 +44,8 @@ illuminant = ["D65", "A"]
 const OPTICS: &str = r#"
 [variants]
 mode = ["full", "pq", "adaptive", "baked"]
-terms = 5
+terms = [5, 6]
+wavelengths = [{}, { max_nm = 700 }]
 reconstruction = ["window", "prefiltered"]
 window_radius = ["auto"]
 table = ["f16"]
