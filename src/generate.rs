@@ -44,7 +44,7 @@ pub const NAGA_VERSION: &str = "30.0.1";
 pub struct Request<'a> {
     /// The surfaces, their files read.
     pub surfaces: &'a [SurfaceInput],
-    /// The variants, each for every surface.
+    /// The variants; each on every surface that it is for, under the optics of the surface.
     pub variants: &'a [Variant],
     /// Languages.
     pub targets: &'a [Target],
@@ -86,23 +86,24 @@ pub fn generate(
 ) -> Result<Generated, Vec<Diagnostic>> {
     let surfaces = load(request)?;
     Cache(request.cache).sweep();
-    let mut gaps = Vec::new();
+    let mut gaps: Vec<Gap> = Vec::new();
     let mut pairs = Vec::new();
     for surface in &surfaces {
-        for variant in request.variants {
-            match gap(surface.input, variant, surface.field) {
-                Some(gap) => gaps.push(gap),
-                None => pairs.push((surface, variant)),
-            }
-        }
+        gaps.extend(surface.gaps.iter().cloned());
+        pairs.extend(surface.variants.iter().map(|variant| (surface, variant)));
     }
-    if let (true, Some(gap)) = (pairs.is_empty(), gaps.first()) {
-        let subject = format!("{} {}", gap.surface, gap.variant);
-        let error = Error::new(
-            Stage::Compute,
-            subject,
-            format!("nothing is left to generate: {}", gap.reason),
-        );
+    if pairs.is_empty() {
+        let nothing = "nothing is left to generate";
+        let error = match gaps.first() {
+            Some(Gap { surface, variant, reason }) => {
+                let subject = format!("{surface} {variant}");
+                Error::new(Stage::Compute, subject, format!("{nothing}: {reason}"))
+            }
+            None => {
+                Error::new(Stage::Plan, "plan", format!("{nothing}: no variant is for a surface"))
+                    .remedy("see the key surfaces of its presets")
+            }
+        };
         return Err(vec![Diagnostic::from(&error)]);
     }
     let built = pairs.into_par_iter().map(|(s, v)| build(request, s, v));
@@ -128,37 +129,78 @@ pub fn generate(
     Ok(Generated { package, notes: notes.chain(left_out).collect(), gaps })
 }
 
-fn gap(surface: &SurfaceInput, variant: &Variant, field: &HeightField) -> Option<Gap> {
-    let reason = Form::new(variant, field).err()?.to_string();
-    let surface = surface.spec().name.clone();
-    Some(Gap { surface, variant: variant.name.clone(), reason })
+/// The variants that are for a surface as they are there, and those that cannot be.
+fn placed(request: &Request<'_>, input: &SurfaceInput) -> (Vec<Variant>, Vec<Gap>) {
+    let (mut variants, mut gaps) = (Vec::new(), Vec::new());
+    for variant in request.variants {
+        match variant.on(input.spec()) {
+            Some(Ok(variant)) => variants.push(variant),
+            Some(Err(error)) => gaps.push(gap(input, variant, &error)),
+            None => {}
+        }
+    }
+    (variants, gaps)
+}
+
+/// Takes those out that have no form on the heights.
+fn formed(input: &SurfaceInput, field: &HeightField, variants: &mut Vec<Variant>) -> Vec<Gap> {
+    let mut gaps = Vec::new();
+    variants.retain(|variant| match Form::new(variant, field) {
+        Ok(_) => true,
+        Err(error) => {
+            gaps.push(gap(input, variant, &error));
+            false
+        }
+    });
+    gaps
+}
+
+fn gap(input: &SurfaceInput, variant: &Variant, reason: &Error) -> Gap {
+    let (surface, variant) = (input.spec().name.clone(), variant.name.clone());
+    Gap { surface, variant, reason: reason.to_string() }
 }
 
 /// Hash of everything that a package is made from but the program and the templates: surfaces with their files, variants
 /// with their illuminants, languages, containers of tables.
 pub fn input_hash(request: &Request<'_>) -> String {
-    let surface = |input: &SurfaceInput| (input.spec().name.clone(), input.identity().to_owned());
+    let surface = |input: &SurfaceInput| {
+        let variant =
+            |v: &Variant| (v.name.clone(), v.hash(), v.optics.illuminant.identity().to_owned());
+        let variants: Vec<_> = placed(request, input).0.iter().map(variant).collect();
+        (input.spec().name.clone(), input.identity().to_owned(), variants)
+    };
     let surfaces: Vec<_> = request.surfaces.iter().map(surface).collect();
-    let variant =
-        |v: &Variant| (v.name.clone(), v.hash(), v.optics.illuminant.identity().to_owned());
-    let variants: Vec<_> = request.variants.iter().map(variant).collect();
-    of_value(&json!([TOOL_VERSION, surfaces, variants, request.targets, request.containers]))
+    of_value(&json!([TOOL_VERSION, surfaces, names(request), request.targets, request.containers]))
+}
+
+/// Names and hashes of all variants under `[optics]`.
+fn names(request: &Request<'_>) -> BTreeMap<String, String> {
+    request.variants.iter().map(|v| (v.name.clone(), v.hash())).collect()
 }
 
 /// The keys of the package's `manifest.json` beside its list of files; the same in any order of the request.
 pub fn index(request: &Request<'_>) -> Result<BTreeMap<String, Value>, Error> {
     let (mut surfaces, mut gaps) = (BTreeMap::new(), Vec::new());
     for input in request.surfaces {
-        surfaces.insert(input.spec().name.clone(), json!({ "input_hash": input.identity() }));
-        let field = &input.surface()?.field;
-        gaps.extend(request.variants.iter().filter_map(|v| gap(input, v, field)));
+        let spec = input.spec();
+        let mut surface = BTreeMap::from([("input_hash", json!(input.identity()))]);
+        if !spec.optics.is_empty() {
+            surface.insert("optics", json!(spec.optics));
+        }
+        surfaces.insert(spec.name.clone(), json!(surface));
+        let (mut variants, never) = placed(request, input);
+        gaps.extend(never);
+        gaps.extend(formed(input, &input.surface()?.field, &mut variants));
     }
     gaps.sort();
-    let variants: BTreeMap<&str, Value> = request
-        .variants
-        .iter()
-        .map(|v| (v.name.as_str(), json!({ "configuration_hash": v.hash() })))
-        .collect();
+    let mut variants = BTreeMap::new();
+    for variant in request.variants {
+        let mut about = BTreeMap::from([("configuration_hash", json!(variant.hash()))]);
+        if let Some(names) = &variant.surfaces {
+            about.insert("surfaces", json!(names));
+        }
+        variants.insert(variant.name.as_str(), json!(about));
+    }
     let targets: BTreeSet<Target> = request.targets.iter().copied().collect();
     Ok(BTreeMap::from([
         ("schema_version".to_owned(), json!(SCHEMA_VERSION)),
@@ -175,6 +217,9 @@ struct Loaded<'a> {
     input: &'a SurfaceInput,
     field: &'a HeightField,
     notes: &'a [String],
+    /// As they are on this surface.
+    variants: Vec<Variant>,
+    gaps: Vec<Gap>,
     /// Probes with their exact colours by their identity, one for every set of optics.
     exact: Mutex<BTreeMap<String, Vec<ExactProbe>>>,
 }
@@ -209,7 +254,8 @@ fn load<'a>(request: &Request<'a>) -> Result<Vec<Loaded<'a>>, Vec<Diagnostic>> {
         let surface = input.surface().map_err(|e| vec![Diagnostic::from(&e)])?;
         let subject = height::subject(input.spec());
         let mut errors = BTreeMap::new();
-        for variant in request.variants {
+        let (mut variants, mut gaps) = placed(request, input);
+        for variant in &variants {
             if let Err(error) = surface.field.check_pitch(&subject, variant.wavelengths.min_nm) {
                 errors.insert(error.to_string(), Diagnostic::from(&error).variant(&variant.name));
             }
@@ -218,7 +264,8 @@ fn load<'a>(request: &Request<'a>) -> Result<Vec<Loaded<'a>>, Vec<Diagnostic>> {
             return Err(errors.into_values().collect());
         }
         let (field, notes) = (&surface.field, surface.notes.as_slice());
-        Ok(Loaded { input, field, notes, exact: Mutex::default() })
+        gaps.extend(formed(input, field, &mut variants));
+        Ok(Loaded { input, field, notes, variants, gaps, exact: Mutex::default() })
     };
     all_or_errors(request.surfaces.iter().map(load).collect())
 }

@@ -33,7 +33,9 @@ pub fn read_plan(path: &Path) -> Result<Plan, Vec<Error>> {
     let mut errors = Vec::new();
     let folder = plan.folder.clone();
     let optics = plan.variants.iter_mut().map(|variant| &mut variant.optics);
-    for illuminant in optics.chain([&mut plan.optics]).map(|optics| &mut optics.illuminant) {
+    let optics = optics.chain([&mut plan.optics]).map(|optics| &mut optics.illuminant);
+    let own = plan.surfaces.iter_mut().filter_map(|surface| surface.optics.illuminant_mut());
+    for illuminant in optics.chain(own) {
         if spectrum::is_named(illuminant.name()) {
             continue;
         }
@@ -191,7 +193,7 @@ fn height_bytes(source: &FileSource, subject: &str) -> Result<Vec<u8>> {
 }
 
 fn identity(spec: &SurfaceSpec, bytes: Option<&[u8]>) -> String {
-    let SurfaceSpec { name: _, source, rotate_deg, level, clip_percent } = spec;
+    let SurfaceSpec { name: _, source, rotate_deg, level, clip_percent, optics: _ } = spec;
     let source = match source {
         SurfaceSource::Grating(grating) => json!(grating),
         SurfaceSource::File(FileSource { path: _, size_um, pixel_um, height_um, z_unit_um }) => {

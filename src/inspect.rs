@@ -96,13 +96,15 @@ pub fn inspect(plan: &Plan, spec: &SurfaceSpec) -> Result<(Inspection, HeightFie
     let facts = facts(&field, &format!("surface {}", spec.name))?;
     let is_synthetic = matches!(spec.source, SurfaceSource::Grating(_));
     let tiled = facts.joins.map(|joins| joins || is_synthetic);
-    let shortest = plan.variants.iter().map(|v| v.wavelengths.min_nm).reduce(f64::min);
+    let here: Vec<_> = plan.variants.iter().filter(|v| v.is_for(&spec.name)).collect();
+    let shortest = here.iter().map(|v| v.wavelengths.min_nm).reduce(f64::min);
     let wanted_nm = shortest.unwrap_or(SHORTEST_NM);
     let mut variants = Vec::new();
-    for variant in &plan.variants {
-        match Form::new(variant, &field) {
-            Ok(form) => variants.push(VariantCost {
-                name: variant.name.clone(),
+    for variant in here.into_iter().filter_map(|variant| variant.on(spec)) {
+        let laid = variant.and_then(|v| Form::new(&v, &field).map(|form| (v, form)));
+        match laid {
+            Ok((variant, form)) => variants.push(VariantCost {
+                name: variant.name,
                 terms: form.series().map(Series::terms),
                 window_radius: form.window_radius(),
                 cost: form.cost(),
@@ -122,7 +124,7 @@ pub fn inspect(plan: &Plan, spec: &SurfaceSpec) -> Result<(Inspection, HeightFie
             .map(|basis| term_counts(basis, &facts, &field, wanted_nm))
             .into_iter()
             .collect::<Result<_>>()?,
-        window: Window::new(&plan.optics, &facts, is_synthetic),
+        window: Window::new(&spec.optics.over(&plan.optics), &facts, is_synthetic),
         variants,
         notes,
         facts,

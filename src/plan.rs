@@ -2,6 +2,7 @@
 
 mod axis;
 mod item;
+mod local;
 mod mode;
 mod names;
 mod optics;
@@ -9,19 +10,23 @@ mod parse;
 mod select;
 mod surface;
 mod target;
+mod variant;
 mod variants;
 mod vocabulary;
 mod words;
 
+use std::fmt;
 use std::path::PathBuf;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
+pub use local::SurfaceOptics;
 pub use mode::Mode;
 pub use optics::{Coherence, CoherenceScaling, Colour, Illuminant, Optics, Window};
 pub use target::Target;
+pub use variant::Variant;
 pub use variants::MAX_VARIANTS;
-pub use vocabulary::{Key, vocabulary};
+pub use vocabulary::{AxisDoc, Key, axis_docs, vocabulary};
 
 /// One surface of a plan.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -36,6 +41,9 @@ pub struct SurfaceSpec {
     pub level: Level,
     /// Share of the heights, in percent, clipped at each end as outliers.
     pub clip_percent: f64,
+    /// Light and material of this surface, over `[optics]`.
+    #[serde(skip_serializing_if = "SurfaceOptics::is_empty")]
+    pub optics: SurfaceOptics,
 }
 
 /// Where the heights of a surface come from.
@@ -212,6 +220,24 @@ pub enum Auto<T> {
     Auto,
 }
 
+impl<T: fmt::Display> fmt::Display for Auto<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Auto::Value(value) => value.fmt(f),
+            Auto::Auto => f.write_str("auto"),
+        }
+    }
+}
+
+impl<T: Serialize> Serialize for Auto<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Auto::Value(value) => value.serialize(serializer),
+            Auto::Auto => serializer.serialize_str("auto"),
+        }
+    }
+}
+
 /// Uniform wavelength samples, nm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -256,43 +282,6 @@ pub enum Packing {
     Single,
 }
 
-/// One configuration of the shader, before it meets a surface.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Variant {
-    /// Canonical name, or the preset's.
-    pub name: String,
-    /// What it computes.
-    pub mode: Mode,
-    /// Expansion of the phase function.
-    pub basis: Basis,
-    /// Number of terms `T` (highest power `T - 1`).
-    pub terms: Auto<u32>,
-    /// Error that `terms = "auto"` must keep.
-    pub term_error: f64,
-    /// How the amplitude comes from the table. Read by `full` and `adaptive`.
-    pub reconstruction: Reconstruction,
-    /// Bins to each side of the nearest one.
-    pub window_radius: Auto<u32>,
-    /// Replicas of the patch along x and y; `None`: from the coherence length. Read by `pq` only.
-    pub periods: Option<[u32; 2]>,
-    /// Wavelength samples.
-    pub wavelengths: Wavelengths,
-    /// Number format of the term table.
-    pub table: TableFormat,
-    /// How complex terms lie in texels.
-    pub packing: Packing,
-    /// 95th percentile of CIEDE2000 that the sizes of a table of colours aim at. Read by `baked` only.
-    pub bake_error: f64,
-    /// Most that the table of colours may have, MiB; above it the error is given up. Read by `baked` only.
-    pub bake_mib: f64,
-    /// How what lies between texels is read. Read where something lies there, see [`Variant::reads_between`].
-    pub sampling: Sampling,
-    /// Loop-invariant work outside the loops.
-    pub hoist: bool,
-    /// Light and material.
-    pub optics: Optics,
-}
-
 /// A combination of the product that cannot be built, and why.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Rejected {
@@ -311,7 +300,7 @@ pub struct Plan {
     pub text_hash: String,
     /// In the order of the file.
     pub surfaces: Vec<SurfaceSpec>,
-    /// `[optics]`, the base of every variant's.
+    /// `[optics]`, the base of every variant's; surfaces may have their own over it, see [`Variant::on`].
     pub optics: Optics,
     /// Product first, then presets; names are unique.
     pub variants: Vec<Variant>,

@@ -9,7 +9,9 @@ use std::path::Path;
 
 use diffraction_shaders::height::HeightField;
 use diffraction_shaders::input;
-use diffraction_shaders::plan::{FileSource, Level, Optics, SurfaceSource, SurfaceSpec};
+use diffraction_shaders::plan::{
+    FileSource, Level, Optics, SurfaceOptics, SurfaceSource, SurfaceSpec,
+};
 use diffraction_shaders::reference::{Directions, Reference};
 
 /// Of the largest component of a direction's XYZ; the two programs were seen to agree to 5e-4.
@@ -34,6 +36,7 @@ fn surface(path: &Path) -> HeightField {
         rotate_deg: 0.0,
         level: Level::None,
         clip_percent: 0.0,
+        optics: SurfaceOptics::default(),
     };
     input::load_surface(&spec).unwrap().field
 }

@@ -25,7 +25,7 @@ pub(crate) struct Args {
     /// The variant.
     #[arg(value_name = "VARIANT")]
     variant: String,
-    /// The surface that it is made for; without it the first one of the plan, since only constants differ.
+    /// The surface that it is made for; without it the first that it is for, since only constants differ.
     #[arg(long, value_name = "NAME")]
     surface: Option<String>,
     /// Only this line of diffraction.wgsl, with the template line in full.
@@ -35,11 +35,15 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let plan = args.plan.read(console)?;
-    let variant = plan.variant(Some(&args.variant))?;
     let spec = match &args.surface {
         Some(name) => plan.surface(name)?,
-        None => plan.surfaces.first().context("the plan has no surface")?,
+        None => {
+            let wanted = plan.variant(Some(&args.variant))?;
+            let first = plan.surfaces.iter().find(|surface| wanted.is_for(&surface.name));
+            first.context("the plan has no surface")?
+        }
     };
+    let variant = plan.on(spec).variant(Some(&args.variant))?;
     let loaded = input::load_surface(spec)?;
     let form = Form::new(&variant, &loaded.field)?;
     let nodes = specialise::node_count(&specialise::shapes(&form, spec.rotate_deg));

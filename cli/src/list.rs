@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use anyhow::Result;
 use diffraction_shaders::input;
 use diffraction_shaders::plan::{
-    Auto, Grating, Mode, Plan, Rejected, SurfaceSource, SurfaceSpec, Variant, vocabulary,
+    Grating, Mode, Plan, Rejected, SurfaceSource, SurfaceSpec, Variant, vocabulary,
 };
 use diffraction_shaders::tables::Series;
 use diffraction_shaders::variant::Form;
@@ -38,18 +38,21 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Each variant on each surface that can be read, by the names of variant and surface.
-type Costs = BTreeMap<(String, String), Form>;
+/// Each variant as it is on each surface that can be read, by the names of variant and surface.
+type Costs = BTreeMap<(String, String), (Variant, Form)>;
 
 fn costs(plan: &Plan, console: &Console) -> Costs {
     let mut costs = Costs::new();
     for spec in &plan.surfaces {
         match input::load_surface(spec) {
             Ok(surface) => {
-                for variant in &plan.variants {
-                    let key = (variant.name.clone(), spec.name.clone());
-                    match Form::new(variant, &surface.field) {
-                        Ok(form) => drop(costs.insert(key, form)),
+                for variant in plan.variants.iter().filter_map(|variant| variant.on(spec)) {
+                    let form = |v: Variant| Form::new(&v, &surface.field).map(|form| (v, form));
+                    match variant.and_then(form) {
+                        Ok((v, form)) => {
+                            let key = (v.name.clone(), spec.name.clone());
+                            costs.insert(key, (v, form));
+                        }
                         Err(reason) => console.note(&format!("{}: left out: {reason}", spec.name)),
                     }
                 }
@@ -74,19 +77,23 @@ fn object(plan: &Plan, costs: &Costs) -> Value {
 
 /// Name and origin of a surface.
 pub(crate) fn surface_object(surface: &SurfaceSpec) -> Value {
-    match &surface.source {
+    let mut object = match &surface.source {
         SurfaceSource::Grating(grating) => json!({ "name": surface.name, "grating": grating }),
         SurfaceSource::File(file) => {
             json!({ "name": surface.name, "file": file.path.display().to_string() })
         }
+    };
+    if !surface.optics.is_empty() {
+        object["optics"] = json!(surface.optics);
     }
+    object
 }
 
 fn variant_object(variant: &Variant, plan: &Plan, costs: &Costs) -> Value {
     let cost = plan.surfaces.iter().filter_map(|surface| {
-        let on = costs.get(&(variant.name.clone(), surface.name.clone()))?;
+        let (here, on) = costs.get(&(variant.name.clone(), surface.name.clone()))?;
         let counted = on.cost();
-        let cost = json!({
+        let mut cost = json!({
             "surface": surface.name,
             "terms": on.series().map(Series::terms),
             "window_radius": on.window_radius(),
@@ -97,30 +104,32 @@ fn variant_object(variant: &Variant, plan: &Plan, costs: &Costs) -> Value {
             "fetches_mean": counted.fetches_mean,
             "table_bytes": counted.table_bytes,
         });
+        // under the optics of the surface
+        if here.hash() != variant.hash() {
+            cost["configuration"] = json!(configuration(here));
+            cost["hash"] = json!(here.hash());
+        }
         Some(cost)
     });
-    json!({
+    let mut object: Map<String, Value> =
+        variant.settings().map(|(key, value)| (key.to_owned(), value)).collect();
+    // those of the optics stand in an object of their own
+    if let Value::Object(optics) = json!(variant.optics) {
+        object.retain(|key, _| !optics.contains_key(key));
+    }
+    let more = json!({
         "name": variant.name,
-        "mode": variant.mode,
-        "basis": variant.basis,
-        "terms": auto(variant.terms),
-        "term_error": variant.term_error,
-        "reconstruction": variant.reconstruction,
-        "window_radius": auto(variant.window_radius),
-        "periods": variant.periods.map_or(json!("auto"), |periods| json!(periods)),
-        "wavelengths": variant.wavelengths,
         "samples": samples(variant),
-        "table": variant.table,
-        "packing": variant.packing,
-        "sampling": variant.sampling,
-        "hoist": variant.hoist,
-        "bake_error": variant.bake_error,
-        "bake_mib": variant.bake_mib,
         "optics": variant.optics,
         "configuration": configuration(variant),
         "hash": variant.hash(),
         "cost": cost.collect::<Vec<_>>(),
-    })
+    });
+    object.extend(more.as_object().cloned().into_iter().flatten());
+    if let Some(surfaces) = &variant.surfaces {
+        object.insert("surfaces".to_owned(), json!(surfaces));
+    }
+    Value::Object(object)
 }
 
 /// What a variant reads: all that its hash is of.
@@ -137,15 +146,12 @@ fn samples(variant: &Variant) -> Value {
     }
 }
 
-fn auto(value: Auto<u32>) -> Value {
-    match value {
-        Auto::Value(n) => json!(n),
-        Auto::Auto => json!("auto"),
-    }
-}
-
 fn human(plan: &Plan, costs: &Costs) -> String {
-    let surfaces = plan.surfaces.iter().map(|surface| vec![surface.name.clone(), source(surface)]);
+    let surfaces = plan.surfaces.iter().map(|surface| {
+        let optics = shown(configured(&json!(surface.optics)));
+        let source = [source(surface)].into_iter().chain(optics).collect::<Vec<_>>();
+        vec![surface.name.clone(), source.join(", ")]
+    });
     let mut text = table::text(&["surface", "heights"], surfaces.collect());
     text.push('\n');
     text += &configurations(&plan.variants);
@@ -191,15 +197,27 @@ fn configurations(variants: &[Variant]) -> String {
     text
 }
 
-/// The keys that a variant reads with their values, but for the mode, in the order of the plan's keys.
+/// The keys that a variant reads with their values, but for the mode, and the surfaces that it is for.
 fn settings(variant: &Variant) -> Vec<String> {
+    let mut settings = configured(&json!(configuration(variant)));
+    settings.retain(|(name, _)| name != "mode");
+    let surfaces = variant.surfaces.iter().map(|names| format!("on {} only", names.join(" and ")));
+    shown(settings).into_iter().chain(surfaces).collect()
+}
+
+/// The entries of an object in the order of the plan's keys.
+fn configured(object: &Value) -> Vec<(String, Value)> {
     let is_axis = |table: &str| matches!(table, "variants" | "variants.wavelengths");
     let order: Vec<String> =
         vocabulary().into_iter().filter(|key| is_axis(key.table)).map(|key| key.name).collect();
     let place = |name: &String| order.iter().position(|known| known == name).unwrap_or(order.len());
-    let mut settings: Vec<(String, Value)> = configuration(variant).into_iter().collect();
-    settings.retain(|(name, _)| name != "mode");
+    let mut settings: Vec<(String, Value)> =
+        object.as_object().cloned().into_iter().flatten().collect();
     settings.sort_by_key(|(name, _)| place(name));
+    settings
+}
+
+fn shown(settings: Vec<(String, Value)>) -> Vec<String> {
     let shown = |value: Value| match value {
         Value::String(word) => word,
         Value::Number(n) => n.as_f64().map_or_else(|| n.to_string(), |x| x.to_string()),
@@ -215,7 +233,7 @@ fn cost_table(plan: &Plan, costs: &Costs) -> String {
     for variant in &plan.variants {
         let begin = rows.len();
         for surface in &plan.surfaces {
-            let Some(on) = costs.get(&(variant.name.clone(), surface.name.clone())) else {
+            let Some((_, on)) = costs.get(&(variant.name.clone(), surface.name.clone())) else {
                 continue;
             };
             let cost = on.cost();

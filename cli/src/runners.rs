@@ -23,7 +23,7 @@ pub struct Job {
     pub spec: SurfaceSpec,
     /// Its heights.
     pub surface: Surface,
-    /// The variant; for `exact` one that only carries the plan's optics.
+    /// The variant, under the optics of the surface; for `exact` one that only carries those.
     pub variant: Variant,
 }
 
@@ -32,6 +32,7 @@ impl Job {
     pub fn new(surface: &SurfaceArgs, runner: &RunnerArgs, console: &Console) -> Result<Job> {
         let plan: Plan = surface.plan.read(console)?;
         let spec = plan.surface(&surface.surface)?.clone();
+        let plan = plan.on(&spec);
         let (variant, min_nm) = match runner.runner {
             // the reference integrates the whole visible range, whatever the variants do
             Kind::Exact => (Variant::texts(&plan.optics), 380.0),

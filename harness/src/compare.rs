@@ -36,7 +36,7 @@ const PATIENCE: u32 = 3;
 pub struct Request<'a> {
     /// The surfaces, in order.
     pub surfaces: &'a [SurfaceSpec],
-    /// The variants, on every surface.
+    /// The variants, each on every surface that it is for.
     pub variants: &'a [Variant],
     /// The open routes; the twin is always there.
     pub routes: &'a [Box<dyn Route>],
@@ -145,24 +145,38 @@ fn run_surface(
     failures: &mut [u32],
     sink: &mut dyn Sink,
 ) -> Result<()> {
-    let subset = subset(request, height);
+    let subset = subset(request, spec, height);
     // by optics and light, since variants share them
     let mut truths: BTreeMap<(String, usize), Truth> = BTreeMap::new();
-    for (index, variant) in request.variants.iter().enumerate() {
-        let subject = Subject { height, rotate_deg: spec.rotate_deg, variant };
-        let pitch =
-            height.check_pitch(&height::subject(spec), variant.wavelengths.min_nm.min(380.0));
-        let prepared = match pitch.and_then(|()| Prepared::new(subject)) {
+    let placed: Vec<Option<Result<Variant>>> =
+        request.variants.iter().map(|variant| variant.on(spec)).collect();
+    for (index, (variant, here)) in request.variants.iter().zip(&placed).enumerate() {
+        let skip = |sink: &mut dyn Sink| {
+            (0..request.lights.len() * (1 + request.routes.len())).for_each(|_| sink.step());
+        };
+        let prepared = match here {
+            None => {
+                skip(sink);
+                continue;
+            }
+            Some(Err(error)) => Err(error.to_string()),
+            Some(Ok(variant)) => {
+                let subject = Subject { height, rotate_deg: spec.rotate_deg, variant };
+                let min_nm = variant.wavelengths.min_nm.min(380.0);
+                let pitch = height.check_pitch(&height::subject(spec), min_nm);
+                let prepared = pitch.and_then(|()| Prepared::new(subject));
+                prepared.map(|prepared| (subject, prepared)).map_err(|error| error.to_string())
+            }
+        };
+        let (subject, prepared) = match prepared {
             Ok(prepared) => prepared,
-            Err(error) => {
-                let gap = gap("all", Some((&spec.name, &variant.name)), &error.to_string(), false);
-                sink.record(gap)?;
-                for _ in 0..request.lights.len() * (1 + request.routes.len()) {
-                    sink.step();
-                }
+            Err(reason) => {
+                sink.record(gap("all", Some((&spec.name, &variant.name)), &reason, false))?;
+                skip(sink);
                 continue;
             }
         };
+        let variant = subject.variant;
         let takes = |route: &dyn Route| subset.contains(&index) || !is_slow(&route.name());
         for route in request.routes.iter().filter(|route| !takes(route.as_ref())) {
             let reason = format!("not among the {} variants that slow routes take", subset.len());
@@ -184,8 +198,8 @@ fn run_surface(
             if !truths.contains_key(&key) {
                 sink.begin(&format!("{}: exact, light {}°", spec.name, light[0]));
                 // the same in a run that goes on with another's results
-                let same = |other: &Variant| other.optics == variant.optics;
-                let number = request.variants.iter().position(same).unwrap_or(index);
+                let same = |other: &Option<Result<Variant>>| matches!(other, Some(Ok(other)) if other.optics == variant.optics);
+                let number = placed.iter().position(same).unwrap_or(index);
                 let truth = unit::truth(request, &unit, subject, number, sink)?;
                 truths.insert(key.clone(), truth);
             }
@@ -206,10 +220,11 @@ fn run_surface(
 }
 
 /// Which variants slow routes take on a surface: of every mode the cheapest, then the second of every mode, and so on.
-fn subset(request: &Request<'_>, height: &HeightField) -> BTreeSet<usize> {
+fn subset(request: &Request<'_>, spec: &SurfaceSpec, height: &HeightField) -> BTreeSet<usize> {
     let mut by_mode: BTreeMap<Mode, Vec<(u64, usize)>> = BTreeMap::new();
     for (index, variant) in request.variants.iter().enumerate() {
-        if let Ok(form) = Form::new(variant, height) {
+        let Some(Ok(variant)) = variant.on(spec) else { continue };
+        if let Ok(form) = Form::new(&variant, height) {
             by_mode.entry(variant.mode).or_default().push((form.cost().fetches, index));
         }
     }

@@ -12,7 +12,7 @@ use diffraction_shaders::measure::{Comparison, compare};
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{
     Auto, Basis, Coherence, CoherenceScaling, FileSource, Grating, Level, Mode, Optics, Packing,
-    Reconstruction, Sampling, SurfaceSource, SurfaceSpec, TableFormat, Variant,
+    Reconstruction, Sampling, SurfaceOptics, SurfaceSource, SurfaceSpec, TableFormat, Variant,
 };
 use diffraction_shaders::reference::Directions;
 use diffraction_shaders::runner::{Runner, Subject, TwinRunner, rounded};
@@ -285,6 +285,7 @@ fn a_measured_scan_agrees_at_two_angles() {
         rotate_deg: 0.0,
         level: Level::None,
         clip_percent: 0.0,
+        optics: SurfaceOptics::default(),
     };
     let height = input::load_surface(&spec).unwrap().field;
     for gpu in adapters() {

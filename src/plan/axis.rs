@@ -1,36 +1,118 @@
-//! A key of the product: the words that it takes, and its reader.
+//! What an axis is: all that reading, naming, listing and documenting a key of a variant need to know of it.
 
+use serde_json::Value;
+
+use super::Variant;
 use super::item::Item;
-use super::variants::Setting;
-use super::words::{self, names};
+use super::words::{AUTO, names};
 
-/// A key: the words that it takes, and its reader.
+/// A key of `[variants]`, of a preset or of `[optics]`.
 #[derive(Clone, Copy)]
 pub(super) struct Axis {
     pub(super) key: &'static str,
+    /// One line for the manual.
+    pub(super) about: &'static str,
+    /// What it takes beside its words, for the manual.
+    pub(super) values: &'static str,
+    /// The words that it takes; none of keys with numbers alone.
     pub(super) words: fn() -> Vec<&'static str>,
-    pub(super) read: fn(&Item) -> Option<Setting>,
+    /// Whether an array of two numbers is one value of it.
+    pub(super) takes_pair: bool,
+    /// Reads a value into a variant.
+    pub(super) read: fn(&Item, &mut Variant) -> Option<()>,
+    /// What it is in the canonical configuration; a mode may read some of the entries.
+    pub(super) entries: &'static [Entry],
+    /// What it adds to the name.
+    pub(super) part: Part,
 }
 
-/// A key that takes words alone; those that it tells are those that it reads.
-macro_rules! worded {
-    ($key:literal, $words:expr, $setting:expr) => {
-        $crate::plan::axis::Axis {
+/// An entry of the canonical configuration.
+#[derive(Clone, Copy)]
+pub(super) struct Entry {
+    pub(super) key: &'static str,
+    pub(super) value: fn(&Variant) -> Value,
+    /// Copies what the entry is of from one variant to another.
+    pub(super) copy: fn(&Variant, &mut Variant),
+}
+
+/// When an axis has a part in the canonical name.
+#[derive(Clone, Copy)]
+pub(super) enum Part {
+    /// Wherever the mode reads it.
+    Always(fn(&Variant) -> String),
+    /// Where it differs from the documented default.
+    Changed(fn(&Variant) -> String),
+}
+
+impl Axis {
+    /// Copies the value from one variant to another.
+    pub(super) fn copy(&self, from: &Variant, to: &mut Variant) {
+        self.entries.iter().for_each(|entry| (entry.copy)(from, to));
+    }
+
+    /// Whether two variants have different values.
+    pub(super) fn differs(&self, a: &Variant, b: &Variant) -> bool {
+        self.entries.iter().any(|entry| (entry.value)(a) != (entry.value)(b))
+    }
+
+    /// The value of a variant, whether it is read or not: that of its entry, or an object of its entries.
+    pub(super) fn value(&self, of: &Variant) -> Value {
+        match self.entries {
+            [entry] if entry.key == self.key => (entry.value)(of),
+            entries => entries.iter().map(|e| (e.key.to_owned(), (e.value)(of))).collect(),
+        }
+    }
+}
+
+/// An entry that is a field of the variant.
+macro_rules! entry {
+    ($key:expr, $($field:ident).+) => {
+        $crate::plan::axis::entry!($key, $($field).+, |v| serde_json::json!(v.$($field).+))
+    };
+    ($key:expr, $($field:ident).+, $value:expr) => {
+        $crate::plan::axis::Entry {
             key: $key,
-            words: || $crate::plan::words::names($words),
-            read: |item| item.word($words).map($setting),
+            value: $value,
+            copy: |from, to| to.$($field).+.clone_from(&from.$($field).+),
         }
     };
 }
 
-/// A key that takes no words.
-pub(super) const fn values(key: &'static str, read: fn(&Item) -> Option<Setting>) -> Axis {
-    Axis { key, words: Vec::new, read }
+/// A key that is a field of the variant and takes words alone; those that the manual has are those that it reads.
+macro_rules! worded {
+    ($key:literal, $($field:ident).+, $words:expr, $about:literal, $part:expr) => {
+        $crate::plan::axis::Axis {
+            key: $key,
+            about: $about,
+            values: "",
+            words: || $crate::plan::words::names($words),
+            takes_pair: false,
+            read: |item, into| item.word($words).map(|word| into.$($field).+ = word),
+            entries: &[$crate::plan::axis::entry!($key, $($field).+)],
+            part: $part,
+        }
+    };
 }
 
-/// A key that takes values, or `auto`.
-pub(super) const fn values_or_auto(key: &'static str, read: fn(&Item) -> Option<Setting>) -> Axis {
-    Axis { key, words: || names(words::AUTO), read }
+/// A key that is a field of the variant and takes no words.
+macro_rules! valued {
+    ($key:literal, $($field:ident).+, $read:path, $values:literal, $about:literal, $part:expr) => {
+        $crate::plan::axis::Axis {
+            key: $key,
+            about: $about,
+            values: $values,
+            words: Vec::new,
+            takes_pair: false,
+            read: |item, into| $read(item).map(|value| into.$($field).+ = value),
+            entries: &[$crate::plan::axis::entry!($key, $($field).+)],
+            part: $part,
+        }
+    };
 }
 
-pub(super) use worded;
+/// The only word of a key whose number may be left to the tool.
+pub(super) fn auto() -> Vec<&'static str> {
+    names(AUTO)
+}
+
+pub(super) use {entry, valued, worded};

@@ -1,6 +1,7 @@
 //! Values of a TOML text with their places, and the checks that turn them into numbers and words.
 
 use std::cell::{Cell, RefCell};
+use std::collections::BTreeSet;
 use std::fmt::Display;
 use std::ops::Range;
 
@@ -260,17 +261,26 @@ impl<'s, 't> Item<'s, 't> {
     }
 
     /// One of the words of a list.
-    pub(super) fn word<T: Copy>(&self, words: &[(&'static str, T)]) -> Option<(&'static str, T)> {
+    pub(super) fn word<T: Copy>(&self, words: &[(&'static str, T)]) -> Option<T> {
         let known: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
         let Some(text) = self.value.as_str() else {
             self.wrong_type(&format!("one of {}", quoted(&known)));
             return None;
         };
-        let found = words.iter().find(|(word, _)| *word == text).copied();
+        let found = words.iter().find(|(word, _)| *word == text);
         if found.is_none() {
             self.fail("unknown value", suggest(text, &known));
         }
-        found
+        found.map(|(_, meaning)| *meaning)
+    }
+
+    /// Notes that it is none of the names that are known, with the nearest.
+    pub(super) fn unknown(&self, cause: &str, known: &BTreeSet<&str>) {
+        let known: Vec<&str> = match self.source.is_full() {
+            true => Vec::new(),
+            false => known.iter().copied().collect(),
+        };
+        self.fail(cause, self.as_str().map_or_else(String::new, |text| suggest(text, &known)));
     }
 
     /// The value without its places, for types that read themselves.

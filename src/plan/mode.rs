@@ -2,10 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::variants::Draft;
+use super::axis::Entry;
+use super::variant::axes;
 use super::words::{Words, word_of};
 use super::{
-    Basis, Coherence, CoherenceScaling, Colour, Optics, Reconstruction, Sampling, TableFormat,
+    Auto, Basis, Coherence, CoherenceScaling, Colour, Optics, Reconstruction, TableFormat, Variant,
 };
 
 /// What a variant computes.
@@ -25,17 +26,17 @@ pub enum Mode {
 }
 
 pub(super) const MODES: Words<Mode> = &[
-    ("full", Some(Mode::Full)),
-    ("pq", Some(Mode::Pq)),
-    ("adaptive", Some(Mode::Adaptive)),
-    ("gems", Some(Mode::Gems)),
-    ("baked", Some(Mode::Baked)),
+    ("full", Mode::Full),
+    ("pq", Mode::Pq),
+    ("adaptive", Mode::Adaptive),
+    ("gems", Mode::Gems),
+    ("baked", Mode::Baked),
 ];
 
 impl Mode {
     /// Every mode, in the order of the manual.
     pub fn all() -> impl Iterator<Item = Mode> {
-        MODES.iter().filter_map(|(_, mode)| *mode)
+        MODES.iter().map(|(_, mode)| *mode)
     }
 
     /// The word of the plan.
@@ -44,77 +45,171 @@ impl Mode {
     }
 }
 
-/// Whether a mode reads a key of the canonical configuration; `pq` with given periods has no use for a coherence length.
-pub(super) fn reads(mode: Mode, periods_given: bool, key: &str) -> bool {
-    match (mode, key) {
-        (Mode::Full, _) | (_, "mode") => true,
-        (Mode::Pq, "coherence" | "coherence_scaling" | "hoist") => false,
-        (Mode::Pq, "coherence_um") => !periods_given,
-        (Mode::Adaptive, "window_radius" | "step_nm" | "hoist") => false,
-        (Mode::Pq | Mode::Adaptive, _) => true,
-        (Mode::Baked, "basis" | "terms" | "window_radius" | "step_nm" | "packing" | "hoist") => {
-            false
+/// What a mode does with the entries of the canonical configuration, the mode itself apart. All others it leaves alone.
+struct Declared {
+    /// Read by every variant of the mode.
+    always: &'static [&'static str],
+    /// Read where a variant is such.
+    sometimes: &'static [(&'static str, fn(&Variant) -> bool)],
+    /// Not read, but refused with a reason where they differ from the default, by [`broken`].
+    refused: &'static [&'static str],
+}
+
+const FULL: Declared = Declared {
+    always: &[
+        "basis",
+        "terms",
+        "min_nm",
+        "max_nm",
+        "table",
+        "packing",
+        "coherence_um",
+        "coherence",
+        "coherence_scaling",
+        "refractive_index",
+        "shadowing",
+        "illuminant",
+        "colour",
+    ],
+    sometimes: &[
+        ("term_error", chooses_terms),
+        ("reconstruction", is_prefiltered),
+        ("window_radius", sums_bins),
+        ("step_nm", has_a_range),
+        ("sampling", is_prefiltered),
+        ("hoist", sums_bins),
+    ],
+    refused: &["hoist"],
+};
+
+const PQ: Declared = Declared {
+    always: &[
+        "basis",
+        "terms",
+        "periods",
+        "min_nm",
+        "max_nm",
+        "table",
+        "packing",
+        "refractive_index",
+        "shadowing",
+        "illuminant",
+        "colour",
+    ],
+    sometimes: &[
+        ("term_error", chooses_terms),
+        ("window_radius", sums_bins),
+        ("step_nm", has_a_range),
+        ("coherence_um", counts_replicas),
+    ],
+    refused: &["reconstruction", "hoist", "coherence", "coherence_scaling"],
+};
+
+const ADAPTIVE: Declared = Declared {
+    always: &[
+        "basis",
+        "terms",
+        "min_nm",
+        "max_nm",
+        "table",
+        "packing",
+        "coherence_um",
+        "coherence",
+        "coherence_scaling",
+        "refractive_index",
+        "shadowing",
+        "illuminant",
+        "colour",
+    ],
+    sometimes: &[
+        ("term_error", chooses_terms),
+        ("reconstruction", is_prefiltered),
+        ("sampling", is_prefiltered),
+    ],
+    refused: &["hoist"],
+};
+
+const BAKED: Declared = Declared {
+    always: &[
+        "min_nm",
+        "max_nm",
+        "table",
+        "sampling",
+        "bake_error",
+        "bake_mib",
+        "coherence_um",
+        "coherence",
+        "coherence_scaling",
+        "refractive_index",
+        "shadowing",
+        "illuminant",
+        "colour",
+    ],
+    sometimes: &[],
+    refused: &[],
+};
+
+const GEMS: Declared = Declared { always: &[], sometimes: &[], refused: &["colour"] };
+
+impl Mode {
+    fn declared(self) -> &'static Declared {
+        match self {
+            Mode::Full => &FULL,
+            Mode::Pq => &PQ,
+            Mode::Adaptive => &ADAPTIVE,
+            Mode::Baked => &BAKED,
+            Mode::Gems => &GEMS,
         }
-        (Mode::Baked, _) => true,
-        (Mode::Gems, _) => false,
     }
 }
 
-/// Whether a form reads what lies between the texels of a table.
-pub(super) fn reads_between(mode: Mode, reconstruction: Option<Reconstruction>) -> bool {
-    let prefiltered = reconstruction == Some(Reconstruction::Prefiltered);
-    match mode {
-        Mode::Full | Mode::Adaptive => prefiltered,
-        Mode::Baked => true,
-        Mode::Pq | Mode::Gems => false,
-    }
+fn chooses_terms(variant: &Variant) -> bool {
+    variant.terms == Auto::Auto
 }
 
-/// The same configuration with every key that its mode does not read at its documented default, except where
-/// [`broken`] has to see it.
-pub(super) fn normalised(draft: Draft) -> Draft {
-    let standard = Draft::standard(Optics::standard());
-    let mut draft = draft;
-    if draft.mode.1 != Some(Mode::Baked) {
-        draft.bake_error = standard.bake_error;
-        draft.bake_mib = standard.bake_mib;
-    }
-    if draft.mode.1.is_some_and(|mode| !reads_between(mode, draft.reconstruction.1)) {
-        draft.sampling = standard.sampling;
-    }
-    if draft.reconstruction.1 == Some(Reconstruction::Prefiltered) {
-        draft.window_radius = standard.window_radius;
-    }
-    match draft.mode.1 {
-        Some(Mode::Full) => Draft { periods: None, ..draft },
-        Some(Mode::Pq) if draft.periods.is_some() => {
-            let coherence_um = standard.optics.coherence_um;
-            Draft { optics: Optics { coherence_um, ..draft.optics.clone() }, ..draft }
-        }
-        Some(Mode::Adaptive) => {
-            let mut draft = Draft { periods: None, window_radius: standard.window_radius, ..draft };
-            draft.wavelengths.step_nm = standard.wavelengths.step_nm;
-            draft
-        }
-        Some(Mode::Baked) => {
-            let Draft {
-                mode, mut wavelengths, table, sampling, bake_error, bake_mib, optics, ..
-            } = draft;
-            // an only wavelength is refused
-            wavelengths.step_nm = standard.wavelengths.step_nm;
-            Draft { mode, wavelengths, table, sampling, bake_error, bake_mib, optics, ..standard }
-        }
-        Some(Mode::Gems) => {
-            let colour = draft.optics.colour;
-            Draft { mode: draft.mode, optics: Optics { colour, ..standard.optics }, ..standard }
-        }
-        Some(Mode::Pq) | None => draft,
-    }
+fn is_prefiltered(variant: &Variant) -> bool {
+    variant.reconstruction == Reconstruction::Prefiltered
+}
+
+fn sums_bins(variant: &Variant) -> bool {
+    !is_prefiltered(variant)
+}
+
+fn has_a_range(variant: &Variant) -> bool {
+    variant.wavelengths.max_nm > variant.wavelengths.min_nm
+}
+
+fn counts_replicas(variant: &Variant) -> bool {
+    variant.periods.is_none()
+}
+
+/// Whether a variant reads an entry of the canonical configuration.
+pub(super) fn reads(variant: &Variant, key: &str) -> bool {
+    let Declared { always, sometimes, .. } = variant.mode.declared();
+    let is_such =
+        |(known, is_such): &(&str, fn(&Variant) -> bool)| *known == key && is_such(variant);
+    key == "mode" || always.contains(&key) || sometimes.iter().any(is_such)
+}
+
+/// Whether variants of a mode may read an entry.
+pub(super) fn declares(mode: Mode, key: &str) -> bool {
+    let Declared { always, sometimes, .. } = mode.declared();
+    key == "mode" || always.contains(&key) || sometimes.iter().any(|(known, _)| *known == key)
+}
+
+/// Sets every entry that a variant does not read to its documented default, except where [`broken`] has to see it.
+pub(super) fn normalise(variant: &mut Variant) {
+    let standard = Variant::standard(&Optics::standard());
+    let refused = variant.mode.declared().refused;
+    let entries = axes().flat_map(|axis| axis.entries);
+    let is_idle = |key| !reads(variant, key) && !refused.contains(&key);
+    let idle: Vec<&Entry> = entries.filter(|entry| is_idle(entry.key)).collect();
+    idle.into_iter().for_each(|entry| (entry.copy)(&standard, variant));
 }
 
 /// The constraints that a configuration breaks: the key, and the reason.
-pub(super) fn broken(mode: Mode, draft: &Draft) -> Vec<(&'static str, String)> {
-    let optics = &draft.optics;
+pub(super) fn broken(variant: &Variant) -> Vec<(&'static str, String)> {
+    let (mode, optics) = (variant.mode, &variant.optics);
     let ensemble = optics.coherence == Coherence::Ensemble;
     let mut found = Vec::new();
     let mut refuse = |when: bool, key: &'static str, reason: &str| {
@@ -122,12 +217,9 @@ pub(super) fn broken(mode: Mode, draft: &Draft) -> Vec<(&'static str, String)> {
             found.push((key, reason.to_owned()));
         }
     };
-    let prefiltered = draft.reconstruction.1 == Some(Reconstruction::Prefiltered);
-    let reads_between = reads_between(mode, draft.reconstruction.1);
+    let prefiltered = is_prefiltered(variant);
     refuse(
-        reads_between
-            && draft.sampling == Sampling::Filter
-            && draft.table.1 == Some(TableFormat::F32),
+        variant.filters() && variant.table == TableFormat::F32,
         "sampling",
         "WebGPU and WebGL2 filter no tables of 32-bit floats; use table = \"f16\"",
     );
@@ -147,29 +239,29 @@ pub(super) fn broken(mode: Mode, draft: &Draft) -> Vec<(&'static str, String)> {
         "a prefiltered table has one window in it, the same for all wavelengths",
     );
     refuse(
-        prefiltered && !draft.hoist,
+        prefiltered && !variant.hoist,
         "hoist",
         "hoist = false is the loop of the texts over bins, and a prefiltered table needs no such loop",
     );
     refuse(
-        mode != Mode::Baked && draft.table.1 == Some(TableFormat::Rgb9e5),
+        mode != Mode::Baked && variant.table == TableFormat::Rgb9e5,
         "table",
         "numbers with a shared exponent have no sign, and only the colours of mode = \"baked\" need none",
     );
     refuse(
-        mode == Mode::Baked && draft.wavelengths.max_nm <= draft.wavelengths.min_nm,
+        mode == Mode::Baked && variant.wavelengths.max_nm <= variant.wavelengths.min_nm,
         "wavelengths",
         "baked integrates over the wavelengths, and a single one leaves nothing to integrate",
     );
-    let tabulated = matches!(draft.basis.1, Some(Basis::Chebyshev | Basis::Optimal));
+    let tabulated = matches!(variant.basis, Basis::Chebyshev | Basis::Optimal);
     refuse(
-        tabulated && !draft.hoist && mode == Mode::Full && !prefiltered,
+        tabulated && !variant.hoist && mode == Mode::Full && !prefiltered,
         "basis",
         "hoist = false is the loop of the texts over powers, and the coefficients of this basis are no powers",
     );
     match mode {
         Mode::Full => refuse(
-            ensemble && !draft.hoist,
+            ensemble && !variant.hoist,
             "hoist",
             "hoist = false adds the bins of each term before anything is squared, and an ensemble adds intensities of bins",
         ),
@@ -193,7 +285,7 @@ pub(super) fn broken(mode: Mode, draft: &Draft) -> Vec<(&'static str, String)> {
         ),
     }
     refuse(
-        !draft.hoist && matches!(mode, Mode::Pq | Mode::Adaptive),
+        !variant.hoist && matches!(mode, Mode::Pq | Mode::Adaptive),
         "hoist",
         "hoist = false is the full sum as the texts print it; no other mode has such a form",
     );

@@ -9,10 +9,9 @@ use serde_json::{Value, json};
 
 use crate::hash::sha256;
 
-use super::axis::{Axis, values, worded};
+use super::axis::{Axis, Part, valued, worded};
 use super::item::Item;
 use super::names::number;
-use super::variants::Setting;
 use super::words;
 
 /// Light and material.
@@ -97,55 +96,6 @@ impl Optics {
             shadowing,
             illuminant.identity()
         ])
-    }
-
-    /// Keys and values of a variant's configuration.
-    pub(super) fn settings(&self) -> [(&'static str, Value); 7] {
-        let Optics {
-            coherence_um,
-            coherence,
-            coherence_scaling,
-            refractive_index,
-            shadowing,
-            illuminant,
-            colour,
-        } = self;
-        [
-            ("coherence_um", json!(coherence_um)),
-            ("coherence", json!(coherence)),
-            ("coherence_scaling", json!(coherence_scaling)),
-            ("refractive_index", json!(refractive_index)),
-            ("shadowing", json!(shadowing)),
-            ("illuminant", json!(illuminant)),
-            ("colour", json!(colour)),
-        ]
-    }
-
-    /// What differs from the documented defaults, as parts of a variant's name.
-    pub(super) fn name_parts(&self) -> Vec<String> {
-        let Optics {
-            coherence_um,
-            coherence,
-            coherence_scaling,
-            refractive_index,
-            shadowing,
-            illuminant,
-            colour,
-        } = self;
-        let plain = Optics::standard();
-        let parts = [
-            (*coherence_um != plain.coherence_um, format!("lc{}", number(*coherence_um))),
-            (*coherence == Coherence::Ensemble, "ensemble".to_owned()),
-            (*coherence_scaling == CoherenceScaling::Wavelength, "lcwave".to_owned()),
-            (
-                *refractive_index != plain.refractive_index,
-                format!("n{}", number(*refractive_index)),
-            ),
-            (!shadowing, "noshadow".to_owned()),
-            (*illuminant != plain.illuminant, illuminant.name_part()),
-            (*colour == Colour::Thesis, "thesis".to_owned()),
-        ];
-        parts.into_iter().filter(|(differs, _)| *differs).map(|(_, part)| part).collect()
     }
 }
 
@@ -243,68 +193,78 @@ impl fmt::Display for Illuminant {
     }
 }
 
-/// One value of one key.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum OpticsSetting {
-    CoherenceUm(f64),
-    Coherence(Coherence),
-    CoherenceScaling(CoherenceScaling),
-    RefractiveIndex(f64),
-    Shadowing(bool),
-    Illuminant(Illuminant),
-    Colour(Colour),
-}
-
-impl From<OpticsSetting> for Setting {
-    fn from(setting: OpticsSetting) -> Setting {
-        Setting::Optics(setting)
-    }
-}
-
-impl OpticsSetting {
-    pub(super) fn apply(self, optics: &mut Optics) {
-        match self {
-            OpticsSetting::CoherenceUm(x) => optics.coherence_um = x,
-            OpticsSetting::Coherence(x) => optics.coherence = x,
-            OpticsSetting::CoherenceScaling(x) => optics.coherence_scaling = x,
-            OpticsSetting::RefractiveIndex(x) => optics.refractive_index = x,
-            OpticsSetting::Shadowing(x) => optics.shadowing = x,
-            OpticsSetting::Illuminant(x) => optics.illuminant = x,
-            OpticsSetting::Colour(x) => optics.colour = x,
-        }
-    }
-}
-
 /// Keys of `[optics]`; as axes of the product they vary fastest.
-pub(super) const OPTICS: [Axis; 7] = [
-    values("coherence_um", coherence_um),
-    worded!("coherence", words::COHERENCES, |(_, word)| OpticsSetting::Coherence(word).into()),
-    worded!("coherence_scaling", words::SCALINGS, |(_, word)| {
-        OpticsSetting::CoherenceScaling(word).into()
-    }),
-    values("refractive_index", refractive_index),
-    values("shadowing", |item| item.boolean().map(|on| OpticsSetting::Shadowing(on).into())),
-    values("illuminant", illuminant),
-    worded!("colour", words::COLOURS, |(_, word)| OpticsSetting::Colour(word).into()),
+pub(super) static OPTICS: [Axis; 7] = [
+    valued!(
+        "coherence_um",
+        optics.coherence_um,
+        coherence_um,
+        "0.1 to 10000",
+        "coherence length, µm",
+        Part::Changed(|v| format!("lc{}", number(v.optics.coherence_um)))
+    ),
+    worded!(
+        "coherence",
+        optics.coherence,
+        words::COHERENCES,
+        "amplitudes of one patch add, or intensities of many",
+        Part::Changed(|_| "ensemble".to_owned())
+    ),
+    worded!(
+        "coherence_scaling",
+        optics.coherence_scaling,
+        words::SCALINGS,
+        "one coherence length, or one that grows with the wavelength",
+        Part::Changed(|_| "lcwave".to_owned())
+    ),
+    valued!(
+        "refractive_index",
+        optics.refractive_index,
+        refractive_index,
+        "above 1, at most 5",
+        "of the material",
+        Part::Changed(|v| format!("n{}", number(v.optics.refractive_index)))
+    ),
+    valued!(
+        "shadowing",
+        optics.shadowing,
+        Item::boolean,
+        "`true`, `false`",
+        "V-cavity shadowing and masking",
+        Part::Changed(|_| "noshadow".to_owned())
+    ),
+    valued!(
+        "illuminant",
+        optics.illuminant,
+        illuminant,
+        "a CIE name, or a CSV file",
+        "spectrum of the light",
+        Part::Changed(|v| v.optics.illuminant.name_part())
+    ),
+    worded!(
+        "colour",
+        optics.colour,
+        words::COLOURS,
+        "conversion to RGB; the texts' for comparison only",
+        Part::Changed(|_| "thesis".to_owned())
+    ),
 ];
 
-fn coherence_um(item: &Item) -> Option<Setting> {
+fn coherence_um(item: &Item) -> Option<f64> {
     let what = "the coherence length in µm; sunlight has about 65";
-    let length_um = item.number("from 0.1 to 10000", what, |x| (0.1..=10000.0).contains(&x))?;
-    Some(OpticsSetting::CoherenceUm(length_um).into())
+    item.number("from 0.1 to 10000", what, |x| (0.1..=10000.0).contains(&x))
 }
 
-fn refractive_index(item: &Item) -> Option<Setting> {
+fn refractive_index(item: &Item) -> Option<f64> {
     let what = "an index of 1 reflects nothing, and the gain divides by the reflectance at normal incidence";
-    let index = item.number("above 1 and at most 5", what, |n| n > 1.0 && n <= 5.0)?;
-    Some(OpticsSetting::RefractiveIndex(index).into())
+    item.number("above 1 and at most 5", what, |n| n > 1.0 && n <= 5.0)
 }
 
-fn illuminant(item: &Item) -> Option<Setting> {
+fn illuminant(item: &Item) -> Option<Illuminant> {
     let text = item.string("the name of an illuminant, such as \"D65\", or a CSV file")?;
     if text.is_empty() || text.chars().any(char::is_control) {
         item.fail("names no illuminant", "use a name such as \"D65\", or a CSV file");
         return None;
     }
-    Some(OpticsSetting::Illuminant(text.into()).into())
+    Some(text.into())
 }

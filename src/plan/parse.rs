@@ -13,12 +13,18 @@ use super::item::{Item, Source, Table};
 use super::mode;
 use super::names::name_of;
 use super::target::TARGETS;
-use super::variants::{Draft, read_optics, read_preset, read_product};
-use super::words::{self, Words, unavailable};
+use super::variants::{read_optics, read_preset, read_product};
+use super::words::{self, Words};
 use super::{Container, Optics, Plan, Rejected, SurfaceSpec, Target, Variant, surface};
 
 pub(super) const SECTIONS: [&str; 6] =
     ["schema", "surface", "optics", "variants", "preset", "targets"];
+
+/// Keys of a preset beside those of a variant.
+pub(super) const PRESET: [&str; 2] = ["name", SURFACES];
+
+/// The key of a preset that lists the surfaces that it is for.
+const SURFACES: &str = "surfaces";
 
 /// A key of `[targets]` with its words.
 pub(super) const EMIT: (&str, Words<Target>) = ("emit", TARGETS);
@@ -65,7 +71,8 @@ impl Plan {
         let read = |root: Table| {
             let mut variants = Vec::new();
             root.only(&["preset"]);
-            presets(&root, &self.optics, &mut variants, &mut Vec::new());
+            let names = self.surfaces.iter().map(|s| s.name.as_str()).collect();
+            presets(&root, &self.optics, &names, &mut variants, &mut Vec::new());
             variants
         };
         let variants = read(Table::root(&source, document.get_ref()));
@@ -100,10 +107,10 @@ fn sections(root: &Table, folder: PathBuf, text_hash: String) -> Option<Plan> {
     let mut notes = Vec::new();
     let mut rejected = Vec::new();
     let mut variants = product(root, &optics, &mut rejected, &mut notes);
-    presets(root, &optics, &mut variants, &mut notes);
+    let names = surface_names(root);
+    presets(root, &optics, &names, &mut variants, &mut notes);
     let (targets, containers) = targets(section("targets", "[targets]").as_ref());
-    let shortest = variants.iter().map(|v| v.wavelengths.min_nm).fold(f64::INFINITY, f64::min);
-    let surfaces = surfaces(root, &folder, if shortest.is_finite() { shortest } else { 380.0 });
+    let surfaces = surfaces(root, &folder, &variants);
     if let (true, Some(Rejected { name, reason })) = (variants.is_empty(), rejected.first()) {
         let remedy = "give an axis a value that is available, or name a preset";
         root.source.fail_file(format!("no variant is left: {name}: {reason}"), remedy);
@@ -147,8 +154,8 @@ fn product(
     rejected: &mut Vec<Rejected>,
     notes: &mut Vec<String>,
 ) -> Vec<Variant> {
-    let base = Draft::standard(optics.clone());
-    let drafts = match root.get("variants") {
+    let base = Variant::standard(optics);
+    let combinations = match root.get("variants") {
         Some(item) => {
             item.table("[variants]").map_or_else(Vec::new, |table| read_product(&table, &base))
         }
@@ -157,20 +164,19 @@ fn product(
     };
     let mut seen: BTreeMap<String, u32> = BTreeMap::new();
     let mut variants = Vec::new();
-    for draft in drafts.into_iter().map(mode::normalised) {
-        let name = name_of(&draft);
+    for mut variant in combinations {
+        mode::normalise(&mut variant);
+        let name = name_of(&variant);
         let times = seen.entry(name.clone()).or_default();
         *times += 1;
         if *times > 1 {
             continue;
         }
-        match draft.build(name.clone()) {
-            Ok(variant) => variants.push(variant),
-            Err(reasons) => {
-                let reason =
-                    reasons.into_iter().map(|(_, reason)| reason).collect::<Vec<_>>().join("; ");
-                rejected.push(Rejected { name, reason });
-            }
+        let reasons: Vec<String> = mode::broken(&variant).into_iter().map(|(_, r)| r).collect();
+        if reasons.is_empty() {
+            variants.push(Variant { name, ..variant });
+        } else {
+            rejected.push(Rejected { name, reason: reasons.join("; ") });
         }
     }
     for (name, times) in seen.into_iter().filter(|(_, times)| *times > 1) {
@@ -181,23 +187,40 @@ fn product(
     variants
 }
 
-fn presets(root: &Table, optics: &Optics, variants: &mut Vec<Variant>, notes: &mut Vec<String>) {
-    let base = Draft::standard(optics.clone());
+/// What tells configurations apart on every surface: a surface's own optics leave alone what a variant states.
+type Identity = (String, Vec<&'static str>, Option<Vec<String>>);
+
+fn presets(
+    root: &Table,
+    optics: &Optics,
+    surfaces: &BTreeSet<&str>,
+    variants: &mut Vec<Variant>,
+    notes: &mut Vec<String>,
+) {
+    let base = Variant::standard(optics);
+    let own: Vec<Table> = optics_of_surfaces(root);
+    let identity = |variant: &Variant| -> Identity {
+        let mut stated = variant.stated.clone();
+        stated.retain(|key| own.iter().any(|table| table.get(key).is_some()));
+        (variant.hash(), stated, variant.surfaces.clone())
+    };
     let mut names: BTreeSet<String> = variants.iter().map(|variant| variant.name.clone()).collect();
     // the first variant of each configuration
-    let mut known: BTreeMap<String, String> = BTreeMap::new();
+    let mut known: BTreeMap<Identity, String> = BTreeMap::new();
     if root.get("preset").is_some() {
         for variant in variants.iter() {
-            known.entry(variant.hash()).or_insert_with(|| variant.name.clone());
+            known.entry(identity(variant)).or_insert_with(|| variant.name.clone());
         }
     }
     for table in tables(root, "preset") {
         let name = surface::name(&table);
         let path = name.as_ref().map_or(table.path.clone(), |name| format!("preset.{name}"));
         let table = table.renamed(path);
-        let variant = read_preset(&table, &base);
+        let only = table.get(SURFACES).map(|item| surfaces_of(&item, surfaces));
+        let variant = read_preset(&table, &PRESET, &base);
         let (Some(name), Some(variant)) = (name, variant) else { continue };
         let Some(item) = table.get("name") else { continue };
+        let variant = Variant { surfaces: only, ..variant };
         if name == Variant::TEXTS {
             item.fail(
                 "is the name of a built-in preset",
@@ -206,7 +229,7 @@ fn presets(root: &Table, optics: &Optics, variants: &mut Vec<Variant>, notes: &m
         } else if !names.insert(name.clone()) {
             item.fail("is the name of another variant", "choose another name");
         } else {
-            match known.entry(variant.hash()) {
+            match known.entry(identity(&variant)) {
                 Entry::Occupied(other) => {
                     notes.push(format!("{name}: the same configuration as {}", other.get()));
                 }
@@ -219,7 +242,60 @@ fn presets(root: &Table, optics: &Optics, variants: &mut Vec<Variant>, notes: &m
     }
 }
 
-fn surfaces(root: &Table, folder: &Path, lambda_min_nm: f64) -> Vec<SurfaceSpec> {
+/// The names of a preset's surfaces, each of which must be in the plan.
+fn surfaces_of(item: &Item, known: &BTreeSet<&str>) -> Vec<String> {
+    let mut names = Vec::new();
+    let mut seen = BTreeSet::new();
+    for item in several(item, "surface") {
+        let Some(name) = item.string("the name of a surface") else { continue };
+        if !known.contains(name) {
+            item.unknown("is no surface of the plan", known);
+        } else if !seen.insert(name) {
+            item.fail("is listed twice", "remove one of the two");
+        } else {
+            names.push(name.to_owned());
+        }
+    }
+    names
+}
+
+/// The names of all surfaces, sound or not.
+fn surface_names<'s>(root: &Table<'s, '_>) -> BTreeSet<&'s str> {
+    let all = surface_tables(root);
+    all.iter().filter_map(|table| table.get("name")?.as_str()).collect()
+}
+
+/// The optics of surfaces that have their own.
+fn optics_of_surfaces<'s, 't>(root: &Table<'s, 't>) -> Vec<Table<'s, 't>> {
+    let own = |table: &Table<'s, 't>| table.get(surface::OPTICS).filter(Item::is_table);
+    let items: Vec<Item> = surface_tables(root).iter().filter_map(own).collect();
+    items.iter().filter_map(|item| item.table("optics")).collect()
+}
+
+/// The tables of `[[surface]]`; faults are told where they are read.
+fn surface_tables<'s, 't>(root: &Table<'s, 't>) -> Vec<Table<'s, 't>> {
+    let Some(item) = root.get("surface").filter(Item::is_array) else { return Vec::new() };
+    let elements = item.elements("tables").unwrap_or_default();
+    elements.iter().filter(|item| item.is_table()).filter_map(|item| item.table("")).collect()
+}
+
+/// Reads all surfaces, each with the shortest wavelength of the variants that are for it.
+fn surfaces(root: &Table, folder: &Path, variants: &[Variant]) -> Vec<SurfaceSpec> {
+    // by surface; of variants that are for every one of them, once
+    let mut shortest: BTreeMap<Option<&str>, f64> = BTreeMap::new();
+    for variant in variants {
+        let names = variant.surfaces.as_deref();
+        let places =
+            names.map_or_else(|| vec![None], |all| all.iter().map(|n| Some(&**n)).collect());
+        for place in places {
+            let known = shortest.entry(place).or_insert(f64::INFINITY);
+            *known = known.min(variant.wavelengths.min_nm);
+        }
+    }
+    let shortest_nm = |name: &str| {
+        let here = [None, Some(name)].into_iter().filter_map(|place| shortest.get(&place).copied());
+        here.reduce(f64::min).unwrap_or(380.0)
+    };
     let tables = tables(root, "surface");
     if tables.is_empty() && root.get("surface").is_none_or(|item| item.is_array()) {
         root.source
@@ -235,7 +311,7 @@ fn surfaces(root: &Table, folder: &Path, lambda_min_nm: f64) -> Vec<SurfaceSpec>
         {
             item.fail("is the name of another surface", "choose another name");
         }
-        surfaces.extend(surface::read(&table, folder, lambda_min_nm));
+        surfaces.extend(surface::read(&table, folder, &shortest_nm));
     }
     surfaces
 }
@@ -261,24 +337,19 @@ fn targets(table: Option<&Table>) -> (Vec<Target>, Vec<Container>) {
     (targets, containers.into_iter().collect())
 }
 
-/// Words of a list, each of which must be available.
+/// Words of a list.
 fn listed<T: Copy>(item: &Item, what: &str, known: Words<T>) -> Vec<T> {
-    let items = if item.is_array() {
-        item.elements("words").unwrap_or_default()
-    } else {
-        vec![item.clone()]
-    };
+    several(item, what).iter().filter_map(|item| item.word(known)).collect()
+}
+
+/// The elements of a list that must not be empty; a single value stands for a list of one.
+fn several<'s, 't>(item: &Item<'s, 't>, what: &str) -> Vec<Item<'s, 't>> {
+    if !item.is_array() {
+        return vec![item.clone()];
+    }
+    let items = item.elements("words").unwrap_or_default();
     if items.is_empty() {
         item.fail("is empty", format!("name at least one {what}, or leave the key out"));
     }
-    let available: Vec<&str> =
-        known.iter().filter(|(_, value)| value.is_some()).map(|(word, _)| *word).collect();
-    let read = |item: &Item| {
-        let (word, value) = item.word(known)?;
-        if value.is_none() {
-            item.fail(unavailable(what, word), format!("available: {}", available.join(", ")));
-        }
-        value
-    };
-    items.iter().filter_map(read).collect()
+    items
 }

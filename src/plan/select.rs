@@ -3,7 +3,7 @@
 use crate::error::{Error, Result, Stage};
 
 use super::item::suggest;
-use super::{Plan, SurfaceSpec, Variant};
+use super::{Plan, Rejected, SurfaceSpec, Variant};
 
 impl Plan {
     /// The surface of a name; the error lists what there is.
@@ -19,7 +19,7 @@ impl Plan {
             (Some(Variant::TEXTS), _) => Ok(Variant::texts(&self.optics)),
             (Some(name), variants) => {
                 let found = variants.iter().find(|variant| variant.name == name).cloned();
-                found.ok_or_else(|| unknown("variant", name, &self.variant_names()))
+                found.ok_or_else(|| self.absent(name))
             }
             (None, [only]) => Ok(only.clone()),
             (None, variants) => {
@@ -38,16 +38,7 @@ impl Plan {
         }
         for pattern in patterns.iter().filter(|pattern| *pattern != Variant::TEXTS) {
             if !self.variants.iter().any(|variant| matches(pattern, &variant.name)) {
-                let rejected =
-                    self.rejected.iter().find(|rejected| matches(pattern, &rejected.name));
-                return Err(match rejected {
-                    Some(rejected) => Error::new(
-                        Stage::Plan,
-                        format!("variant \"{}\"", rejected.name),
-                        &rejected.reason,
-                    ),
-                    None => unknown("variant", pattern, &self.variant_names()),
-                });
+                return Err(self.absent(pattern));
             }
         }
         let wanted =
@@ -57,6 +48,16 @@ impl Plan {
             selected.push(Variant::texts(&self.optics));
         }
         Ok(selected)
+    }
+
+    /// Why no variant is called so.
+    fn absent(&self, pattern: &str) -> Error {
+        match self.rejected.iter().find(|rejected| matches(pattern, &rejected.name)) {
+            Some(Rejected { name, reason }) => {
+                Error::new(Stage::Plan, format!("variant \"{name}\""), reason)
+            }
+            None => unknown("variant", pattern, &self.variant_names()),
+        }
     }
 
     fn variant_names(&self) -> Vec<&str> {

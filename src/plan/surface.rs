@@ -5,9 +5,9 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::item::{Item, Table, suggest};
-use super::{FileSource, Grating, Level, SurfaceSource, SurfaceSpec, words};
+use super::{FileSource, Grating, Level, SurfaceOptics, SurfaceSource, SurfaceSpec, words};
 
-pub(super) const KEYS: [&str; 10] = [
+pub(super) const KEYS: [&str; 11] = [
     "name",
     "grating",
     "file",
@@ -18,23 +18,32 @@ pub(super) const KEYS: [&str; 10] = [
     "rotate_deg",
     LEVEL.0,
     "clip_percent",
+    OPTICS,
 ];
 /// The key of [`KEYS`] that takes words.
 pub(super) const LEVEL: (&str, &[(&str, Level)]) = ("level", words::LEVELS);
 
+/// The key of [`KEYS`] that is a table of optics.
+pub(super) const OPTICS: &str = "optics";
+
 const FILE_KEYS: [&str; 4] = ["size_um", "pixel_um", "height_um", "z_unit_um"];
 
-/// Reads one surface; `lambda_min_nm` is the shortest wavelength that the plan asks of it.
-pub(super) fn read(table: &Table, folder: &Path, lambda_min_nm: f64) -> Option<SurfaceSpec> {
+/// Reads one surface; `shortest_nm` is the shortest wavelength that the plan asks of the surface of a name.
+pub(super) fn read(
+    table: &Table,
+    folder: &Path,
+    shortest_nm: &dyn Fn(&str) -> f64,
+) -> Option<SurfaceSpec> {
     table.only(&KEYS);
     let name = name(table)?;
+    let lambda_min_nm = shortest_nm(&name);
     let table = &table.renamed(format!("surface.{name}"));
     let rotate_deg = match table.get("rotate_deg") {
         Some(item) => item.number("finite", "an angle in degrees", |_| true)?,
         None => 0.0,
     };
     let level = match table.get(LEVEL.0) {
-        Some(item) => item.word(LEVEL.1)?.1,
+        Some(item) => item.word(LEVEL.1)?,
         None => Level::None,
     };
     let clip_percent = match table.get("clip_percent") {
@@ -43,6 +52,10 @@ pub(super) fn read(table: &Table, folder: &Path, lambda_min_nm: f64) -> Option<S
             item.number("from 0 to below 50", what, |x| (0.0..50.0).contains(&x))?
         }
         None => 0.0,
+    };
+    let optics = match table.get(OPTICS) {
+        Some(item) => SurfaceOptics::read(&item.table("{ refractive_index = … }")?),
+        None => SurfaceOptics::default(),
     };
     let source = match (table.get("grating"), table.get("file")) {
         (Some(item), None) => SurfaceSource::Grating(grating_surface(table, &item, lambda_min_nm)?),
@@ -58,7 +71,7 @@ pub(super) fn read(table: &Table, folder: &Path, lambda_min_nm: f64) -> Option<S
             return None;
         }
     };
-    Some(SurfaceSpec { name, source, rotate_deg, level, clip_percent })
+    Some(SurfaceSpec { name, source, rotate_deg, level, clip_percent, optics })
 }
 
 /// Reads the key `name`: lower-case letters, digits and hyphens, at most 64.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Error, Result, Stage};
 
 use super::item::suggest;
-use super::words::{Words, word_of};
+use super::words::{Words, names, word_of};
 
 /// Output language.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -31,18 +31,18 @@ pub enum Target {
 }
 
 pub(super) const TARGETS: Words<Target> = &[
-    ("wgsl", Some(Target::Wgsl)),
-    ("glsl450", Some(Target::Glsl450)),
-    ("glsl-es300", Some(Target::GlslEs300)),
-    ("spirv", Some(Target::Spirv)),
-    ("hlsl", Some(Target::Hlsl)),
-    ("msl", Some(Target::Msl)),
+    ("wgsl", Target::Wgsl),
+    ("glsl450", Target::Glsl450),
+    ("glsl-es300", Target::GlslEs300),
+    ("spirv", Target::Spirv),
+    ("hlsl", Target::Hlsl),
+    ("msl", Target::Msl),
 ];
 
 impl Target {
     /// Every language that this version emits, in the order of the manual.
     pub fn all() -> Vec<Target> {
-        TARGETS.iter().filter_map(|(_, target)| *target).collect()
+        TARGETS.iter().map(|(_, target)| *target).collect()
     }
 
     /// The word of the plan and of `--target`.
@@ -52,14 +52,10 @@ impl Target {
 
     /// Reads one word of `--target`.
     pub fn parse(word: &str) -> Result<Target> {
-        let error = |cause: String| Error::new(Stage::Plan, format!("target \"{word}\""), cause);
-        match TARGETS.iter().find(|(known, _)| *known == word) {
-            Some((_, Some(target))) => Ok(*target),
-            Some((_, None)) => Err(error("is not available in this version".to_owned())),
-            None => {
-                let known: Vec<&str> = TARGETS.iter().map(|(known, _)| *known).collect();
-                Err(error("is unknown".to_owned()).remedy(suggest(word, &known)))
-            }
-        }
+        let found = TARGETS.iter().find(|(known, _)| *known == word);
+        found.map(|(_, target)| *target).ok_or_else(|| {
+            Error::new(Stage::Plan, format!("target \"{word}\""), "is unknown")
+                .remedy(suggest(word, &names(TARGETS)))
+        })
     }
 }

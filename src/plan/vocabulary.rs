@@ -2,11 +2,13 @@
 
 use std::collections::BTreeSet;
 
+use serde_json::Value;
+
 use super::axis::Axis;
 use super::optics::OPTICS;
-use super::variants::{AXES, WAVELENGTHS};
+use super::variant::{AXES, WAVELENGTHS, axes};
 use super::words::names;
-use super::{parse, surface};
+use super::{Optics, Variant, parse, surface};
 
 /// A key that a plan may have.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -43,13 +45,17 @@ pub fn vocabulary() -> Vec<Key> {
     for name in of_kinds.collect::<BTreeSet<_>>() {
         add("surface.grating", &name, Vec::new());
     }
-    let axis = |axis: &Axis| (axis.key, (axis.words)());
-    for (name, words) in OPTICS.iter().map(axis) {
-        add("optics", name, words);
+    let of = |axis: &Axis| (axis.key, (axis.words)());
+    for table in ["surface.optics", "optics"] {
+        for (name, words) in OPTICS.iter().map(of) {
+            add(table, name, words);
+        }
     }
-    add("preset", "name", Vec::new());
+    for name in parse::PRESET {
+        add("preset", name, Vec::new());
+    }
     for (table, waves) in [("variants", "variants.wavelengths"), ("preset", "preset.wavelengths")] {
-        for (name, words) in AXES.iter().chain(&OPTICS).map(axis) {
+        for (name, words) in axes().map(of) {
             add(table, name, words);
         }
         for name in WAVELENGTHS {
@@ -59,4 +65,35 @@ pub fn vocabulary() -> Vec<Key> {
     add("targets", parse::EMIT.0, names(parse::EMIT.1));
     add("targets", parse::TABLES.0, names(parse::TABLES.1));
     keys
+}
+
+/// An axis of a variant, for lists and manuals.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxisDoc {
+    /// The key.
+    pub key: &'static str,
+    /// Every word that it takes.
+    pub words: Vec<&'static str>,
+    /// What else it takes; empty where that is nothing.
+    pub values: &'static str,
+    /// The documented default.
+    pub default: Value,
+    /// What it is, in one line.
+    pub about: &'static str,
+    /// Whether it is a key of `[optics]` too.
+    pub is_optics: bool,
+}
+
+/// Every key of a variant, in the order of the product.
+pub fn axis_docs() -> Vec<AxisDoc> {
+    let standard = Variant::standard(&Optics::standard());
+    let doc = |(place, axis): (usize, &Axis)| AxisDoc {
+        key: axis.key,
+        words: (axis.words)(),
+        values: axis.values,
+        default: axis.value(&standard),
+        about: axis.about,
+        is_optics: place >= AXES.len(),
+    };
+    axes().enumerate().map(doc).collect()
 }

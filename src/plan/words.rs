@@ -1,70 +1,66 @@
-//! The words of a plan: which exist, and which of them this version builds.
+//! The words of a plan, each with what it means.
 
 use super::{
     Basis, Coherence, CoherenceScaling, Colour, Container, Level, Packing, Reconstruction,
     Sampling, TableFormat,
 };
 
-/// Words with what they mean; `None`: planned, not available in this version.
-pub(super) type Words<T> = &'static [(&'static str, Option<T>)];
+/// Words with what they mean.
+pub(super) type Words<T> = &'static [(&'static str, T)];
 
 pub(super) const BASES: Words<Basis> = &[
-    ("taylor", Some(Basis::Taylor)),
-    ("taylor-zero", Some(Basis::TaylorZero)),
-    ("chebyshev", Some(Basis::Chebyshev)),
-    ("optimal", Some(Basis::Optimal)),
+    ("taylor", Basis::Taylor),
+    ("taylor-zero", Basis::TaylorZero),
+    ("chebyshev", Basis::Chebyshev),
+    ("optimal", Basis::Optimal),
 ];
 
 pub(super) const RECONSTRUCTIONS: Words<Reconstruction> =
-    &[("window", Some(Reconstruction::Window)), ("prefiltered", Some(Reconstruction::Prefiltered))];
+    &[("window", Reconstruction::Window), ("prefiltered", Reconstruction::Prefiltered)];
 
-pub(super) const TABLE_FORMATS: Words<TableFormat> = &[
-    ("f32", Some(TableFormat::F32)),
-    ("f16", Some(TableFormat::F16)),
-    ("rgb9e5", Some(TableFormat::Rgb9e5)),
-];
+pub(super) const TABLE_FORMATS: Words<TableFormat> =
+    &[("f32", TableFormat::F32), ("f16", TableFormat::F16), ("rgb9e5", TableFormat::Rgb9e5)];
 
 /// `bin` stands for the raw texels, which are written whether it is named or not.
-pub(super) const CONTAINERS: Words<Option<Container>> = &[
-    ("bin", Some(None)),
-    ("ktx2", Some(Some(Container::Ktx2))),
-    ("exr", Some(Some(Container::Exr))),
-];
+pub(super) const CONTAINERS: Words<Option<Container>> =
+    &[("bin", None), ("ktx2", Some(Container::Ktx2)), ("exr", Some(Container::Exr))];
 
-pub(super) const PACKINGS: &[(&str, Packing)] =
+pub(super) const PACKINGS: Words<Packing> =
     &[("paired", Packing::Paired), ("single", Packing::Single)];
 
-pub(super) const SAMPLINGS: &[(&str, Sampling)] =
+pub(super) const SAMPLINGS: Words<Sampling> =
     &[("load", Sampling::Load), ("filter", Sampling::Filter)];
 
-pub(super) const COHERENCES: &[(&str, Coherence)] =
+pub(super) const COHERENCES: Words<Coherence> =
     &[("single", Coherence::Single), ("ensemble", Coherence::Ensemble)];
 
-pub(super) const SCALINGS: &[(&str, CoherenceScaling)] =
+pub(super) const SCALINGS: Words<CoherenceScaling> =
     &[("fixed", CoherenceScaling::Fixed), ("wavelength", CoherenceScaling::Wavelength)];
 
-pub(super) const COLOURS: &[(&str, Colour)] = &[("srgb", Colour::Srgb), ("thesis", Colour::Thesis)];
+pub(super) const COLOURS: Words<Colour> = &[("srgb", Colour::Srgb), ("thesis", Colour::Thesis)];
 
-pub(super) const LEVELS: &[(&str, Level)] =
+pub(super) const LEVELS: Words<Level> =
     &[("none", Level::None), ("plane", Level::Plane), ("rows", Level::Rows)];
 
 /// Stands for a number that is left to the tool.
-pub(super) const AUTO: &[(&str, ())] = &[("auto", ())];
+pub(super) const AUTO: Words<()> = &[("auto", ())];
 
 /// The words of a list.
 pub(super) fn names<T>(words: &[(&'static str, T)]) -> Vec<&'static str> {
     words.iter().map(|(word, _)| *word).collect()
 }
 
-/// Why a planned word is refused.
-pub(super) fn unavailable(key: &str, word: &str) -> String {
-    format!("{key} \"{word}\" is not available in this version")
-}
-
 impl Basis {
     /// The word of the plan.
     pub fn as_str(self) -> &'static str {
         word_of(BASES, self)
+    }
+}
+
+impl Reconstruction {
+    /// The word of the plan.
+    pub fn as_str(self) -> &'static str {
+        word_of(RECONSTRUCTIONS, self)
     }
 }
 
@@ -78,20 +74,14 @@ impl TableFormat {
 impl Packing {
     /// The word of the plan.
     pub fn as_str(self) -> &'static str {
-        match self {
-            Packing::Paired => "paired",
-            Packing::Single => "single",
-        }
+        word_of(PACKINGS, self)
     }
 }
 
 impl Sampling {
     /// The word of the plan.
     pub fn as_str(self) -> &'static str {
-        match self {
-            Sampling::Load => "load",
-            Sampling::Filter => "filter",
-        }
+        word_of(SAMPLINGS, self)
     }
 }
 
@@ -102,6 +92,6 @@ impl Container {
     }
 }
 
-pub(super) fn word_of<T: Copy + PartialEq>(words: Words<T>, value: T) -> &'static str {
-    words.iter().find(|(_, v)| *v == Some(value)).map_or("?", |(word, _)| word)
+pub(super) fn word_of<T: PartialEq>(words: Words<T>, value: T) -> &'static str {
+    words.iter().find(|(_, known)| *known == value).map_or("?", |(word, _)| word)
 }

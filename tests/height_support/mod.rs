@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use diffraction_shaders::error::Error;
-use diffraction_shaders::plan::{FileSource, Level, SurfaceSource, SurfaceSpec};
+use diffraction_shaders::plan::{FileSource, Level, SurfaceOptics, SurfaceSource, SurfaceSpec};
 
 pub const COLUMNS: usize = 5;
 pub const ROWS: usize = 3;
@@ -55,6 +55,7 @@ pub fn surface(source: FileSource) -> SurfaceSpec {
         rotate_deg: 0.0,
         level: Level::None,
         clip_percent: 0.0,
+        optics: SurfaceOptics::default(),
     }
 }
 

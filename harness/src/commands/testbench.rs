@@ -32,6 +32,7 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     }
     let plan: Plan = args.surface.plan.read(console)?;
     let spec = plan.surface(&args.surface.surface)?;
+    let plan = plan.on(spec);
     let (tasks, mut gaps) = task::tasks(args, &plan)?;
     if let ([], [gap]) = (tasks.as_slice(), gaps.as_slice()) {
         bail!("variant {}: {}", gap.variant.as_deref().unwrap_or_default(), gap.reason);

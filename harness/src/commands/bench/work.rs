@@ -45,6 +45,7 @@ struct Site<'a> {
     gpu: Gpu,
     scene: Scene<'a>,
     place: Place,
+    baseline: Variant,
     variants: Vec<Variant>,
     /// The next group is the first on its adapter: which clock it uses is told.
     info: Option<&'a AdapterInfo>,
@@ -126,16 +127,22 @@ impl Run<'_> {
             Ok(gpu) => gpu,
             Err(error) => return output.gap(gap(&place, None, &error.to_string(), false)),
         };
+        let Some(Ok(baseline)) = self.baseline.on(spec) else {
+            let why = "cannot be the baseline on this surface";
+            return output.gap(gap(&place, Some(&self.baseline.name), why, false));
+        };
         let mut fit = Vec::new();
         for variant in variants {
+            let Some(here) = variant.on(spec) else { continue };
             let nm = variant.wavelengths.min_nm;
-            match surface.field.check_pitch(&height::subject(spec), nm) {
-                Ok(()) => fit.push(variant.clone()),
+            let pitch = surface.field.check_pitch(&height::subject(spec), nm);
+            match here.and_then(|here| pitch.map(|()| here)) {
+                Ok(here) => fit.push(here),
                 Err(e) => output.gap(gap(&place, Some(&variant.name), &e.to_string(), false))?,
             }
         }
         let scene = Scene { height: &surface.field, rotate_deg: spec.rotate_deg, light };
-        let mut site = Site { gpu, scene, place, variants: fit, info: first };
+        let mut site = Site { gpu, scene, place, baseline, variants: fit, info: first };
         if self.args.scaling {
             self.scaling(&mut site, output)
         } else {
@@ -149,21 +156,21 @@ impl Run<'_> {
             let variant = Box::new(variant.clone());
             Case::Map { variant, height: None, frame }
         };
-        let others = site.variants.iter().filter(|variant| variant.name != self.baseline.name);
+        let others = site.variants.iter().filter(|variant| variant.name != site.baseline.name);
         let others: Vec<Case> = others.map(map).collect();
         let mut groups: Vec<Vec<Case>> = others.chunks(GROUP).map(<[Case]>::to_vec).collect();
         if groups.is_empty() {
             groups.push(Vec::new());
         }
         for what in yardsticks(self.args) {
-            let optics = Box::new(self.baseline.optics.clone());
+            let optics = Box::new(site.baseline.optics.clone());
             groups[0].push(Case::Yardstick { what, optics, frame });
         }
         for (number, group) in groups.into_iter().enumerate() {
             if self.stopped() {
                 break;
             }
-            let cases: Vec<Case> = std::iter::once(map(&self.baseline)).chain(group).collect();
+            let cases: Vec<Case> = std::iter::once(map(&site.baseline)).chain(group).collect();
             let group = self.group(site, &cases, output);
             let baseline = group.cases.first().and_then(|first| first.as_ref().ok());
             for (index, (case, outcome)) in cases.iter().zip(&group.cases).enumerate() {

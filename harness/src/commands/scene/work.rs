@@ -40,18 +40,20 @@ const FLIP: (&str, &str) = ("cross(upright, straight)", "cross(straight, upright
 struct Skin {
     spec: SurfaceSpec,
     surface: Surface,
+    /// As it is on the surface.
+    variant: Variant,
 }
 
 pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let plan: Plan = args.plan.read(console)?;
-    let variant = plan.variant(args.variant.as_deref())?;
     let mut skins = Vec::new();
     for name in &args.surface {
         let spec = plan.surface(name)?.clone();
+        let variant = plan.on(&spec).variant(args.variant.as_deref())?;
         let surface = input::load_surface(&spec)?;
         surface.notes.iter().for_each(|note| console.note(note));
         surface.field.check_pitch(&height::subject(&spec), variant.wavelengths.min_nm)?;
-        skins.push(Skin { spec, surface });
+        skins.push(Skin { spec, surface, variant });
     }
     let mut mesh = match args.mesh.as_str() {
         "snake" => snake(&Snake::standard()),
@@ -62,11 +64,11 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     turn(&mut mesh, args.orientation);
     let gpu = Gpu::open(Backend::Vulkan, args.adapter.as_deref())?;
     if args.truth {
-        return judge(args, &gpu, &skins, &variant, &mesh);
+        return judge(args, &gpu, &skins, &mesh);
     }
     let mut rows = Vec::new();
     for skin in &skins {
-        rows.push(sweep(args, &gpu, skin, &variant, &mesh, console)?);
+        rows.push(sweep(args, &gpu, skin, &mesh, console)?);
     }
     if args.sweep.is_none() {
         rows = vec![rows.concat()];
@@ -95,14 +97,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
 }
 
 /// All pictures of one skin.
-fn sweep(
-    args: &Args,
-    gpu: &Gpu,
-    skin: &Skin,
-    variant: &Variant,
-    mesh: &Mesh,
-    console: &Console,
-) -> Result<Vec<Hdr>> {
+fn sweep(args: &Args, gpu: &Gpu, skin: &Skin, mesh: &Mesh, console: &Console) -> Result<Vec<Hdr>> {
     let lights: Vec<DVec3> = args.light.iter().map(|l| DVec3::from(l.0)).collect();
     let orbit = orbit(args, mesh);
     let at = |orbit: Orbit, lights: &[DVec3], turned: f64| (orbit, lights.to_vec(), turned);
@@ -124,8 +119,8 @@ fn sweep(
             })
             .collect(),
     };
-    let subject =
-        Subject { height: &skin.surface.field, rotate_deg: skin.spec.rotate_deg, variant };
+    let (height, variant) = (&skin.surface.field, &skin.variant);
+    let subject = Subject { height, rotate_deg: skin.spec.rotate_deg, variant };
     let widen = args.filter == Filter::Footprint;
     let bar = progress::bar(shots.len(), &format!("drawing {}", skin.spec.name));
     let (mut pictures, mut times) = (Vec::new(), Vec::new());
@@ -185,18 +180,13 @@ fn sweep(
 }
 
 /// Each skin's picture against the scene in f64, and the same with a flipped bitangent, which has to fail.
-fn judge(
-    args: &Args,
-    gpu: &Gpu,
-    skins: &[Skin],
-    variant: &Variant,
-    mesh: &Mesh,
-) -> Result<Outcome> {
+fn judge(args: &Args, gpu: &Gpu, skins: &[Skin], mesh: &Mesh) -> Result<Outcome> {
     let mut outcome = Outcome::Done;
     let light = DVec3::from(args.light[0].0);
     let params = orbit(args, mesh).params(mesh, args.size.0, light)?;
     for skin in skins {
         let (height, rotate_deg) = (&skin.surface.field, skin.spec.rotate_deg);
+        let variant = &skin.variant;
         let mut prepared = Prepared::new(Subject { height, rotate_deg, variant })?;
         let allowed = prepared.form.promise().tolerance(Part::Arithmetic);
         let allowed = allowed.and_then(|t| t.max_abs).unwrap_or_default();

@@ -36,6 +36,7 @@ const STEPS: usize = 1000;
 pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let plan = args.surface.plan.read(console)?;
     let spec = plan.surface(&args.surface.surface)?.clone();
+    let plan = plan.on(&spec);
     let gpu = timing::open(args)?;
     let surface = input::load_surface(&spec)?;
     surface.notes.iter().for_each(|note| console.note(note));

@@ -1,0 +1,341 @@
+//! A variant, and the registry of its axes: a key, its values, its part of the name and of the configuration stand here and
+//! nowhere else. Those of light and material are beside [`Optics`].
+
+use super::axis::{Axis, Part, auto, entry, valued, worded};
+use super::item::Item;
+use super::mode::{self, MODES};
+use super::names::{exponent, number};
+use super::optics::OPTICS;
+use super::words;
+use super::{
+    Auto, Basis, Mode, Optics, Packing, Reconstruction, Sampling, TableFormat, Wavelengths,
+};
+
+/// One configuration of the shader, before it meets a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variant {
+    /// Canonical name, or the preset's.
+    pub name: String,
+    /// Surfaces that it is for; `None`: all.
+    pub surfaces: Option<Vec<String>>,
+    /// Keys of the optics that its preset or an axis states: a surface's own optics leave them alone.
+    pub stated: Vec<&'static str>,
+    /// What it computes.
+    pub mode: Mode,
+    /// Expansion of the phase function.
+    pub basis: Basis,
+    /// Number of terms `T` (highest power `T - 1`).
+    pub terms: Auto<u32>,
+    /// Error that `terms = "auto"` must keep.
+    pub term_error: f64,
+    /// How the amplitude comes from the table. Read by `full` and `adaptive`.
+    pub reconstruction: Reconstruction,
+    /// Bins to each side of the nearest one.
+    pub window_radius: Auto<u32>,
+    /// Replicas of the patch along x and y; `None`: from the coherence length. Read by `pq` only.
+    pub periods: Option<[u32; 2]>,
+    /// Wavelength samples.
+    pub wavelengths: Wavelengths,
+    /// Number format of the term table.
+    pub table: TableFormat,
+    /// How complex terms lie in texels.
+    pub packing: Packing,
+    /// How what lies between texels is read. Read where something lies there, see [`Variant::reads_between`].
+    pub sampling: Sampling,
+    /// Loop-invariant work outside the loops.
+    pub hoist: bool,
+    /// 95th percentile of CIEDE2000 that the sizes of a table of colours aim at. Read by `baked` only.
+    pub bake_error: f64,
+    /// Most that the table of colours may have, MiB; above it the error is given up. Read by `baked` only.
+    pub bake_mib: f64,
+    /// Light and material.
+    pub optics: Optics,
+}
+
+impl Variant {
+    /// Name of the built-in preset.
+    pub const TEXTS: &str = "texts";
+
+    /// The documented defaults with given optics, without a name.
+    pub(super) fn standard(optics: &Optics) -> Variant {
+        Variant {
+            name: String::new(),
+            surfaces: None,
+            stated: Vec::new(),
+            mode: Mode::Full,
+            basis: Basis::Taylor,
+            terms: Auto::Value(31),
+            term_error: 1e-3,
+            reconstruction: Reconstruction::Window,
+            window_radius: Auto::Value(1),
+            periods: None,
+            wavelengths: Wavelengths { min_nm: 380.0, max_nm: 780.0, step_nm: 5.0 },
+            table: TableFormat::F32,
+            packing: Packing::Paired,
+            sampling: Sampling::Load,
+            hoist: true,
+            bake_error: 0.5,
+            bake_mib: 32.0,
+            optics: optics.clone(),
+        }
+    }
+
+    /// The shader as the texts print it, baseline of every speed claim: 31 `taylor-zero` terms, 3 × 3 bins,
+    /// 380–780 nm by 5 nm, one complex term per texel, nothing hoisted.
+    pub fn texts(optics: &Optics) -> Variant {
+        Variant {
+            name: Variant::TEXTS.to_owned(),
+            basis: Basis::TaylorZero,
+            packing: Packing::Single,
+            hoist: false,
+            ..Variant::standard(optics)
+        }
+    }
+}
+
+/// Every key of a variant in the order of the product: the first varies slowest, those of the optics fastest.
+pub(super) fn axes() -> impl Iterator<Item = &'static Axis> {
+    AXES.iter().chain(&OPTICS)
+}
+
+/// Keys of `[variants]` and of a preset beside those of the optics.
+pub(super) static AXES: [Axis; 14] = [
+    worded!(
+        "mode",
+        mode,
+        MODES,
+        "what is summed, see above",
+        Part::Always(|v| v.mode.as_str().to_owned())
+    ),
+    worded!(
+        "basis",
+        basis,
+        words::BASES,
+        "expansion of the phase over the heights",
+        Part::Always(|v| v.basis.as_str().to_owned())
+    ),
+    Axis {
+        words: auto,
+        ..valued!(
+            "terms",
+            terms,
+            terms,
+            "1 to 200",
+            "number of terms of the basis",
+            Part::Always(|v| format!("t{}", v.terms))
+        )
+    },
+    valued!(
+        "term_error",
+        term_error,
+        term_error,
+        "above 0, at most 0.5",
+        "error that `terms = \"auto\"` keeps",
+        Part::Changed(|v| format!("e{}", exponent(v.term_error)))
+    ),
+    worded!(
+        "reconstruction",
+        reconstruction,
+        words::RECONSTRUCTIONS,
+        "a sum over bins, or a table with the coherence window in it",
+        Part::Changed(|v| v.reconstruction.as_str().to_owned())
+    ),
+    Axis {
+        words: auto,
+        ..valued!(
+            "window_radius",
+            window_radius,
+            window_radius,
+            "0 to 64",
+            "bins to each side of the nearest one",
+            Part::Changed(|v| format!("r{}", v.window_radius))
+        )
+    },
+    Axis {
+        words: auto,
+        takes_pair: true,
+        entries: &[entry!("periods", periods, |v| match v.periods {
+            Some(periods) => serde_json::json!(periods),
+            None => serde_json::json!("auto"),
+        })],
+        ..valued!(
+            "periods",
+            periods,
+            periods,
+            "`[x, y]`, 1 to 10000 each",
+            "replicas of the patch along x and y",
+            Part::Changed(|v| {
+                v.periods.map_or_else(|| "qauto".to_owned(), |[x, y]| format!("q{x}x{y}"))
+            })
+        )
+    },
+    Axis {
+        entries: &[
+            entry!(MIN_NM, wavelengths.min_nm),
+            entry!(MAX_NM, wavelengths.max_nm),
+            entry!(STEP_NM, wavelengths.step_nm),
+        ],
+        ..valued!(
+            "wavelengths",
+            wavelengths,
+            wavelengths,
+            "`{ min_nm, max_nm, step_nm }`, 360 to 830 nm",
+            "range of the light; samples of modes that step through it",
+            Part::Changed(range)
+        )
+    },
+    worded!(
+        "table",
+        table,
+        words::TABLE_FORMATS,
+        "number format of the large table",
+        Part::Changed(|v| v.table.as_str().to_owned())
+    ),
+    worded!(
+        "packing",
+        packing,
+        words::PACKINGS,
+        "two complex terms in a texel, or one",
+        Part::Changed(|v| v.packing.as_str().to_owned())
+    ),
+    worded!(
+        "sampling",
+        sampling,
+        words::SAMPLINGS,
+        "what lies between texels: loads, or a linear filter",
+        Part::Changed(|v| v.sampling.as_str().to_owned())
+    ),
+    valued!(
+        "hoist",
+        hoist,
+        Item::boolean,
+        "`true`, `false`",
+        "work that does not change stands outside the loops",
+        Part::Changed(|_| "nohoist".to_owned())
+    ),
+    valued!(
+        "bake_error",
+        bake_error,
+        bake_error,
+        "0.05 to 10",
+        "95th percentile of CIEDE2000 that a baked table aims at",
+        Part::Changed(|v| format!("e{}", number(v.bake_error)))
+    ),
+    valued!(
+        "bake_mib",
+        bake_mib,
+        bake_mib,
+        "0.25 to 512",
+        "most that a baked table may have, MiB",
+        Part::Changed(|v| format!("m{}", number(v.bake_mib)))
+    ),
+];
+
+/// Keys of a range of wavelengths.
+pub(super) const WAVELENGTHS: [&str; 3] = [MIN_NM, MAX_NM, STEP_NM];
+const MIN_NM: &str = "min_nm";
+const MAX_NM: &str = "max_nm";
+const STEP_NM: &str = "step_nm";
+
+/// Most wavelength samples of a variant.
+const MAX_SAMPLES: f64 = 4000.0;
+
+/// The wavelengths in a name: the step where the mode has one and the range is no single wavelength.
+fn range(variant: &Variant) -> String {
+    let Wavelengths { min_nm, max_nm, step_nm } = variant.wavelengths;
+    let (min, max) = (number(min_nm), number(max_nm));
+    if !mode::declares(variant.mode, STEP_NM) {
+        return format!("{min}to{max}");
+    }
+    if max_nm <= min_nm {
+        return format!("{min}nm");
+    }
+    format!("{min}to{max}by{}", number(step_nm))
+}
+
+fn is_auto(item: &Item) -> bool {
+    auto().iter().any(|word| item.as_str() == Some(word))
+}
+
+fn number_or_auto(item: &Item, range: std::ops::Range<u64>, what: &str) -> Option<Auto<u32>> {
+    match is_auto(item) {
+        true => Some(Auto::Auto),
+        false => item.whole(range, what).and_then(|n| u32::try_from(n).ok()).map(Auto::Value),
+    }
+}
+
+fn terms(item: &Item) -> Option<Auto<u32>> {
+    number_or_auto(item, 1..201, "the number of terms, or \"auto\"")
+}
+
+fn window_radius(item: &Item) -> Option<Auto<u32>> {
+    number_or_auto(item, 0..65, "bins to each side of the nearest one, or \"auto\"")
+}
+
+fn term_error(item: &Item) -> Option<f64> {
+    let what = "the largest error of the phase function that terms = \"auto\" may leave";
+    item.number("above 0 and at most 0.5", what, |x| x > 0.0 && x <= 0.5)
+}
+
+fn bake_error(item: &Item) -> Option<f64> {
+    let what = "the 95th percentile of CIEDE2000 that the sizes of a baked table aim at";
+    item.number("from 0.05 to 10", what, |x| (0.05..=10.0).contains(&x))
+}
+
+fn bake_mib(item: &Item) -> Option<f64> {
+    let what = "the most that a baked table may have, in MiB";
+    item.number("from 0.25 to 512", what, |x| (0.25..=512.0).contains(&x))
+}
+
+fn periods(item: &Item) -> Option<Option<[u32; 2]>> {
+    let what = "the numbers of replicas along x and y, [qx, qy], or \"auto\"";
+    if is_auto(item) {
+        return Some(None);
+    }
+    if !item.is_array() {
+        item.fail("is neither a pair nor \"auto\"", what);
+        return None;
+    }
+    let numbers = item.elements("two numbers")?;
+    let [x, y] = numbers.as_slice() else {
+        item.fail("has not two numbers", what);
+        return None;
+    };
+    let read = |item: &Item| item.whole(1..10001, what).and_then(|n| u32::try_from(n).ok());
+    Some(Some([read(x)?, read(y)?]))
+}
+
+fn wavelengths(item: &Item) -> Option<Wavelengths> {
+    let table = item.table("{ min_nm, max_nm, step_nm }")?;
+    table.only(&WAVELENGTHS);
+    let limit = |key: &str, default: f64| match table.get(key) {
+        Some(item) => {
+            let what = "the range of the spectral tables; visible light is 380 to 780 nm";
+            item.number("from 360 to 830", what, |x| (360.0..=830.0).contains(&x))
+        }
+        None => Some(default),
+    };
+    let (min_nm, max_nm) = (limit(MIN_NM, 380.0), limit(MAX_NM, 780.0));
+    let step_nm =
+        table.get(STEP_NM).map_or(Some(5.0), |item| item.positive("the distance of samples in nm"));
+    let (min_nm, max_nm, step_nm) = (min_nm?, max_nm?, step_nm?);
+    let place = |key: &str| table.get(key).unwrap_or_else(|| item.clone());
+    if min_nm > max_nm {
+        place(MIN_NM).fail(format!("min_nm {min_nm} is above max_nm {max_nm}"), "exchange the two");
+        return None;
+    }
+    let range = max_nm - min_nm;
+    if range > 0.0 && step_nm > range {
+        let remedy = "for a single wavelength set max_nm to min_nm";
+        place(STEP_NM)
+            .fail(format!("a step of {step_nm} nm is wider than the range of {range} nm"), remedy);
+        return None;
+    }
+    if (range / step_nm).ceil() + 1.0 > MAX_SAMPLES {
+        let least = (range / (MAX_SAMPLES - 1.0) * 1000.0).ceil() / 1000.0;
+        let remedy = format!("use a step of at least {least} nm");
+        place(STEP_NM).fail(format!("gives more than {MAX_SAMPLES} samples"), remedy);
+        return None;
+    }
+    Some(Wavelengths { min_nm, max_nm, step_nm })
+}
