@@ -7,8 +7,9 @@ use std::time::Instant;
 
 use diffraction_shaders::{
     generate::{Request, generate, index},
+    input,
     package::{Package, Stamp, write},
-    plan::{Plan, Target},
+    plan::Target,
     template::Sources,
 };
 
@@ -21,8 +22,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         fs::write(&path, plan(count))?;
         let plan = input::read_plan(&path).map_err(|errors| format!("{errors:?}"))?;
         let cache = folder.path().join("cache");
+        let surfaces = input::read_surfaces(&plan.surfaces).map_err(|e| format!("{e:?}"))?;
         let request = Request {
-            surfaces: &diffraction_shaders::input::read_surfaces(&plan.surfaces).unwrap(),
+            surfaces: &surfaces,
             variants: &plan.variants,
             targets: &Target::all(),
             containers: &[],
