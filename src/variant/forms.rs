@@ -13,6 +13,7 @@ use std::ops::Deref;
 use crate::defines::Defines;
 use crate::error::Result;
 use crate::height::HeightField;
+use crate::optics::REFERENCE_NM;
 use crate::plan::{
     Coherence, CoherenceScaling, Illuminant, Mode, Reconstruction, Variant, Wavelengths, Window,
 };
@@ -90,6 +91,9 @@ impl Deref for Form {
     }
 }
 
+/// Meaning of `WAVELENGTH_COUNT` at uniform wavelengths.
+const WAVELENGTH_COUNT: &str = "number of wavelengths in the sum";
+
 /// Tables of a series at uniform wavelengths.
 fn uniform_tables(
     series: &Series,
@@ -108,21 +112,31 @@ fn uniform_tables(
     [TableSpec::Terms(terms), TableSpec::Nodes(nodes)].into_iter().chain(coefficients).collect()
 }
 
-/// What templates under the coherence window are told.
+/// Flags and constants of templates under the coherence window.
 fn define_window(window: Window, into: &mut Defines) {
     into.flag("COHERENCE_SCALES", window.coherence_scaling == CoherenceScaling::Wavelength);
     into.flag("ENSEMBLE", window.coherence == Coherence::Ensemble);
-    into.number("COHERENCE_UM", window.coherence_um);
+    let scaled = "wavelength at which the coherence length is stated, µm";
+    into.number("REFERENCE_UM", REFERENCE_NM * 1e-3, scaled);
+    into.number("COHERENCE_UM", window.coherence_um, "coherence length of the light, µm");
 }
 
-/// What templates on the bins of a patch are told.
+/// Constants of templates on the bins of a patch.
 fn define_patch([width_um, height_um]: [f64; 2], into: &mut Defines) {
-    into.number("PATCH_WIDTH_UM", width_um);
-    into.number("PATCH_HEIGHT_UM", height_um);
+    into.number("PATCH_WIDTH_UM", width_um, "width of the patch that tiles the plane, along x, µm");
+    into.number(
+        "PATCH_HEIGHT_UM",
+        height_um,
+        "height of the patch that tiles the plane, along y, µm",
+    );
 }
 
-/// What templates on a grid of its own are told.
+/// Constants of templates on a grid of its own.
 fn define_grid([width_um, height_um]: [f64; 2], into: &mut Defines) {
-    into.number("GRID_WIDTH_UM", width_um);
-    into.number("GRID_HEIGHT_UM", height_um);
+    let [width, height] = [
+        "texels of the terms are 1 / this apart in frequency along x, µm",
+        "texels of the terms are 1 / this apart in frequency along y, µm",
+    ];
+    into.number("GRID_WIDTH_UM", width_um, width);
+    into.number("GRID_HEIGHT_UM", height_um, height);
 }
