@@ -182,12 +182,7 @@ fn names(request: &Request<'_>) -> BTreeMap<String, String> {
 pub fn index(request: &Request<'_>) -> Result<BTreeMap<String, Value>, Error> {
     let (mut surfaces, mut gaps) = (BTreeMap::new(), Vec::new());
     for input in request.surfaces {
-        let spec = input.spec();
-        let mut surface = BTreeMap::from([("input_hash", json!(input.identity()))]);
-        if !spec.optics.is_empty() {
-            surface.insert("optics", json!(spec.optics));
-        }
-        surfaces.insert(spec.name.clone(), json!(surface));
+        surfaces.insert(input.spec().name.clone(), json!({ "input_hash": input.identity() }));
         let (mut variants, never) = placed(request, input);
         gaps.extend(never);
         gaps.extend(formed(input, &input.surface()?.field, &mut variants));
@@ -196,8 +191,15 @@ pub fn index(request: &Request<'_>) -> Result<BTreeMap<String, Value>, Error> {
     let mut variants = BTreeMap::new();
     for variant in request.variants {
         let mut about = BTreeMap::from([("configuration_hash", json!(variant.hash()))]);
-        if let Some(names) = &variant.surfaces {
-            about.insert("surfaces", json!(names));
+        let here: Vec<_> =
+            request.surfaces.iter().map(|i| (i.spec(), variant.on(i.spec()))).collect();
+        // where it is not the same everywhere
+        if here.iter().any(|(_, on)| !matches!(on, Some(Ok(on)) if on.hash() == variant.hash())) {
+            let hashes = here.iter().filter_map(|(spec, on)| match on {
+                Some(Ok(on)) => Some((spec.name.clone(), on.hash())),
+                _ => None,
+            });
+            about.insert("surfaces", json!(hashes.collect::<BTreeMap<_, _>>()));
         }
         variants.insert(variant.name.as_str(), json!(about));
     }

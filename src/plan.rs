@@ -1,6 +1,8 @@
 //! `plan.toml` as pure data: surfaces, optics, the axes of the variants, targets.
 
 mod axis;
+#[cfg(test)]
+mod declared;
 mod item;
 mod local;
 mod mode;

@@ -84,6 +84,10 @@ window_radius = "auto"
 colour = "thesis"
 illuminant = "A"
 [[preset]]
+name = "on-one-surface"
+surfaces = ["turned"]
+terms = 2
+[[preset]]
 name = "one-wavelength"
 wavelengths = { min_nm = 550, max_nm = 550 }
 terms = 2

@@ -86,6 +86,7 @@ const PQ: Declared = Declared {
     always: &[
         "basis",
         "terms",
+        "window_radius",
         "periods",
         "min_nm",
         "max_nm",
@@ -98,7 +99,6 @@ const PQ: Declared = Declared {
     ],
     sometimes: &[
         ("term_error", chooses_terms),
-        ("window_radius", sums_bins),
         ("step_nm", has_a_range),
         ("coherence_um", counts_replicas),
     ],

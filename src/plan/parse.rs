@@ -111,6 +111,7 @@ fn sections(root: &Table, folder: PathBuf, text_hash: String) -> Option<Plan> {
     presets(root, &optics, &names, &mut variants, &mut notes);
     let (targets, containers) = targets(section("targets", "[targets]").as_ref());
     let surfaces = surfaces(root, &folder, &variants);
+    notes.extend(unused(&surfaces, &variants));
     if let (true, Some(Rejected { name, reason })) = (variants.is_empty(), rejected.first()) {
         let remedy = "give an axis a value that is available, or name a preset";
         root.source.fail_file(format!("no variant is left: {name}: {reason}"), remedy);
@@ -126,6 +127,16 @@ fn sections(root: &Table, folder: PathBuf, text_hash: String) -> Option<Plan> {
         containers,
         notes,
     })
+}
+
+/// What is said of surfaces that no variant is for.
+fn unused(surfaces: &[SurfaceSpec], variants: &[Variant]) -> Vec<String> {
+    if variants.is_empty() || variants.iter().any(|variant| variant.surfaces.is_none()) {
+        return Vec::new();
+    }
+    let used: BTreeSet<&String> = variants.iter().flat_map(|v| &v.surfaces).flatten().collect();
+    let unused = surfaces.iter().filter(|surface| !used.contains(&surface.name));
+    unused.map(|surface| format!("{}: no variant is for this surface", surface.name)).collect()
 }
 
 fn schema(root: &Table) {

@@ -35,14 +35,16 @@ pub fn plans() -> impl Strategy<Value = Draft> {
 }
 
 fn plans_with(large: Large) -> impl Strategy<Value = Draft> {
-    let surfaces = vec((sources(), preparation()), 1..=2);
+    let own = prop_oneof![2 => Just(Vec::new()), 1 => some_optics("surface.optics", large)];
+    let own = own.prop_map(|lines| prefixed("optics", lines));
+    let surfaces = vec((sources(), preparation(), own), 1..=2);
     let parts = (surfaces, optics(large), product(large), preset(large), targets());
     parts.prop_map(|(surfaces, optics, product, preset, targets)| {
         let mut lines = vec!["schema = 1".to_owned()];
-        for (i, (source, preparation)) in surfaces.into_iter().enumerate() {
+        for (i, (source, preparation, own)) in surfaces.into_iter().enumerate() {
             lines.push("[[surface]]".to_owned());
             lines.push(format!("name = \"surface-{i}\""));
-            lines.extend(source.into_iter().chain(preparation));
+            lines.extend(source.into_iter().chain(preparation).chain(own));
         }
         lines.extend(optics.into_iter().chain(product).chain(preset).chain(targets));
         Draft { lines }
@@ -146,10 +148,14 @@ fn preparation() -> impl Strategy<Value = Vec<String>> {
     some_of(keys)
 }
 
+/// Some of the keys of a table of optics.
+fn some_optics(table: &str, large: Large) -> impl Strategy<Value = Vec<String>> {
+    let known = keys(table);
+    some_of(known.into_iter().map(|key| line(&key, value(&key, large))).collect())
+}
+
 fn optics(large: Large) -> impl Strategy<Value = Vec<String>> {
-    let known = keys("optics");
-    let values = known.into_iter().map(|key| line(&key, value(&key, large))).collect();
-    some_of(values).prop_map(move |mut keys| {
+    some_optics("optics", large).prop_map(move |mut keys| {
         if large.prefiltered && !keys.iter().any(|line| line.starts_with("coherence_um")) {
             keys.push("coherence_um = 2.5".to_owned());
         }
@@ -174,11 +180,14 @@ fn product(large: Large) -> impl Strategy<Value = Vec<String>> {
 }
 
 fn preset(large: Large) -> impl Strategy<Value = Vec<String>> {
-    let known = keys("preset").into_iter().filter(|key| key.name != "name");
+    let is_axis = |key: &Key| !matches!(key.name.as_str(), "name" | "surfaces");
+    let known = keys("preset").into_iter().filter(is_axis);
     let values: Vec<_> = known.map(|key| line(&key, value(&key, large))).collect();
     let few = subsequence(values, 0..=6).prop_flat_map(|lines| lines);
-    let lines = few.prop_map(move |few| {
-        section("[[preset]]", large, vec!["name = \"my-preset\"".to_owned()], few)
+    let lines = (few, any::<bool>()).prop_map(move |(few, is_for_all)| {
+        let only = (!is_for_all).then(|| "surfaces = [\"surface-0\"]".to_owned());
+        let first = ["name = \"my-preset\"".to_owned()].into_iter().chain(only).collect();
+        section("[[preset]]", large, first, few)
     });
     prop_oneof![Just(Vec::new()), lines]
 }
