@@ -7,8 +7,9 @@ use std::time::Instant;
 
 use diffraction_shaders::{
     generate::{Request, generate, index},
+    input,
     package::{Package, Stamp, write},
-    plan::{Plan, Target},
+    plan::Target,
     template::Sources,
 };
 
@@ -22,7 +23,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let plan = input::read_plan(&path).map_err(|errors| format!("{errors:?}"))?;
         let cache = folder.path().join("cache");
         let request = Request {
-            surfaces: &diffraction_shaders::input::read_surfaces(&plan.surfaces).unwrap(),
+            surfaces: &input::read_surfaces(&plan.surfaces)
+                .map_err(|errors| format!("{errors:?}"))?,
             variants: &plan.variants,
             targets: &Target::all(),
             containers: &[],

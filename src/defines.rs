@@ -1,8 +1,8 @@
-//! What a template is told: flags that keep or drop its lines, and the constants of its one generated block.
+//! Inputs of a template: flags that keep or drop its lines, and the constants of its one generated block.
 
 use std::collections::BTreeMap;
 
-/// What a specialisation decides.
+/// Flags and constants of one specialisation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Defines {
     /// Every flag that a template may test, on or off.
@@ -18,20 +18,42 @@ impl Defines {
     }
 
     /// Adds a whole number; one above the greatest `i32` becomes that.
-    pub fn count(&mut self, name: &str, count: usize) {
+    pub fn count(&mut self, name: &str, count: usize, meaning: &'static str) {
         let count = i32::try_from(count).unwrap_or(i32::MAX);
-        self.constants.insert(name.to_owned(), Constant::I32(count));
+        self.constants.insert(name.to_owned(), Constant::new(Value::I32(count), meaning));
     }
 
-    /// Adds a number.
-    pub fn number(&mut self, name: &str, number: f64) {
-        self.constants.insert(name.to_owned(), Constant::F32(number));
+    /// Adds a number. Its meaning states the unit.
+    pub fn number(&mut self, name: &str, number: f64, meaning: &'static str) {
+        self.constants.insert(name.to_owned(), Constant::new(Value::F32(number), meaning));
+    }
+}
+
+/// A generated constant: `const NAME: TYPE = VALUE; // meaning`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Constant {
+    /// The value, which has the type.
+    pub value: Value,
+    /// One line, at least a word: the comment behind the declaration. It is a literal, so that no computed number gets into it.
+    pub meaning: &'static str,
+}
+
+impl Constant {
+    /// A value and its meaning.
+    pub fn new(value: Value, meaning: &'static str) -> Constant {
+        Constant { value, meaning }
+    }
+
+    /// The line that declares it; `None` for a number that is not finite in single precision.
+    pub fn declaration(&self, name: &str) -> Option<String> {
+        let Constant { value, meaning } = self;
+        Some(format!("const {name}: {} = {}; // {meaning}", value.ty(), value.literal()?))
     }
 }
 
 /// Value of a generated constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Constant {
+pub enum Value {
     /// `i32`.
     I32(i32),
     /// `u32`.
@@ -40,13 +62,13 @@ pub enum Constant {
     F32(f64),
 }
 
-impl Constant {
+impl Value {
     /// The WGSL type.
     pub fn ty(self) -> &'static str {
         match self {
-            Constant::I32(_) => "i32",
-            Constant::U32(_) => "u32",
-            Constant::F32(_) => "f32",
+            Value::I32(_) => "i32",
+            Value::U32(_) => "u32",
+            Value::F32(_) => "f32",
         }
     }
 
@@ -54,9 +76,9 @@ impl Constant {
     pub fn literal(self) -> Option<String> {
         match self {
             // WGSL reads `-2147483648` as the negation of an abstract number, which fits
-            Constant::I32(value) => Some(value.to_string()),
-            Constant::U32(value) => Some(format!("{value}u")),
-            Constant::F32(value) => {
+            Value::I32(value) => Some(value.to_string()),
+            Value::U32(value) => Some(format!("{value}u")),
+            Value::F32(value) => {
                 let single = value as f32;
                 let text = format!("{single:?}");
                 let point = match text.split_once('e') {
@@ -76,26 +98,26 @@ mod tests {
     #[test]
     fn literals_read_back() {
         let cases = [
-            (Constant::F32(1.0), "1.0"),
-            (Constant::F32(0.1), "0.1"),
-            (Constant::F32(-2.5e-9), "-2.5e-9"),
-            (Constant::F32(1e-7), "1.0e-7"),
-            (Constant::F32(3e20), "3.0e20"),
-            (Constant::F32(std::f64::consts::PI), "3.1415927"),
-            (Constant::I32(i32::MIN), "-2147483648"),
-            (Constant::I32(7), "7"),
-            (Constant::U32(u32::MAX), "4294967295u"),
+            (Value::F32(1.0), "1.0"),
+            (Value::F32(0.1), "0.1"),
+            (Value::F32(-2.5e-9), "-2.5e-9"),
+            (Value::F32(1e-7), "1.0e-7"),
+            (Value::F32(3e20), "3.0e20"),
+            (Value::F32(std::f64::consts::PI), "3.1415927"),
+            (Value::I32(i32::MIN), "-2147483648"),
+            (Value::I32(7), "7"),
+            (Value::U32(u32::MAX), "4294967295u"),
         ];
         for (constant, expected) in cases {
             let literal = constant.literal().unwrap();
             assert_eq!(literal, expected);
             let text = format!("const X: {} = {literal};", constant.ty());
             naga::front::wgsl::parse_str(&text).unwrap();
-            if let Constant::F32(value) = constant {
+            if let Value::F32(value) = constant {
                 assert_eq!(literal.parse::<f32>().unwrap(), value as f32);
             }
         }
-        assert_eq!(Constant::F32(1e39).literal(), None);
-        assert_eq!(Constant::F32(f64::NAN).literal(), None);
+        assert_eq!(Value::F32(1e39).literal(), None);
+        assert_eq!(Value::F32(f64::NAN).literal(), None);
     }
 }

@@ -5,6 +5,9 @@
 //! checks are off: the templates keep every index and texel coordinate in range by construction, and checks in the
 //! innermost loop cost up to half of the speed. WGSL keeps the checks that its implementation adds.
 //!
+//! Every text but SPIR-V begins with the same comment: what it is, its inputs and its output, where bindings and tolerances are
+//! described.
+//!
 //! Beside whole shaders there are function forms, for engines that want a piece of text to paste or to register: the
 //! functions that the shader offers and what they need, without entry points, bindings and uniform blocks. A function form
 //! comes with the targets of its language: `.fn.wgsl` with `wgsl`, `.fn.glsl` with `glsl450` and with `glsl-es300`
@@ -12,6 +15,7 @@
 
 mod function;
 mod glsl;
+mod head;
 mod hlsl;
 mod msl;
 mod spirv;

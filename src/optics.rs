@@ -56,10 +56,11 @@ pub fn gain(wi: DVec3, wr: DVec3, optics: &Optics) -> f64 {
     fresnel_ratio(half.dot(wr), optics.refractive_index) * obliquity * shadow
 }
 
-/// What the template of the gain is told.
+/// Flags and constants of the template of the gain.
 pub fn define(optics: &Optics, into: &mut Defines) {
     into.flag("SHADOWING", optics.shadowing);
-    into.number("REFRACTIVE_INDEX", optics.refractive_index);
+    let index = optics.refractive_index;
+    into.number("REFRACTIVE_INDEX", index, "refractive index of the material, relative to air");
 }
 
 /// Standard deviation of the coherence window, µm, at a wavelength: `ℓc/4`, times `λ/550 nm` where the source has a

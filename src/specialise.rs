@@ -1,4 +1,4 @@
-//! A variant on a surface: what its templates are told, its shader, the tables that it reads.
+//! A variant on a surface: the flags and constants of its templates, its shader, the tables that it reads.
 
 use crate::defines::Defines;
 use crate::diagnostic::Diagnostic;
@@ -19,16 +19,16 @@ const FLAGS: [&str; 8] = [
     "COHERENCE_SCALES",
     "ENSEMBLE",
     "HALF",
-    "HOIST",
     "MONOCHROMATIC",
     "PAIRED",
     "PREFILTERED",
     "TABULATED",
+    "THESIS_LOOP",
 ];
 
-/// What the templates are told: configured numbers, counts and sizes; no number that a transform or a transcendental
-/// function computed, since those differ between processors and the text must not. `wavelengths`: nodes of the spectrum
-/// table.
+/// Flags and constants of the templates. The numbers are configured, or counts and sizes. None of them comes from a transform
+/// or a transcendental function, since those differ between processors and the text must not. `wavelengths`: nodes of the
+/// spectrum table.
 pub fn defines(variant: &Variant, form: &Form, rotate_deg: f64, wavelengths: usize) -> Defines {
     let mut defines = Defines::default();
     for flag in FLAGS {

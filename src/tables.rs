@@ -20,7 +20,7 @@ use crate::spectrum::Sample;
 use crate::terms::Terms;
 use crate::transform::Bins;
 
-pub use axes::{Aim, Axes, octant};
+pub use axes::{Aim, Axes, BEND, octant};
 pub use corridor::{BROADEST, Corridor, LEAST_SQUARED, LobeGeometry, OUTER_NODES, REACH_SIGMAS};
 pub use meaning::{Meaning, NODE_LEVELS};
 pub use period::strongest_period_um;

@@ -1,6 +1,6 @@
 //! Strict specialisation of WGSL templates, with the template line of every generated line.
 //!
-//! A line whose first character other than blanks is `#` is a directive; nothing else in WGSL begins a line so:
+//! A line whose first character other than blanks is `#` is a directive, as no line of WGSL is:
 //!
 //! - `#import name`: the text of template `name`, the first time it is met;
 //! - `#ifdef FLAG`, `#ifndef FLAG`, `#else`, `#endif`: lines kept or dropped; every flag has to be declared;
@@ -8,6 +8,10 @@
 //!
 //! A directive may be followed by a `//` comment. There are no expressions, no text substitution and no default:
 //! what is unknown, unbalanced or unused is an error, also in branches that are not taken.
+//!
+//! Comments are for the reader of the emitted shader. A line that begins with `//-` is a note to the developers of the
+//! templates: why naga or a driver wants a line so, which twin it belongs to. Notes are dropped. A note stands on a line of
+//! its own and outside block comments; anywhere else it is an error, so that no code can be dropped with it.
 
 mod check;
 mod expand;
@@ -15,7 +19,7 @@ mod words;
 
 use std::collections::BTreeMap;
 
-pub use crate::defines::{Constant, Defines};
+pub use crate::defines::{Constant, Defines, Value};
 use crate::diagnostic::{Diagnostic, Place};
 
 pub(crate) use words::Words;
@@ -30,7 +34,9 @@ const BUILTIN: &[(&str, &str)] = &[
     ("nodes", include_str!("../templates/nodes.wgsl")),
     ("series", include_str!("../templates/series.wgsl")),
     ("window", include_str!("../templates/window.wgsl")),
+    ("bins", include_str!("../templates/bins.wgsl")),
     ("full", include_str!("../templates/full.wgsl")),
+    ("thesis", include_str!("../templates/thesis.wgsl")),
     ("pq", include_str!("../templates/pq.wgsl")),
     ("adaptive", include_str!("../templates/adaptive.wgsl")),
     ("baked", include_str!("../templates/baked.wgsl")),

@@ -1,26 +1,22 @@
-// The wavelength integral as a sum over bins: as λ runs over its range, f = (u, v)/λ walks a straight segment, and only
-// bins within a few widths of the window's spectrum see it, each over a lobe of wavenumbers. Narrow lobes take their
-// colour from a table; broad ones, near the mirror direction, are sums of narrower ones at fixed wavenumbers.
-// Wavenumbers 1/λ are in 1/µm, frequencies in cycles per µm.
+//- Twin: src/variant/twin/adaptive.rs.
+
+// The wavelength integral as a sum over bins. As λ runs over its range, f = (u, v)/λ moves along a straight segment.
+// Only the bins within a few widths of the window's spectrum contribute, each over a lobe of wavenumbers. The colour of
+// a narrow lobe comes from a table. A broad lobe, near the mirror direction, is a sum of narrower ones at fixed
+// wavenumbers, the nodes. Wavenumbers 1/λ are in 1/µm, frequencies in cycles per µm.
 
 #ifdef MONOCHROMATIC
-// Row 0: X, Y, Z weights and the wavelength in µm; row 1: cosine and sine of the surface's rotation, scale of the first
-// term, ratio of the scales.
+// Row 0: weights of X, Y, Z and the wavelength in µm. Row 1: cosine and sine of the surface's rotation, scale of the
+// first term, ratio of the scales.
 #else
-// X, Y, Z and the wavelength in µm at which a bin counts. Row 0: of the lobe about each node; row 1: cosine and sine of
-// the surface's rotation, scale of the first term, ratio of the scales; the other rows: of narrow lobes over their
-// width, columns by their middle, rows by their width, from 0 to the broadest; then the same of second halves.
+// Row 0: X, Y, Z of the lobe about each node and the wavelength in µm at which its bin is evaluated. Row 1: cosine and
+// sine of the surface's rotation, scale of the first term, ratio of the scales. From row 2: the same as in row 0 for
+// narrow lobes, divided by their width; columns by their centre, rows by their width, from 0 to the broadest. Then the
+// same number of rows for the second halves of these lobes.
 #endif
 @group(0) @binding(2) var spectrum: texture_2d<f32>;
 
-// Lobes end at this many standard deviations of the window's spectrum.
-const REACH_SIGMAS: f32 = 4.0;
-#ifndef MONOCHROMATIC
-// The broadest narrow lobe, in distances of the nodes.
-const BROADEST: f32 = 4.0;
-#endif
-
-// Relative tristimulus values for one pair of directions.
+// Tristimulus values X, Y, Z for one pair of directions, relative to the peak of a mirror at normal incidence.
 fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
     let factor = gain(wi, wr);
     if (factor == 0.0) {
@@ -29,8 +25,9 @@ fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
     return factor * corridor(path_difference(wi, wr));
 }
 
-// The sum over the bins of a strip along the segment: columns one by one and the few rows across, or the other way where
-// the segment is steep. Where lobes are broad, over the bins about each node instead.
+// X, Y, Z without the gain: the sum over the bins of a strip along the segment. The strip is walked column by column,
+// a few rows each; row by row where the segment is steep. Where lobes are broad, the sum is over the bins about each
+// node.
 fn corridor(path: vec3f) -> vec3f {
     let steep = abs(path.y) > abs(path.x);
     let patch_um = vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM);
@@ -40,7 +37,7 @@ fn corridor(path: vec3f) -> vec3f {
     let reach = REACH_SIGMAS * window_width(range.y);
     let squared = max(dot(uv, uv), 1e-12);
     let slope = uv.y / select(uv.x, 1.0, uv.x == 0.0);
-    // bins are apart by this
+    // distance between bins, cycles per µm
     let pitch = 1.0 / size_um;
     let ends = uv.x * range;
     let first = ceil((min(ends.x, ends.y) - reach) * size_um.x);
@@ -65,8 +62,8 @@ fn corridor(path: vec3f) -> vec3f {
     var exponent = 0.0;
     var side = halves - 1;
     for (var hit = 0; hit < 2 * CANDIDATE_COUNT; hit++) {
-        // when a bin's light is all there, the next one within reach is sought first, so that pixels side by side
-        // evaluate theirs together
+        // Each pass first searches for the next bin within reach, then evaluates it, so that neighbouring pixels
+        // evaluate their bins at the same time.
         side = select(side + 1, 0, side + 1 == halves);
         exponent = select(exponent, REACH_SIGMAS * REACH_SIGMAS, side == 0);
         let candidates = select(0, CANDIDATE_COUNT, side == 0);
@@ -102,7 +99,7 @@ fn corridor(path: vec3f) -> vec3f {
         let amplitude = bin_amplitude(vec2i(select(bin, bin.yx, steep)), argument);
         xyz += share * dot(amplitude, amplitude) * light.xyz;
     }
-    // narrow lobes are stored over their width
+    // colours of narrow lobes are stored divided by the lobe's width
     let scale = select(window_width(1.0) / sqrt(squared), 1.0, broad);
 #ifdef HALF
     return scale * series_scale() * series_scale() * xyz;
@@ -111,7 +108,7 @@ fn corridor(path: vec3f) -> vec3f {
 #endif
 }
 
-// Width of the lobes of a direction over that of the broadest narrow ones.
+// Width of the lobes of a direction relative to the broadest narrow lobe; lobes of 1 or more are broad.
 fn lobe_breadth(length: f32, range: vec2f) -> f32 {
 #ifdef MONOCHROMATIC
     return 1.0;
@@ -120,17 +117,17 @@ fn lobe_breadth(length: f32, range: vec2f) -> f32 {
 #endif
 }
 
-// Wavenumber at which the segment passes a bin.
+// Wavenumber at which the segment passes closest to a bin, 1/µm.
 fn lobe_centre(place: vec2f, uv: vec2f, nearness: f32) -> f32 {
 #ifdef COHERENCE_SCALES
-    // where the distance is least over the window's width
+    // here the distance divided by the window's width is smallest
     return dot(place, place) / max(dot(uv, place), 1e-12);
 #else
     return dot(uv, place) * nearness;
 #endif
 }
 
-// Row of narrow lobes of a width; none, below 0, of broad ones.
+// Row of the table for narrow lobes of this width; -1 for broad lobes.
 fn lobe_row(breadth: f32) -> i32 {
 #ifdef MONOCHROMATIC
     return -1;
@@ -139,7 +136,7 @@ fn lobe_row(breadth: f32) -> i32 {
 #endif
 }
 
-// Wavelengths at which a lobe's bin counts: the broader of the narrow ones are two halves.
+// Number of wavelengths at which a lobe's bin is evaluated: 2, one for each half, for the broader narrow lobes, else 1.
 fn lobe_halves(row: i32) -> i32 {
 #ifdef MONOCHROMATIC
     return 1;
@@ -148,7 +145,7 @@ fn lobe_halves(row: i32) -> i32 {
 #endif
 }
 
-// X, Y, Z of a lobe, or of a half, and the wavelength at which its bin counts.
+// X, Y, Z of a lobe or of one of its halves, and the wavelength in µm at which its bin is evaluated.
 fn lobe_light(wavenumber: f32, node: i32, row: i32, side: i32, range: vec2f) -> vec4f {
 #ifdef MONOCHROMATIC
     return textureLoad(spectrum, vec2i(0, 0), 0);
@@ -168,52 +165,52 @@ fn lobe_light(wavenumber: f32, node: i32, row: i32, side: i32, range: vec2f) -> 
 #endif
 }
 
-// Distance of the nodes, two of which lie beyond each end of the range.
+// Distance between nodes, 1/µm. OUTER_NODES of them lie beyond each end of the range.
 fn node_pace(range: vec2f) -> f32 {
 #ifdef MONOCHROMATIC
     return 0.0;
 #else
-    return (range.y - range.x) / f32(NODE_COUNT - 5);
+    return (range.y - range.x) / f32(NODE_COUNT - 1 - 2 * OUTER_NODES);
 #endif
 }
 
-// Wavenumber of a node.
+// Wavenumber of a node, 1/µm.
 fn node_wavenumber(node: i32, range: vec2f) -> f32 {
 #ifdef MONOCHROMATIC
     return range.x;
 #else
-    return range.x + f32(node - 2) * node_pace(range);
+    return range.x + f32(node - OUTER_NODES) * node_pace(range);
 #endif
 }
 
-// Factors of the exponent: 1/σf², and what is added along the segment where lobes are broad, `pace` above 0. There a
-// Gaussian is a sum of narrower ones, those of the nodes, under one that is narrower too.
+// Factors of the exponent, in squared µm: x is 1/σf², y is added along the segment where lobes are broad (`pace` above
+// 0). There the window's Gaussian is written as a sum of narrower Gaussians, one for each node.
 fn lobe_sharpness(width: f32, squared: f32, pace: f32) -> vec2f {
     let rest = width * width - pace * pace * squared;
     return vec2f(1.0, pace * pace / rest) / (width * width);
 }
 
-// Minus the logarithm of the share of a bin's intensity that the window lets through at an offset from f.
+// Minus the logarithm of the window's weight for a bin's intensity, at an offset from f in cycles per µm.
 fn window_exponent(offset: vec2f, uv: vec2f, sharpness: vec2f) -> f32 {
     let along = dot(offset, uv);
     return sharpness.x * dot(offset, offset) + sharpness.y * along * along;
 }
 
-// The share itself.
+// The weight itself, 0 to 1.
 fn window_share(exponent: f32, squared: f32, width: f32, pace: f32) -> f32 {
     return width * inverseSqrt(width * width - pace * pace * squared) * exp(-exponent);
 }
 
-// Standard deviation of the window's spectrum, cycles per µm.
+// Standard deviation of the window's spectrum, cycles per µm. That of the window is a quarter of the coherence length.
 fn window_width(wavenumber: f32) -> f32 {
 #ifdef COHERENCE_SCALES
-    return 0.55 * wavenumber / (6.2831853 * 0.25 * COHERENCE_UM);
+    return REFERENCE_UM * wavenumber / (6.2831853 * 0.25 * COHERENCE_UM);
 #else
     return 1.0 / (6.2831853 * 0.25 * COHERENCE_UM);
 #endif
 }
 
-// Least and greatest wavenumber.
+// Smallest and largest wavenumber, 1/µm.
 fn wavenumbers() -> vec2f {
 #ifdef MONOCHROMATIC
     return vec2f(1.0 / textureLoad(spectrum, vec2i(0, 0), 0).w);

@@ -1,23 +1,20 @@
-// Colours from a table over (u, v, w): the wavelengths are integrated beforehand.
+//- Twin: src/variant/twin/baked.rs.
 
-// Tristimulus values without gain. Columns: the angle of (u, v), cut into pages that repeat the first column of the next;
-// rows: asinh of |(u, v)|; layers: w² over its greatest value, page by page.
+// Colours from a table over the path difference (u, v, w). The integral over wavelengths is in the table.
+
+// X, Y, Z without the gain, divided by COLOUR_UNIT. Columns: angle of (u, v), divided into pages; each page ends with
+// the first column of the next. Rows: asinh of |(u, v)|. Layers: w² relative to its maximum, page after page.
 @group(0) @binding(1) var colours: texture_2d_array<f32>;
 #ifdef ROTATED
 // Row 1: cosine and sine of the surface's rotation.
 @group(0) @binding(2) var spectrum: texture_2d<f32>;
 #endif
 #ifdef FILTERED
-// Linear between texels, clamped to the edge.
+// Linear filter, clamped to the edge.
 @group(0) @binding(5) var linear_clamp: sampler;
 #endif
 
-// What the table's numbers are to be multiplied by: 2⁻¹⁵.
-const COLOUR_UNIT: f32 = 0.000030517578125;
-// Slope of an octant's places at their beginning.
-const BEND: f32 = 1.35;
-
-// Relative tristimulus values for one pair of directions.
+// Tristimulus values X, Y, Z for one pair of directions, relative to the peak of a mirror at normal incidence.
 fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
     let factor = gain(wi, wr);
     if (factor == 0.0) {
@@ -26,7 +23,7 @@ fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
     return factor * COLOUR_UNIT * colour_between(path_difference(wi, wr));
 }
 
-// The table between its levels.
+// X, Y, Z without the gain and in units of COLOUR_UNIT, interpolated between the two nearest levels of w².
 fn colour_between(path: vec3f) -> vec3f {
     let squared = dot(path.xy, path.xy);
     let turn = column_at(path.xy);
@@ -39,7 +36,8 @@ fn colour_between(path: vec3f) -> vec3f {
     return mix(texel_at(place, layer), texel_at(place, layer + 1), level - below);
 }
 
-// Place along the turn, in columns. In an octant a parabola stands for the arc tangent, and the table is laid out by it.
+// Column of the angle of (u, v), from 0 to COLUMN_COUNT. A parabola replaces the arc tangent in each octant. The table
+// is laid out by the same parabola.
 fn column_at(uv: vec2f) -> f32 {
     let size = abs(uv);
     let tangent = min(size.x, size.y) / max(max(size.x, size.y), 1e-20);
@@ -49,13 +47,13 @@ fn column_at(uv: vec2f) -> f32 {
     return select(upper, 8.0 - upper, uv.y < 0.0) * f32(COLUMN_COUNT / 8);
 }
 
-// Place along the radius, in rows, from |(u, v)|².
+// Row of a squared radius u² + v², 0 to 4.
 fn row_at(squared: f32) -> f32 {
     let stretched = STRETCH * STRETCH * squared;
     return min(ROW_PACE * log(sqrt(stretched) + sqrt(stretched + 1.0)), f32(ROW_COUNT - 1));
 }
 
-// A layer between texels; whole places are their middles.
+// X, Y, Z of a layer, bilinear between texels; whole numbers are the centres of texels.
 fn texel_at(place: vec2f, layer: i32) -> vec3f {
 #ifdef FILTERED
     let size = vec2f(f32(PAGE_COLUMNS + 1), f32(ROW_COUNT));

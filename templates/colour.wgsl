@@ -1,20 +1,24 @@
+//- Twin: src/spectrum.rs.
+
 // From tristimulus values to linear RGB.
 
-// Scene-linear radiance factor, relative to the peak of a mirror at normal incidence; not clamped.
+// Linear RGB for one pair of directions.
 fn diffraction(wi: vec3f, wr: vec3f) -> vec3f {
     return to_rgb(tristimulus(wi, wr));
 }
 
+// Linear RGB of X, Y, Z; negative where a colour lies outside the primaries.
 fn to_rgb(xyz: vec3f) -> vec3f {
 #ifdef COLOUR_THESIS
-    // CIE RGB with D65 applied a second time, as the texts do; for comparison with their pictures only
+    // CIE RGB (1931) with the white point D65 applied a second time: only for comparison with published pictures
+    //- Both texts print their matrix so.
     return vec3f(
         0.9505 * dot(vec3f(0.41847, -0.15866, -0.082835), xyz),
         dot(vec3f(-0.091169, 0.25243, 0.015708), xyz),
         1.0890 * dot(vec3f(0.00092090, -0.0025498, 0.17860), xyz),
     );
 #else
-    // sRGB primaries, IEC 61966-2-1
+    // sRGB primaries and D65, IEC 61966-2-1
     return vec3f(
         dot(vec3f(3.2406, -1.5372, -0.4986), xyz),
         dot(vec3f(-0.9689, 1.8758, 0.0415), xyz),

@@ -1,6 +1,10 @@
-// The gain in front of the interference term, after Stam 1999 with Schlick's reflectance and V-cavities.
+//- Twin: src/optics.rs.
 
-// Schlick's reflectance over its value at normal incidence.
+// The gain, the factor in front of the interference term (Stam 1999, eqs. 7 and 11), with Schlick's reflectance and the
+// shadowing of V-cavities.
+
+// Reflectance relative to normal incidence, 1 to 1/R0, from the cosine between half vector and viewer (Schlick 1994,
+// eq. 15).
 fn fresnel_ratio(cos_half: f32) -> f32 {
     let amplitude = (REFRACTIVE_INDEX - 1.0) / (REFRACTIVE_INDEX + 1.0);
     let one_minus = 1.0 - cos_half;
@@ -9,14 +13,15 @@ fn fresnel_ratio(cos_half: f32) -> f32 {
 }
 
 #ifdef SHADOWING
-// Shadowing and masking of V-cavities.
+// Shadowing and masking of V-cavities, 0 to 1 (Torrance and Sparrow 1967).
 fn shadowing(wi: vec3f, wr: vec3f) -> f32 {
     let half_vector = normalize(wi + wr);
     return min(1.0, 2.0 * half_vector.z * min(wi.z, wr.z) / dot(half_vector, wr));
 }
 #endif
 
-// R/R0 (1 + wi·wr)² / (w² cos θr) S, zero where either direction is at or below the horizon.
+// The gain R/R0 · (1 + wi·wr)² / (w² cos θr) · S with the reflectance R/R0 and the shadowing S. It is zero where a
+// direction is at or below the horizon.
 fn gain(wi: vec3f, wr: vec3f) -> f32 {
     if (!(wi.z > 0.0 && wr.z > 0.0)) {
         return 0.0;
@@ -31,7 +36,7 @@ fn gain(wi: vec3f, wr: vec3f) -> f32 {
     return factor;
 }
 
-// (u, v, w) = -wi - wr in the frame of the surface.
+// Path difference (u, v, w) = -wi - wr in the frame of the surface; w is between -2 and 0.
 fn path_difference(wi: vec3f, wr: vec3f) -> vec3f {
     let path = -wi - wr;
 #ifdef ROTATED

@@ -1,17 +1,16 @@
-// The order sum of "Simulating Diffraction" (J. Stam, chapter 8 of GPU Gems, 2004), for comparison: a grating of one
-// period, a rainbow for each order's wavelength, a highlight in place of the zero order. Its constants are the chapter's;
-// roughness and colour of the highlight, which it leaves to the artist, are chosen here.
+//- Twin: src/variant/twin/gems.rs.
 
-// Row 0, first texel: the period as a vector in µm, from one groove to the next; row 1: cosine and sine of the surface's
-// rotation.
+// The order sum of "Simulating Diffraction" (J. Stam, GPU Gems, 2004, chapter 8), for comparison: a grating of one
+// period, a rainbow over each order's wavelength, a highlight in place of the zero order. The constants are the
+// chapter's. It leaves the roughness and the colour of the highlight to the artist; here they are 10 per µm and white.
+
+// Row 0, first texel: the vector from one groove to the next, in µm. Row 1: cosine and sine of the surface's rotation.
 @group(0) @binding(2) var spectrum: texture_2d<f32>;
 
-// Orders that are added.
-const ORDER_COUNT: i32 = 8;
-// Sharpness of the highlight, 1/µm.
-const ROUGHNESS: f32 = 10.0;
+const ORDER_COUNT: i32 = 8; // number of diffraction orders in the sum
+const ROUGHNESS: f32 = 10.0; // sharpness of the highlight, 1/µm
 
-// Tristimulus values of the chapter's colour, taken as linear sRGB.
+// X, Y, Z of the chapter's colour, taken as linear sRGB. The unit is arbitrary.
 fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
     if (!(wi.z > 0.0 && wr.z > 0.0)) {
         return vec3f(0.0);
@@ -21,7 +20,7 @@ fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
     return from_rgb(orders(shift) + highlight(shift, path.z));
 }
 
-// The colours of the wavelengths whose orders fall into a direction with a path difference, in µm, between grooves.
+// Sum of the colours of all orders: order n has the wavelength `shift`/n. `shift`: path difference between grooves, µm.
 fn orders(shift: f32) -> vec3f {
     var rgb = vec3f(0.0);
     for (var n = 1; n <= ORDER_COUNT; n++) {
@@ -30,24 +29,24 @@ fn orders(shift: f32) -> vec3f {
     return rgb;
 }
 
-// Three parabolas over 0.5 to 1 µm, the chapter's range of visible light: blue, green, red.
+// Colour of a wavelength: three parabolas, red, green and blue, over the chapter's range of visible light, 0.5 to 1 µm.
 fn rainbow(lambda_um: f32) -> vec3f {
     let y = 2.0 * lambda_um - 1.0;
     return bump(4.0 * (vec3f(y) - vec3f(0.75, 0.5, 0.25)));
 }
 
-// 1 - x², and nothing below.
+// 1 - x², at least 0.
 fn bump(x: vec3f) -> vec3f {
     return max(vec3f(1.0) - x * x, vec3f(0.0));
 }
 
-// White, around the mirror direction, narrow across the grooves.
+// White highlight about the mirror direction, 0 to 1, narrow across the grooves.
 fn highlight(shift: f32, w: f32) -> vec3f {
     let e = ROUGHNESS * shift / w;
     return vec3f(exp(-e * e));
 }
 
-// Linear sRGB to tristimulus values, IEC 61966-2-1.
+// X, Y, Z of linear sRGB, IEC 61966-2-1.
 fn from_rgb(rgb: vec3f) -> vec3f {
     return vec3f(
         dot(vec3f(0.4124, 0.3576, 0.1805), rgb),

@@ -1,6 +1,8 @@
-// A mesh in a scene: vertices carry their tangent frame, turned by the orientation field; fragments take the directions
-// to the light and to the viewer into it. What faces away, and what has no frame, is black. A square of 1e-8 of what is of
-// unit length is a rounding error; of other vectors, one of 1e-36 is none. (Named constants would stand in every file.)
+//- Twin: src/variant/twin/mesh.rs. The limits 1e-8 and 1e-36 have no names, since a constant stands in every file.
+
+// A mesh in a scene. Vertices carry their tangent frame, turned by the orientation field. Fragments take the directions
+// to the light and to the viewer into this frame. Points that face away and points without a frame are black. A vector
+// made of unit vectors counts as zero where its square is at most 1e-8, any other vector where it is at most 1e-36.
 
 struct MeshParams {
     // from the mesh to the world; may scale unevenly and mirror
@@ -15,13 +17,13 @@ struct MeshParams {
     eye: vec4f,
 }
 @group(0) @binding(8) var<uniform> mesh_params: MeshParams;
-// x: angle of the orientation field in radians, from the tangent towards the bitangent, added to that of the vertices;
-// repeats. One texel of 0 where only the vertices have angles.
+// x: angle of the orientation field in radians, from the tangent towards the bitangent, added to the vertex's angle.
+// The map repeats. It is one texel of 0 where only the vertices have angles.
 @group(0) @binding(9) var orientation_map: texture_2d<f32>;
 
 struct MeshVertex {
     @builtin(position) position: vec4f,
-    // place in the world
+    // position in the world
     @location(0) place: vec3f,
     @location(1) normal: vec3f,
     // xyz: tangent, turned by the vertex's angle; w: handedness
@@ -29,8 +31,8 @@ struct MeshVertex {
     @location(3) uv: vec2f,
 }
 
-// Normal and tangent (MikkTSpace: the bitangent is w times normal times tangent), texture coordinates, and the
-// orientation field's angle in radians.
+// Inputs: position, normal and tangent in the mesh (MikkTSpace: the bitangent is w times normal times tangent), texture
+// coordinates, and the orientation field's angle in radians.
 @vertex
 fn mesh_vert(
     @location(0) position: vec3f,
@@ -50,7 +52,7 @@ fn mesh_vert(
     return MeshVertex(clip, place.xyz, upright, vec4f(turned, handedness), uv);
 }
 
-// Relative radiance factor of the visible point under the light.
+// Linear RGB of the visible point under the light, alpha 1.
 @fragment
 fn mesh(
     @location(0) place: vec3f,
@@ -66,7 +68,7 @@ fn mesh(
     return vec4f(diffraction(wi, wr), 1.0);
 }
 
-// A direction of the world in the frame of a fragment, of unit length; zero where there is no frame.
+// Unit vector in the frame of a fragment, of a direction in the world; zero where there is no frame.
 fn in_frame(direction: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
     let upright = unit(normal, 1e-8);
     let straight = unit(tangent.xyz - dot(tangent.xyz, upright) * upright, 1e-8);
@@ -81,7 +83,8 @@ fn in_frame(direction: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f
     return unit(vec3f(dot(ray, along), dot(ray, beside), dot(ray, upright)), 1e-8);
 }
 
-// Cosine and sine of the map's angle. Texels are blended as directions, since an angle jumps by a turn.
+// Cosine and sine of the map's angle, bilinear. Directions are interpolated and not angles, since an angle jumps by a
+// whole turn.
 fn orientation(uv: vec2f) -> vec2f {
     let size = vec2f(textureDimensions(orientation_map, 0));
     let place = (uv - floor(uv)) * size - 0.5;
@@ -97,14 +100,14 @@ fn orientation(uv: vec2f) -> vec2f {
     return select(vec2f(1.0, 0.0), direction, squared > 1e-8);
 }
 
-// Cosine and sine at a texel of the map, which repeats.
+// Cosine and sine of the angle of one texel of the map, which repeats.
 fn texel_turn(texel: vec2f, size: vec2f) -> vec2f {
     let repeated = texel - size * floor((texel + 0.5) / size);
     let angle = textureLoad(orientation_map, vec2i(clamp(repeated, vec2f(0.0), size - 1.0)), 0).x;
     return vec2f(cos(angle), sin(angle));
 }
 
-// A normal in the world, not of unit length: the inverse transpose of the model matrix as its cofactors.
+// Normal in the world, not normalised. The cofactors of the model matrix stand for its inverse transpose.
 fn world_normal(normal: vec3f) -> vec3f {
     let x = mesh_params.model[0].xyz;
     let y = mesh_params.model[1].xyz;
@@ -113,13 +116,13 @@ fn world_normal(normal: vec3f) -> vec3f {
     return sign(model_volume()) * cofactors;
 }
 
-// Volume of the mesh's unit cube in the world, negative where the model matrix mirrors.
+// Determinant of the model matrix, negative where the matrix mirrors.
 fn model_volume() -> f32 {
     let top = cross(mesh_params.model[1].xyz, mesh_params.model[2].xyz);
     return dot(mesh_params.model[0].xyz, top);
 }
 
-// The vector at unit length; zero where its square is not above `least`, which also holds for what is no number.
+// The normalised vector; zero where its square is not above `least` or is not a number.
 fn unit(vector: vec3f, least: f32) -> vec3f {
     let squared = dot(vector, vector);
     if (!(squared > least)) {

@@ -1,10 +1,12 @@
-// The wavelength integral as a sum over fixed nodes.
+//- Twin: src/variant/twin/nodes.rs.
 
-// Row 0: X, Y, Z weights and wavelength in µm of each node; row 1: cosine and sine of the surface's rotation, scale of
-// the first term, ratio of the scales.
+// The wavelength integral as a sum over fixed wavelengths, the nodes.
+
+// Row 0: weights of X, Y, Z and wavelength in µm of each node. Row 1: cosine and sine of the surface's rotation, scale
+// of the first term, ratio of the scales.
 @group(0) @binding(2) var spectrum: texture_2d<f32>;
 
-// Relative tristimulus values for one pair of directions.
+// Tristimulus values X, Y, Z for one pair of directions, relative to the peak of a mirror at normal incidence.
 fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
     let factor = gain(wi, wr);
     if (factor == 0.0) {

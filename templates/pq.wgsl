@@ -1,7 +1,9 @@
-// Replicas of the patch side by side, without a coherence window: the transform of one patch between the bins, times the
-// interference of the replicas.
+//- Twin: src/variant/twin/pq.rs.
 
-// |P|² at one wavelength, in µm.
+// A finite number of replicas of the patch, without a coherence window: the transform of one patch, interpolated
+// between the bins, times the interference of the replicas.
+
+// |P|² at one wavelength in µm, relative to a mirror.
 fn response(path: vec3f, lambda_um: f32) -> f32 {
     let place = path.xy / lambda_um * vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM);
     let first = floor(place - 0.5 * vec2f(f32(TAP_COLUMNS - 1), f32(TAP_ROWS - 1)) + 0.5);
@@ -23,8 +25,8 @@ fn response(path: vec3f, lambda_um: f32) -> f32 {
     return factor * factor * dot(amplitude, amplitude);
 }
 
-// The periodic sinc at an offset in bins, with the phase of pixels that begin half a pixel before the patch's centre
-// line: e^(-iπt/N) sin πt / (N sin(πt/N)).
+// Interpolation weight of a bin at an offset t in bins, for N pixels: the periodic sinc with the phase of pixels that
+// begin half a pixel before the patch's centre line, e^(-iπt/N) sin πt / (N sin(πt/N)).
 fn kernel(offset: f32, pixels: f32) -> vec2f {
     let part = offset / pixels;
     let half_sine = 1.5707964 * part * sinc(0.5 * part);
@@ -32,14 +34,14 @@ fn kernel(offset: f32, pixels: f32) -> vec2f {
     return vec2f(sinc(offset) / sinc(part) * cosine, -3.1415927 * part * sinc(offset));
 }
 
-// sin(πQt) / (Q sin πt) up to its sign; 1 at whole t.
+// Interference of Q replicas at t in bins: sin(πQt) / (Q sin πt) up to its sign, 1 at whole t.
 fn replica_factor(place: f32, periods: f32) -> f32 {
     let rest = place - floor(place + 0.5);
     return sinc(periods * rest) / sinc(rest);
 }
 
-// sin πt / (πt), by the series of the sine from -π/2 to π/2: Vulkan promises its own to 2^-11 only, which a
-// quotient of small sines does not bear.
+// sin πt / (πt). The sine is a series from -π/2 to π/2, because a built-in sine is too coarse for a quotient of small
+// sines: Vulkan allows an absolute error of 2^-11.
 fn sinc(turns: f32) -> f32 {
     let nearest = floor(turns + 0.5);
     let rest = turns - nearest;
@@ -53,7 +55,7 @@ fn sinc(turns: f32) -> f32 {
     return (1.0 - 2.0 * odd) * rest / turns * near;
 }
 
-// (p + iq)(r + is); its imaginary part is ps + qr.
+// Product of two complex numbers, x real and y imaginary.
 fn complex_product(a: vec2f, b: vec2f) -> vec2f {
     return vec2f(a.x * b.x - a.y * b.y, a.x * b.y + a.y * b.x);
 }

@@ -1,12 +1,14 @@
-// The amplitude between the texels of a table that has the coherence window in it.
+//- Twin: src/variant/twin/prefiltered.rs.
+
+// The amplitude from a table whose terms were multiplied by the coherence window before their transform.
 
 #ifdef FILTERED
-// Linear between texels, clamped to the edge.
+// Linear filter, clamped to the edge.
 @group(0) @binding(5) var linear_clamp: sampler;
 
 #endif
 #ifdef MODE_FULL
-// |P|² at one wavelength, in µm.
+// |P|² at one wavelength in µm, relative to a mirror.
 fn response(path: vec3f, lambda_um: f32) -> f32 {
 #ifdef HALF
     return series_scale() * series_scale() * intensity(path, lambda_um);
@@ -16,7 +18,11 @@ fn response(path: vec3f, lambda_um: f32) -> f32 {
 }
 
 #endif
-// |P|² at one wavelength, in µm; of scaled tables, over the squared scale of the first term.
+#ifdef HALF
+// |P|² at one wavelength in µm, divided by the squared scale of the first term.
+#else
+// |P|² at one wavelength in µm, relative to a mirror.
+#endif
 fn intensity(path: vec3f, lambda_um: f32) -> f32 {
     let place = path.xy / lambda_um * vec2f(GRID_WIDTH_UM, GRID_HEIGHT_UM);
     let sum = amplitude(place, series_argument(path.z, lambda_um));
@@ -24,8 +30,8 @@ fn intensity(path: vec3f, lambda_um: f32) -> f32 {
 }
 
 #ifdef TABULATED
-// The sum over terms of coefficient times table at a place in texels from the middle one, coefficients those of the nearest
-// node.
+// The complex amplitude at a place in texels from the central texel: the sum of coefficient times term. The
+// coefficients are those of the nearest column.
 fn amplitude(place: vec2f, argument: f32) -> vec2f {
     let index = i32(argument + 0.5);
     var sum = vec2f(0.0);
@@ -54,7 +60,7 @@ fn amplitude(place: vec2f, argument: f32) -> vec2f {
     return sum;
 }
 #else
-// The sum over terms of τ^n times the table at a place in texels from the middle one, by Horner's rule.
+// The complex amplitude at a place in texels from the central texel: the sum of τ^n times term n, by Horner's rule.
 fn amplitude(place: vec2f, argument: f32) -> vec2f {
 #ifdef PAIRED
     // even and odd powers side by side
@@ -74,7 +80,7 @@ fn amplitude(place: vec2f, argument: f32) -> vec2f {
 }
 #endif
 
-// The terms of a layer between texels; whole places are their middles, counted from the middle texel.
+// A layer of the terms, bilinear between texels. Places are counted from the centre of the central texel.
 fn texel_between(place: vec2f, layer: i32) -> vec4f {
 #ifdef FILTERED
     let size = vec2f(f32(2 * CENTRE_COLUMN + 1), f32(2 * CENTRE_ROW + 1));

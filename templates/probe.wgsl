@@ -1,8 +1,12 @@
-// Tristimulus values for listed directions: row 2k of the texture holds directions to the light, row 2k+1 those to the
-// viewer, of row k of the picture, counted from the top.
+//- All comparisons with twins draw this entry point.
 
+// Tristimulus values for listed directions, to compare a driver's results with probe.json.
+
+// xyz: unit vectors. Row 2k holds the directions to the light, row 2k+1 the directions to the viewer, for row k of the
+// picture, counted from the top.
 @group(0) @binding(3) var directions: texture_2d<f32>;
 
+// X, Y, Z of a pixel, alpha 1.
 @fragment
 fn probe(@location(0) place: vec2f) -> @location(0) vec4f {
     let pixel = pixel_of(place);

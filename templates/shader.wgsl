@@ -1,9 +1,25 @@
-// Diffraction of a height field: scene-linear radiance factor for a direction to the light and one to the viewer.
+// Diffraction colours of a height field, for one direction to the light and one to the viewer.
 //
-// Frame: x along the tangent, y along the bitangent, z along the normal. Directions are unit vectors that point away
-// from the surface. Results are relative to the peak of a mirror at normal incidence, not clamped, and may be negative
-// where a colour lies outside the primaries.
+// Input: diffraction(wi, wr) takes unit vectors that point away from the surface, wi to the light and wr to the viewer,
+// in the tangent frame: x along the tangent, y along the bitangent, z along the normal.
+#ifdef MODE_GEMS
+// Output: display colours of a published comparator, taken as scene-linear sRGB, in an arbitrary unit. They are not
+// clamped. The result is zero where a direction is at or below the horizon.
+#else
+#ifdef COLOUR_THESIS
+// Output: scene-linear radiance factor, relative to the peak of a mirror at normal incidence, in CIE RGB. It is not
+// clamped, and it may be negative. It is zero where a direction is at or below the horizon.
+#else
+// Output: scene-linear radiance factor, relative to the peak of a mirror at normal incidence, with sRGB primaries. It
+// is not clamped, and it is negative where a colour lies outside the primaries. It is zero where a direction is at or
+// below the horizon.
+#endif
+#endif
+// Tolerance and expected values: probe.json. Bindings, tables and units: manifest.json.
+//- The writers of the other languages repeat this comment, up to the first other line, so that it is in ASCII.
+
 #constants
+
 #import gain
 #ifdef MODE_FULL
 #import nodes
@@ -11,13 +27,20 @@
 #ifdef PREFILTERED
 #import prefiltered
 #else
+#ifdef THESIS_LOOP
+#import window
+#import thesis
+#else
+#import bins
 #import window
 #import full
+#endif
 #endif
 #endif
 #ifdef MODE_PQ
 #import nodes
 #import series
+#import bins
 #import pq
 #endif
 #ifdef MODE_ADAPTIVE
@@ -26,6 +49,7 @@
 #import prefiltered
 #import warped
 #else
+#import bins
 #import adaptive
 #endif
 #endif

@@ -1,12 +1,14 @@
-// The wavelength integral as a sum over nodes that lie the closer, the faster the amplitude changes along f = (u, v)/λ, and
-// the closer, the more light there is.
+//- Twin: src/variant/twin/warped.rs.
 
-// Of every level of |(u, v)| a row of nodes: X, Y, Z weights and wavelength in µm, 0 after the last. Row 0 is the lowest
-// level, the others begin at row 2; row 1: cosine and sine of the surface's rotation, scale of the first term, ratio of the
-// scales.
+// The wavelength integral as a sum over nodes. Nodes are close together where the amplitude changes fast along
+// f = (u, v)/λ and where there is much light.
+
+// A row of nodes for each level of |(u, v)|: weights of X, Y, Z and wavelength in µm, which is 0 after the last node.
+// Row 0 is the lowest level, the others begin at row 2. Row 1: cosine and sine of the surface's rotation, scale of the
+// first term, ratio of the scales.
 @group(0) @binding(2) var spectrum: texture_2d<f32>;
 
-// Relative tristimulus values for one pair of directions.
+// Tristimulus values X, Y, Z for one pair of directions, relative to the peak of a mirror at normal incidence.
 fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
     let factor = gain(wi, wr);
     if (factor == 0.0) {
@@ -29,7 +31,7 @@ fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
 #endif
 }
 
-// Row of the nodes of a direction.
+// Row of the nodes for (u, v).
 fn node_row(uv: vec2f) -> i32 {
 #ifdef MONOCHROMATIC
     return 0;

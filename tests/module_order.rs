@@ -1,4 +1,5 @@
-//! The order of `pub mod` lines in each `lib.rs` is the order of the pipeline: a module uses only earlier ones.
+//! What modules may use: only earlier ones, in the order of the `pub mod` lines of each `lib.rs`, which is that of the
+//! pipeline; and of the outside world nothing, but for the few whose work it is.
 
 use std::{fs, path::Path};
 
@@ -38,14 +39,94 @@ fn uses_are_found_in_all_their_forms() {
     assert_eq!(crate_uses(text), ["a", "b", "c", "g", "h"]);
 }
 
-/// The first name after every `crate::`, in code.
+/// Files of the compiler that read or write the outside world: inputs, the package, the cache of tables. What else there
+/// is computes from values.
+const OUTSIDE: [&str; 7] = [
+    "generate/cache.rs",
+    "input.rs",
+    "package.rs",
+    "package/check.rs",
+    "package/folder.rs",
+    "package/stamp.rs",
+    "package/write.rs",
+];
+
+/// Parts of the standard library that reach outside of the process, or that tell the time.
+const DOORS: [&str; 7] = ["env", "fs", "net", "os", "process", "thread", "time"];
+
+#[test]
+fn only_the_listed_files_of_the_compiler_touch_the_outside_world() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut found = Vec::new();
+    for file in files(&src) {
+        let text = fs::read_to_string(src.join(&file)).expect("text");
+        if touches(&text) {
+            found.push(file);
+        }
+    }
+    assert_eq!(found, OUTSIDE);
+}
+
+#[test]
+fn doors_are_found_in_all_their_forms() {
+    for text in [
+        "use std::fs;",
+        "use std::{collections::BTreeMap, env,\n  fmt};",
+        "let now = std::time::Instant::now();",
+        "use rustix::fs::renameat;",
+    ] {
+        assert!(touches(text), "{text}");
+    }
+    for text in [
+        "// std::fs",
+        "let name = env!(\"CARGO_PKG_NAME\");",
+        "use std::f64::consts::PI;",
+        "fn f() {}\n#[cfg(test)]\nmod tests {\n    use std::fs;\n}",
+    ] {
+        assert!(!touches(text), "{text}");
+    }
+}
+
+/// Whether code, tests apart, names a door, or a library whose purpose is one.
+fn touches(text: &str) -> bool {
+    let code = text.split("#[cfg(test)]\nmod").next().unwrap_or_default();
+    let of_std = uses(code, "std::");
+    let libraries =
+        ["rustix::", "tempfile::"].iter().any(|library| !uses(code, library).is_empty());
+    libraries || of_std.iter().any(|name| DOORS.contains(&name.as_str()))
+}
+
+/// Rust files below a folder, sorted, relative to it.
+fn files(src: &Path) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut folders = vec![src.to_path_buf()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).expect("readable") {
+            let path = entry.expect("readable").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                let relative = path.strip_prefix(src).expect("below it");
+                found.push(relative.to_string_lossy().replace('\\', "/"));
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
 fn crate_uses(text: &str) -> Vec<String> {
+    uses(text, "crate::")
+}
+
+/// The first name after every `crate::` or other prefix, in code.
+fn uses(text: &str, prefix: &str) -> Vec<String> {
     let code: String =
         text.lines().map(|line| line.split("//").next().unwrap_or_default()).collect();
     let code: String = code.replace(" as ", "%").chars().filter(|c| !c.is_whitespace()).collect();
     let mut uses = Vec::new();
-    for (at, _) in code.match_indices("crate::") {
-        let rest = &code[at + "crate::".len()..];
+    for (at, _) in code.match_indices(prefix) {
+        let rest = &code[at + prefix.len()..];
         let Some(list) = rest.strip_prefix('{') else {
             uses.push(name(rest));
             continue;

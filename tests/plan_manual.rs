@@ -6,7 +6,7 @@ use std::path::Path;
 use diffraction_shaders::plan::{AxisDoc, axis_docs};
 use serde_json::Value;
 
-/// What the README has to say of all axes.
+/// What the manual of plans has to say of all axes.
 fn table() -> String {
     let rows = axis_docs().iter().map(row).collect::<String>();
     format!("| key | values | default | what it is |\n| --- | --- | --- | --- |\n{rows}")
@@ -35,10 +35,10 @@ fn shown(default: &Value) -> String {
 
 #[test]
 fn the_readme_lists_every_axis() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
-    let readme = fs::read_to_string(path).expect("a README");
-    let start = readme.find("| key | values | default |").expect("the list of axes");
-    let found = readme[start..].split("\n\n").next().unwrap_or_default().trim_end();
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/plan.md");
+    let manual = fs::read_to_string(path).expect("the manual");
+    let start = manual.find("| key | values | default |").expect("the list of axes");
+    let found = manual[start..].split("\n\n").next().unwrap_or_default().trim_end();
     let expected = table();
     assert_eq!(found, expected.trim_end(), "the list of axes has to be\n{expected}");
 }

@@ -3,15 +3,14 @@
 
 mod common;
 
-use std::collections::BTreeMap;
-
-use diffraction_shaders::template::{Constant, Defines, Origin, Sources, specialise};
+use diffraction_shaders::template::{Constant, Defines, Origin, Sources, Value, specialise};
 
 use common::lines;
 
 fn flags<const N: usize>(flags: [(&str, bool); N]) -> Defines {
-    let flags = flags.into_iter().map(|(name, on)| (name.to_owned(), on)).collect();
-    Defines { flags, constants: BTreeMap::new() }
+    let mut defines = Defines::default();
+    flags.iter().for_each(|(name, on)| defines.flag(name, *on));
+    defines
 }
 
 fn text(templates: &[(&str, &str)], defines: &Defines) -> String {
@@ -67,16 +66,18 @@ fn an_import_that_is_dropped_does_not_count() {
 fn constants_that_the_text_uses_are_declared() {
     let template = "// top\n#constants\nx = B + A; // C\n#ifdef F\nD\n#endif\n";
     let mut defines = flags([("F", false)]);
-    for (name, value) in
-        [("B", Constant::F32(0.5)), ("A", Constant::U32(3)), ("D", Constant::I32(-1))]
-    {
-        defines.constants.insert(name.to_owned(), value);
+    for (name, value, meaning) in [
+        ("B", Value::F32(0.5), "half, µm"),
+        ("A", Value::U32(3), "three"),
+        ("D", Value::I32(-1), "minus one"),
+    ] {
+        defines.constants.insert(name.to_owned(), Constant::new(value, meaning));
     }
-    let declarations = "const A: u32 = 3u;\nconst B: f32 = 0.5;\n";
+    let declarations = "const A: u32 = 3u; // three\nconst B: f32 = 0.5; // half, µm\n";
     let expected = format!("{HEADER}// top\n{declarations}x = B + A; // C\n");
     assert_eq!(text(&[("root", template)], &defines), expected);
     defines.flags.insert("F".to_owned(), true);
-    assert!(text(&[("root", template)], &defines).contains("const D: i32 = -1;\n"));
+    assert!(text(&[("root", template)], &defines).contains("const D: i32 = -1; // minus one\n"));
 }
 
 #[test]
@@ -154,7 +155,7 @@ fn malformed_directives() {
 #[test]
 fn undeclared_flags() {
     let mut defines = flags([("PAIRED", true)]);
-    defines.constants.insert("N".to_owned(), Constant::I32(1));
+    defines.count("N", 1, "one");
     let template = "#constants\n#ifdef PAIRD\n#ifdef N\n#endif\n#endif\n#ifdef PAIRED\n#endif\n";
     let sources: Sources = [("root", template)].into_iter().collect();
     let got = specialise(&sources, "root", &defines).unwrap_err();
@@ -173,7 +174,7 @@ fn undeclared_flags() {
 #[test]
 fn unused_defines() {
     let mut defines = flags([("A", true), ("B", false)]);
-    defines.constants.insert("N".to_owned(), Constant::I32(1));
+    defines.count("N", 1, "one");
     assert_eq!(
         errors("// N\n#constants\n#ifdef A\n#endif\n", &defines),
         [
@@ -186,7 +187,7 @@ fn unused_defines() {
 #[test]
 fn the_constants_block_has_one_place() {
     let mut defines = flags([("A", true)]);
-    defines.constants.insert("N".to_owned(), Constant::I32(1));
+    defines.count("N", 1, "one");
     let templates = [
         ("root", "#ifdef A\n#constants\n#endif\n#constants\nN\n#import part\n"),
         ("part", "\n #constants\n"),
@@ -208,7 +209,53 @@ fn the_constants_block_has_one_place() {
 #[test]
 fn constants_are_finite() {
     let mut defines = flags([]);
-    defines.constants.insert("X".to_owned(), Constant::F32(1e300));
+    defines.number("X", 1e300, "too large");
     let got = errors("#constants\nX\n", &defines);
     assert_eq!(got, ["1:1: constant `X` is not a finite f32: F32(1e300)"]);
+}
+
+#[test]
+fn constants_have_a_meaning_of_one_line() {
+    for meaning in ["", " ", "one\ntwo", "one\u{2028}two"] {
+        let mut defines = flags([]);
+        defines.count("N", 1, meaning);
+        let got = errors("#constants\nN\n", &defines);
+        assert_eq!(got, ["1:1: constant `N` has no meaning of one line"], "{meaning:?}");
+    }
+}
+
+#[test]
+fn notes_are_dropped() {
+    let template = "//- N #endif /* a\na\n  //- b\n// kept\n//-\nb\n";
+    assert_eq!(text(&[("root", template)], &flags([])), format!("{HEADER}a\n// kept\nb\n"));
+    // what stands in a note is no use of a constant
+    let mut defines = flags([]);
+    defines.count("N", 1, "one");
+    let got = errors("#constants\n//- N\n", &defines);
+    assert_eq!(got, ["1:1: constant `N` is given, but no template reached from here uses it"]);
+    // the lines below keep their places
+    let sources: Sources = [("root", "//- a\nb\n")].into_iter().collect();
+    let origins = specialise(&sources, "root", &flags([])).unwrap().origins;
+    assert_eq!(origins[1], Origin { file: "root".into(), line: 2 });
+}
+
+#[test]
+fn notes_hide_no_code() {
+    let message = "a note stands on a line of its own, outside block comments";
+    assert_eq!(errors("let a = 1; //- why\n", &flags([])), [format!("1:12: {message}")]);
+    assert_eq!(errors("/*\n//- */ let a = 1;\n", &flags([])), [format!("2:1: {message}")]);
+    assert_eq!(errors("/* //- */ let a = 1;\n", &flags([])), [format!("1:4: {message}")]);
+    for line_break in ['\u{b}', '\u{c}', '\u{85}', '\u{2028}', '\u{2029}'] {
+        let got = errors(&format!("//- why{line_break}let a = 1;\n"), &flags([]));
+        assert_eq!(got, ["1:1: a line break within a note, which would hide code"]);
+    }
+}
+
+#[test]
+fn every_constant_of_the_shipped_templates_has_its_meaning_behind_it() {
+    for (name, text) in Sources::builtin().0 {
+        for line in text.lines().filter(|line| line.trim_start().starts_with("const ")) {
+            assert!(line.contains("; // "), "{name}: {line}");
+        }
+    }
 }

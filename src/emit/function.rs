@@ -1,19 +1,19 @@
 //! Function forms: the functions that a shader offers and what they need, without entry points and bindings. The first of
 //! them stands first in `.fn.wgsl`; the others may be missing.
 //!
-//! - `.fn.wgsl` is the specialised text with its comments. Textures and the sampler are parameters behind the directions, threaded
-//!   through every function that reads them, since node systems such as that of three.js know no free names. The text
-//!   begins with `fn diffraction(`, which such systems want; the generated-by line is the first of its body.
-//! - `.fn.glsl` declares its textures as uniforms of their names in the templates, samplers being part of them. It has no `#version`, no precision
-//!   statement and no `main`, and is valid behind those of GLSL ES 3.00 and of GLSL 4.50.
+//! - `.fn.wgsl` is the specialised text with its comments. Textures and the sampler are parameters behind the directions,
+//!   threaded through every function that reads them, since node systems such as that of three.js know no free names. The
+//!   text begins with `fn diffraction(`, which such systems want. The comment that describes it begins the body.
+//! - `.fn.glsl` declares its textures as uniforms of their names in the templates, samplers being part of them. It has no
+//!   `#version`, no precision statement and no `main`, and is valid behind those of GLSL ES 3.00 and of GLSL 4.50.
 //! - `.fn.hlsl` declares its textures and the sampler as globals of their names in the templates, without registers.
 
 mod core;
 mod wgsl;
 
-use crate::{error::Result, module::Module, plan::Target, template::GENERATED};
+use crate::{error::Result, module::Module, plan::Target};
 
-use super::{EmittedFile, Function, bindings, failure, glsl, hlsl};
+use super::{EmittedFile, Function, bindings, failure, glsl, head, hlsl};
 
 use self::core::Core;
 
@@ -30,13 +30,13 @@ pub fn emit(module: &Module, target: Target) -> Result<Option<EmittedFile>> {
         }
         Target::Glsl450 | Target::GlslEs300 => {
             let core = core()?;
-            let (text, names) = glsl_text(&core).map_err(fail)?;
+            let (text, names) = glsl_text(module, &core).map_err(fail)?;
             sampler_names = names;
             ("glsl", core, Ok(text))
         }
         Target::Hlsl => {
             let core = core()?;
-            let text = hlsl_text(&core);
+            let text = hlsl_text(module, &core);
             ("hlsl", core, text)
         }
         Target::Spirv | Target::Msl => return Ok(None),
@@ -65,9 +65,9 @@ pub fn emit(module: &Module, target: Target) -> Result<Option<EmittedFile>> {
 }
 
 /// What naga writes for GLSL ES 3.00, whose precision qualifiers desktop GLSL reads and ignores, less its frame.
-fn glsl_text(core: &Core) -> Result<(String, glsl::SamplerTextures), String> {
+fn glsl_text(module: &Module, core: &Core) -> Result<(String, glsl::SamplerTextures), String> {
     let (whole, names) = glsl::write_unbound(&core.unbound, &core.info, core::SHELL)?;
-    let mut kept = vec![format!("// {GENERATED}")];
+    let mut kept = vec![head::bare(module), String::new()];
     let mut in_main = false;
     for line in whole.lines() {
         in_main |= line.starts_with("void main()");
@@ -81,9 +81,9 @@ fn glsl_text(core: &Core) -> Result<(String, glsl::SamplerTextures), String> {
     Ok((kept.join("\n").trim_end().to_owned() + "\n", names))
 }
 
-fn hlsl_text(core: &Core) -> Result<String, String> {
+fn hlsl_text(module: &Module, core: &Core) -> Result<String, String> {
     let (ir, info) = core.without_shell()?;
-    Ok(hlsl::with_header(&hlsl::write_unbound(&ir, &info)?))
+    Ok(hlsl::with_head(module, &hlsl::write_unbound(&ir, &info)?))
 }
 
 /// The declaration of a function: its line in the text, or what is left of it before the body.

@@ -10,12 +10,11 @@ use crate::{
     error::Result,
     module::{Module, Stage},
     plan::Target,
-    template::GENERATED,
 };
 
 use super::{
     BindingKind, BindingName, EmittedFile, EntryPoint, Single, UNCHECKED, bindings, failure,
-    file_name, singles,
+    file_name, head, singles,
 };
 
 /// Desktop GLSL. Bindings are written out: binding `b` of group 0 is unit or block `b`.
@@ -36,9 +35,11 @@ fn emit(
     [vertex, fragment]: [&str; 2],
 ) -> Result<Vec<EmittedFile>> {
     let mut files = Vec::new();
+    let head = head::bare(module);
     for single in singles(module, target)? {
         let (text, bindings) =
             write(&single, version).map_err(|error| failure(module, target, error))?;
+        let text = with_head(&head, &text);
         let suffix = match single.stage {
             Stage::Vertex => vertex,
             Stage::Fragment => fragment,
@@ -93,7 +94,7 @@ fn write(single: &Single, version: Version) -> Result<(String, Vec<BindingName>)
         binding
     });
     let named = named.collect();
-    Ok((with_header(&text), named))
+    Ok((text, named))
 }
 
 /// The name of a texture for every sampler.
@@ -165,8 +166,8 @@ fn rename(
     }
 }
 
-/// The header goes below `#version`: GLSL ES allows nothing above it.
-fn with_header(text: &str) -> String {
+/// The comment goes below `#version`: GLSL ES allows nothing above it.
+fn with_head(head: &str, text: &str) -> String {
     let (version, rest) = text.split_once('\n').unwrap_or((text, ""));
-    format!("{version}\n// {GENERATED}\n{}\n", rest.trim_end())
+    format!("{version}\n{head}\n\n{}\n", rest.trim())
 }

@@ -2,9 +2,9 @@
 
 use naga::{TypeInner, back::hlsl};
 
-use crate::{error::Result, module::Module, plan::Target, template::GENERATED};
+use crate::{error::Result, module::Module, plan::Target};
 
-use super::{EmittedFile, bindings, entry_points, failure, resolved};
+use super::{EmittedFile, bindings, entry_points, failure, head, resolved};
 
 mod sampler;
 
@@ -18,7 +18,7 @@ pub fn emit(module: &Module) -> Result<Vec<EmittedFile>> {
     Ok(vec![EmittedFile {
         name: "diffraction.hlsl".to_owned(),
         target: Target::Hlsl,
-        bytes: with_header(&text).into_bytes(),
+        bytes: with_head(module, &text).into_bytes(),
         entry_points: entry_points(module, entries).map_err(fail)?,
         bindings: bindings(&ir).into_iter().map(|(_, binding)| binding).collect(),
         functions: Vec::new(),
@@ -54,9 +54,9 @@ pub fn write(
     Ok((text, names.map(|name| name.map_err(|error| error.to_string())).collect()))
 }
 
-/// The generated-by line above a text.
-pub fn with_header(text: &str) -> String {
-    format!("// {GENERATED}\n{}\n", text.trim())
+/// A text below the comment that describes it.
+pub fn with_head(module: &Module, text: &str) -> String {
+    format!("{}\n\n{}\n", head::bare(module), text.trim())
 }
 
 /// The text of functions without registers.

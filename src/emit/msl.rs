@@ -39,7 +39,7 @@ pub fn emit(module: &Module) -> Result<Vec<EmittedFile>> {
     Ok(vec![EmittedFile {
         name: "diffraction.metal".to_owned(),
         target: Target::Msl,
-        bytes: hlsl::with_header(&text).into_bytes(),
+        bytes: hlsl::with_head(module, &text).into_bytes(),
         entry_points: entry_points(module, entries).map_err(fail)?,
         bindings: bindings(&ir).into_iter().map(|(_, binding)| binding).collect(),
         functions: Vec::new(),

@@ -161,4 +161,4 @@ const MOST_COLUMNS: u32 = 2040;
 /// Layers that every profile allows.
 const MOST_LAYERS: u32 = 256;
 /// Slope of [`octant`] at 0.
-const BEND: f64 = 1.35;
+pub const BEND: f64 = 1.35;

@@ -234,18 +234,24 @@ impl Series {
         self.expansion().term_sizes().iter().sum()
     }
 
-    /// What the templates of a series are told.
+    /// Flags and constants of the templates of a series.
     pub fn define(&self, into: &mut Defines) {
-        into.flag("HOIST", true);
         into.flag("HALF", self.format == TableFormat::F16);
         into.flag("PAIRED", self.packing == Packing::Paired);
         into.flag("PREFILTERED", self.grid.is_some());
         into.flag("TABULATED", self.expansion().is_tabulated());
-        into.count("CENTRE_COLUMN", self.bins.r_max);
-        into.count("CENTRE_ROW", self.bins.s_max);
-        into.count("COEFFICIENT_COUNT", self.coefficient_count());
-        into.count("COEFFICIENT_ROWS", self.coefficient_rows() as usize);
-        into.count("LAYER_COUNT", self.layers() as usize);
-        into.number("WAVELENGTH_MIN_UM", self.min_nm() * 1e-3);
+        let [r_max, s_max] = [self.bins.r_max, self.bins.s_max];
+        into.count("CENTRE_COLUMN", r_max, "column of the central texel of the terms, from 0");
+        into.count("CENTRE_ROW", s_max, "row of the central texel of the terms, from 0");
+        let columns = self.coefficient_count();
+        into.count("COEFFICIENT_COUNT", columns, "number of columns of the table of coefficients");
+        let rows = self.coefficient_rows() as usize;
+        into.count("COEFFICIENT_ROWS", rows, "number of rows of the table of coefficients");
+        let layers = match self.packing {
+            Packing::Paired => "number of layers of the terms, two terms in each",
+            Packing::Single => "number of layers of the terms, one term in each",
+        };
+        into.count("LAYER_COUNT", self.layers() as usize, layers);
+        into.number("WAVELENGTH_MIN_UM", self.min_nm() * 1e-3, "shortest wavelength, µm");
     }
 }

@@ -6,9 +6,16 @@ use crate::diagnostic::Diagnostic;
 
 use super::{Defines, Sources, Words};
 
+/// What a note to the developers of the templates begins with.
+const NOTE: &str = "//-";
+
+/// What ends a line comment of WGSL.
+const LINE_BREAKS: [char; 7] = ['\n', '\u{b}', '\u{c}', '\r', '\u{85}', '\u{2028}', '\u{2029}'];
+
 /// One line of a template.
 pub enum Line<'a> {
     Text(&'a str),
+    Note,
     Import(&'a str),
     Condition { flag: &'a str, wanted: bool },
     Else,
@@ -74,8 +81,23 @@ impl<'a> Check<'a, '_> {
         for (number, text) in (1..).zip(text.lines()) {
             let line = if text.trim_start().starts_with('#') {
                 self.directive(name, number, text, &mut blocks).unwrap_or(Line::Text(""))
+            } else if text.trim_start().starts_with(NOTE) && !words.in_block_comment() {
+                if text.contains(LINE_BREAKS) {
+                    self.error(
+                        name,
+                        number,
+                        1,
+                        "a line break within a note, which would hide code",
+                    );
+                }
+                Line::Note
             } else {
                 self.used.extend(words.of(text).into_iter().map(|(_, word)| word));
+                if let Some(at) = text.find(NOTE) {
+                    let column = text[..at].chars().count() as u32 + 1;
+                    let message = "a note stands on a line of its own, outside block comments";
+                    self.error(name, number, column, message);
+                }
                 Line::Text(text.trim_end())
             };
             if let Line::Import(import) = line {
@@ -218,8 +240,13 @@ impl<'a> Check<'a, '_> {
                     ),
                 ));
             }
-            if constant.literal().is_none() {
-                found.push((line, format!("constant `{name}` is not a finite f32: {constant:?}")));
+            if constant.value.literal().is_none() {
+                let value = constant.value;
+                found.push((line, format!("constant `{name}` is not a finite f32: {value:?}")));
+            }
+            let meaning = constant.meaning;
+            if meaning.trim().is_empty() || meaning.contains(LINE_BREAKS) {
+                found.push((line, format!("constant `{name}` has no meaning of one line")));
             }
         }
         if !constants.is_empty() && self.constants_block.is_none() {

@@ -77,6 +77,7 @@ impl<'a> Expansion<'a> {
                     let origin = Origin { file: (*name).to_owned(), line: number };
                     self.constants_at = Some((self.lines.len(), origin));
                 }
+                Line::Note => {}
                 Line::Text(text) => {
                     let words = self.words.of(text).into_iter().map(|(_, word)| word);
                     self.used.extend(words.filter(|w| self.defines.constants.contains_key(*w)));
@@ -92,10 +93,8 @@ impl<'a> Expansion<'a> {
         let Some((at, origin)) = self.constants_at.take() else { return };
         let used =
             self.defines.constants.iter().filter(|(name, _)| self.used.contains(name.as_str()));
-        let declarations = used.filter_map(|(name, constant)| {
-            let line = format!("const {name}: {} = {};", constant.ty(), constant.literal()?);
-            Some((line, origin.clone()))
-        });
+        let declarations =
+            used.filter_map(|(name, constant)| Some((constant.declaration(name)?, origin.clone())));
         let declarations: Vec<_> = declarations.collect();
         self.lines.splice(at..at, declarations);
     }

@@ -7,6 +7,11 @@ pub(crate) struct Words {
 }
 
 impl Words {
+    /// Whether the next line begins inside a block comment.
+    pub(crate) fn in_block_comment(&self) -> bool {
+        self.depth > 0
+    }
+
     /// Identifiers, keywords and numbers of the next line, each with its byte offset.
     pub(crate) fn of<'a>(&mut self, line: &'a str) -> Vec<(usize, &'a str)> {
         let bytes = line.as_bytes();

@@ -1,4 +1,4 @@
-//! One file for each way to compute.
+//! How a variant computes on a surface: one file for each way, and the choice between them.
 
 mod baked;
 mod full_prefiltered;
@@ -8,11 +8,18 @@ mod lobes;
 mod pq;
 mod warped;
 
+use std::ops::Deref;
+
 use crate::defines::Defines;
-use crate::plan::{Coherence, CoherenceScaling, Illuminant, Wavelengths, Window};
+use crate::error::Result;
+use crate::height::HeightField;
+use crate::optics::REFERENCE_NM;
+use crate::plan::{
+    Coherence, CoherenceScaling, Illuminant, Mode, Reconstruction, Variant, Wavelengths, Window,
+};
 use crate::tables::{CoefficientsSpec, NodesSpec, Series, SettingsSpec, TableSpec, TermsSpec};
 
-use super::Ground;
+use super::{Computation, Ground};
 
 pub use baked::Baked;
 pub use full_prefiltered::FullPrefiltered;
@@ -21,6 +28,71 @@ pub use gems::Gems;
 pub use lobes::Lobes;
 pub use pq::Pq;
 pub use warped::Warped;
+
+/// A variant on a surface, by the way it computes. Every form holds the numbers that it needs, and no others.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Form {
+    /// Bins under the coherence window, uniform wavelengths.
+    FullWindow(FullWindow),
+    /// A table with the window in it, uniform wavelengths.
+    FullPrefiltered(FullPrefiltered),
+    /// Replicas of the patch, uniform wavelengths.
+    Pq(Pq),
+    /// Lobes of the bins that the wavelengths of a direction cross.
+    Lobes(Lobes),
+    /// A table with the window in it, wavelengths where the light is.
+    Warped(Warped),
+    /// A table of colours over `(u, v, w)`.
+    Baked(Baked),
+    /// The order sum of GPU Gems (2004), chapter 8.
+    Gems(Gems),
+}
+
+impl Form {
+    /// Chooses what was left to the tool. Time: arithmetic on the surface's size and height range; for the basis `optimal` a
+    /// singular value decomposition, for `gems` a transform. An error is a combination that has no meaning on this surface,
+    /// with the reason.
+    pub fn new(variant: &Variant, height: &HeightField) -> Result<Form> {
+        use Reconstruction::Prefiltered;
+        Ok(match (variant.mode, variant.reconstruction) {
+            (Mode::Full, Reconstruction::Window) => {
+                Form::FullWindow(FullWindow::new(variant, height)?)
+            }
+            (Mode::Full, Prefiltered) => {
+                Form::FullPrefiltered(FullPrefiltered::new(variant, height)?)
+            }
+            (Mode::Pq, _) => Form::Pq(Pq::new(variant, height)?),
+            (Mode::Adaptive, Reconstruction::Window) => Form::Lobes(Lobes::new(variant, height)?),
+            (Mode::Adaptive, Prefiltered) => Form::Warped(Warped::new(variant, height)?),
+            (Mode::Baked, _) => Form::Baked(Baked::new(variant, height)),
+            (Mode::Gems, _) => Form::Gems(Gems::new(variant, height)?),
+        })
+    }
+
+    /// What every form answers.
+    fn get(&self) -> &(dyn Computation + 'static) {
+        match self {
+            Form::FullWindow(form) => form,
+            Form::FullPrefiltered(form) => form,
+            Form::Pq(form) => form,
+            Form::Lobes(form) => form,
+            Form::Warped(form) => form,
+            Form::Baked(form) => form,
+            Form::Gems(form) => form,
+        }
+    }
+}
+
+impl Deref for Form {
+    type Target = dyn Computation;
+
+    fn deref(&self) -> &(dyn Computation + 'static) {
+        self.get()
+    }
+}
+
+/// Meaning of `WAVELENGTH_COUNT` at uniform wavelengths.
+const WAVELENGTH_COUNT: &str = "number of wavelengths in the sum";
 
 /// Tables of a series at uniform wavelengths.
 fn uniform_tables(
@@ -40,21 +112,31 @@ fn uniform_tables(
     [TableSpec::Terms(terms), TableSpec::Nodes(nodes)].into_iter().chain(coefficients).collect()
 }
 
-/// What templates under the coherence window are told.
+/// Flags and constants of templates under the coherence window.
 fn define_window(window: Window, into: &mut Defines) {
     into.flag("COHERENCE_SCALES", window.coherence_scaling == CoherenceScaling::Wavelength);
     into.flag("ENSEMBLE", window.coherence == Coherence::Ensemble);
-    into.number("COHERENCE_UM", window.coherence_um);
+    let scaled = "wavelength at which the coherence length is stated, µm";
+    into.number("REFERENCE_UM", REFERENCE_NM * 1e-3, scaled);
+    into.number("COHERENCE_UM", window.coherence_um, "coherence length of the light, µm");
 }
 
-/// What templates on the bins of a patch are told.
+/// Constants of templates on the bins of a patch.
 fn define_patch([width_um, height_um]: [f64; 2], into: &mut Defines) {
-    into.number("PATCH_WIDTH_UM", width_um);
-    into.number("PATCH_HEIGHT_UM", height_um);
+    into.number("PATCH_WIDTH_UM", width_um, "width of the patch that tiles the plane, along x, µm");
+    into.number(
+        "PATCH_HEIGHT_UM",
+        height_um,
+        "height of the patch that tiles the plane, along y, µm",
+    );
 }
 
-/// What templates on a grid of its own are told.
+/// Constants of templates on a grid of its own.
 fn define_grid([width_um, height_um]: [f64; 2], into: &mut Defines) {
-    into.number("GRID_WIDTH_UM", width_um);
-    into.number("GRID_HEIGHT_UM", height_um);
+    let [width, height] = [
+        "texels of the terms are 1 / this apart in frequency along x, µm",
+        "texels of the terms are 1 / this apart in frequency along y, µm",
+    ];
+    into.number("GRID_WIDTH_UM", width_um, width);
+    into.number("GRID_HEIGHT_UM", height_um, height);
 }

@@ -1,10 +1,12 @@
 //! The algorithms of the templates in f64, function by function.
 //!
 //! `twin/x.rs` stands beside `templates/x.wgsl` with the same function names. What all forms share is not written twice: the
-//! f64 form of `gain.wgsl` is [`crate::optics`], that of the map's geometry [`crate::frame`].
+//! f64 form of `gain.wgsl` is [`crate::optics`], that of the map's geometry [`crate::frame`]. `full.wgsl` and `thesis.wgsl`
+//! compute one sum in two orders; `twin/full.rs` is the twin of both.
 
 mod adaptive;
 mod baked;
+mod bins;
 mod full;
 mod gems;
 pub mod mesh;

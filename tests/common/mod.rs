@@ -12,7 +12,7 @@ use diffraction_shaders::{
     module::{Module, compile},
     package::Package,
     plan::Target,
-    template::{Constant, Defines, Sources, Specialised, specialise},
+    template::{Defines, Sources, Specialised, specialise},
 };
 
 /// Every target.
@@ -106,17 +106,14 @@ pub fn sources() -> Sources {
     [("root", ROOT), ("core", CORE), ("probe", PROBE)].into_iter().collect()
 }
 
-/// What the test shader wants to be told.
+/// Flags and constants of the test shader.
 pub fn defines() -> Defines {
-    Defines {
-        flags: [("PAIRED".to_owned(), true)].into(),
-        constants: [
-            ("WAVELENGTHS".to_owned(), Constant::I32(81)),
-            ("TERMS".to_owned(), Constant::I32(31)),
-            ("SCALE".to_owned(), Constant::F32(0.1)),
-        ]
-        .into(),
-    }
+    let mut defines = Defines::default();
+    defines.flag("PAIRED", true);
+    defines.count("WAVELENGTHS", 81, "number of wavelengths");
+    defines.count("TERMS", 31, "number of terms");
+    defines.number("SCALE", 0.1, "factor of the result");
+    defines
 }
 
 /// The specialised test shader.

@@ -241,15 +241,8 @@ fn surface() -> Result<HeightField> {
 fn variant(mode: Mode, filtered: bool) -> Variant {
     let coherence_um = if filtered { 10.0 } else { Optics::standard().coherence_um };
     let texts = Variant::texts(&Optics { coherence_um, ..Optics::standard() });
-    let name = match mode {
-        Mode::Full => "full",
-        Mode::Pq => "pq",
-        Mode::Adaptive => "adaptive",
-        Mode::Gems => "gems",
-        Mode::Baked => "baked",
-    };
     Variant {
-        name: name.to_owned(),
+        name: mode.as_str().to_owned(),
         mode,
         basis: if filtered { Basis::Optimal } else { Basis::Taylor },
         terms: Auto::Value(if filtered { 6 } else { 19 }),

@@ -5,6 +5,7 @@
 //! function is followed by a parenthesis. The result is parsed and validated again.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 
 use naga::{
     AddressSpace, Span,
@@ -14,6 +15,7 @@ use naga::{
 use crate::{module::Module, template::GENERATED};
 
 use super::core::Core;
+use super::head;
 
 /// The text; its first function is the first of the core's.
 pub fn write(module: &Module, core: &Core) -> Result<String, String> {
@@ -26,7 +28,7 @@ pub fn write(module: &Module, core: &Core) -> Result<String, String> {
     }
     let mut items: Vec<&Item> = needed.iter().filter_map(|name| source.items.get(name)).collect();
     items.sort_by_key(|item| (item.start, item.text.len()));
-    let mut out = source.first(first)?;
+    let mut out = source.first(first, &head::lines(module))?;
     let constants = items.iter().filter(|item| item.kind == Kind::Constant);
     let constants: Vec<String> = constants.map(|item| item.with_comments()).collect();
     if !constants.is_empty() {
@@ -62,12 +64,14 @@ struct Item<'a> {
     text: &'a str,
     /// The comment lines above it, with their line ends.
     comments: &'a str,
+    /// The comment behind it in its last line, with the blank before it.
+    remark: &'a str,
 }
 
 impl Item<'_> {
     fn with_comments(&self) -> String {
         let end = if self.text.ends_with(['}', ';']) { "" } else { ";" };
-        format!("{}{}{end}", self.comments, self.text)
+        format!("{}{}{end}{}", self.comments, self.text, self.remark)
     }
 
     /// The type of a variable, as it is written.
@@ -122,7 +126,7 @@ impl<'a> Source<'a> {
 
     fn add(&mut self, text: &'a str, name: &Option<String>, kind: Kind, span: Span) {
         let (Some(name), Some(range)) = (name.clone(), span.to_range()) else { return };
-        let start = range.start;
+        let Range { start, end } = range;
         let Some(declaration) = text.get(range) else { return };
         let item = Item {
             name: name.clone(),
@@ -130,6 +134,7 @@ impl<'a> Source<'a> {
             start,
             text: declaration.trim_end(),
             comments: comments_above(text, start),
+            remark: remark_behind(text, end),
         };
         self.items.insert(name, item);
     }
@@ -144,13 +149,15 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The first function, whose comments move below its first line.
-    fn first(&self, name: &str) -> Result<String, String> {
+    /// The first function. The comment of the file and its own move below its first line.
+    fn first(&self, name: &str, head: &[String]) -> Result<String, String> {
         let item = self.items.get(name).ok_or(format!("there is no function `{name}`"))?;
         let threaded = self.threaded(item)?;
         let (declaration, body) =
             threaded.split_once('\n').ok_or(format!("`{name}` is written in one line"))?;
-        let mut lines = vec![declaration.to_owned(), format!("    // {GENERATED}")];
+        let mut lines = vec![declaration.to_owned()];
+        lines.extend(head.iter().map(|line| format!("    {line}")));
+        lines.push("    //".to_owned());
         lines.extend(item.comments.lines().map(|line| format!("    {}", line.trim())));
         for texture in self.textures.get(name).into_iter().flatten() {
             let comments = self.items.get(texture).map_or("", |item| item.comments);
@@ -216,6 +223,13 @@ fn comments_above(text: &str, start: usize) -> &str {
         begin -= line.len();
     }
     &text[begin..line_start]
+}
+
+/// The comment behind a declaration in the same line, with a blank before it; empty without one.
+fn remark_behind(text: &str, end: usize) -> &str {
+    let rest = text[end..].lines().next().unwrap_or_default();
+    let rest = rest.strip_prefix(';').unwrap_or(rest);
+    if rest.trim_start().starts_with("//") { rest } else { "" }
 }
 
 /// Words and single characters outside blanks and comments, each with its byte offset.

@@ -3,7 +3,8 @@
 use crate::defines::Defines;
 use crate::height::HeightField;
 use crate::plan::{Illuminant, TableFormat, Variant, Window};
-use crate::tables::{Aim, Axes, ColoursSpec, RotationSpec, TableSpec, colour_format};
+use crate::tables::bake::COLOUR_SCALE;
+use crate::tables::{Aim, Axes, BEND, ColoursSpec, RotationSpec, TableSpec, colour_format};
 use crate::variant::tolerance::{Promise, is_visible};
 use crate::variant::{Computation, Cost, Ground, lay};
 
@@ -44,13 +45,29 @@ impl Baked {
 
 impl Computation for Baked {
     fn define(&self, _: usize, into: &mut Defines) {
-        into.count("COLUMN_COUNT", self.axes.columns as usize);
-        into.count("LEVEL_COUNT", self.axes.levels as usize);
-        into.count("PAGE_COLUMNS", self.axes.page_columns() as usize);
-        into.count("PAGE_COUNT", self.axes.pages as usize);
-        into.count("ROW_COUNT", self.axes.rows as usize);
-        into.number("ROW_PACE", self.axes.pace);
-        into.number("STRETCH", self.axes.stretch);
+        let Axes { columns, levels, pages, rows, pace, stretch, .. } = self.axes;
+        into.number("BEND", BEND, "slope of the parabola that replaces the arc tangent, at 0");
+        into.number(
+            "COLOUR_UNIT",
+            1.0 / COLOUR_SCALE,
+            "unit of the numbers in the table of colours",
+        );
+        into.count(
+            "COLUMN_COUNT",
+            columns as usize,
+            "number of columns of all pages, for a whole turn",
+        );
+        into.count("LEVEL_COUNT", levels as usize, "number of levels of w², the layers of a page");
+        let page_columns = self.axes.page_columns() as usize;
+        into.count(
+            "PAGE_COLUMNS",
+            page_columns,
+            "number of columns of a page, without the repeated one",
+        );
+        into.count("PAGE_COUNT", pages as usize, "number of pages that the angle is divided into");
+        into.count("ROW_COUNT", rows as usize, "number of rows");
+        into.number("ROW_PACE", pace, "rows for an increase of 1 of asinh(STRETCH |(u, v)|)");
+        into.number("STRETCH", stretch, "factor of |(u, v)| in the argument of asinh");
     }
 
     fn tables(&self, on: Ground<'_>) -> Vec<TableSpec> {

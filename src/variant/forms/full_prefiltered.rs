@@ -40,7 +40,7 @@ impl Computation for FullPrefiltered {
     fn define(&self, wavelengths: usize, into: &mut Defines) {
         self.series.define(into);
         super::define_grid(self.series.size_um, into);
-        into.count("WAVELENGTH_COUNT", wavelengths);
+        into.count("WAVELENGTH_COUNT", wavelengths, super::WAVELENGTH_COUNT);
     }
 
     fn tables(&self, on: Ground<'_>) -> Vec<TableSpec> {

@@ -69,9 +69,10 @@ impl Computation for FullWindow {
         self.series.define(into);
         super::define_window(self.window, into);
         super::define_patch(self.series.size_um, into);
-        into.flag("HOIST", self.hoist);
-        into.count("WAVELENGTH_COUNT", wavelengths);
-        into.count("WINDOW_RADIUS", self.window_radius as usize);
+        into.flag("THESIS_LOOP", !self.hoist);
+        into.count("WAVELENGTH_COUNT", wavelengths, super::WAVELENGTH_COUNT);
+        let radius = self.window_radius as usize;
+        into.count("WINDOW_RADIUS", radius, "number of bins to each side of the nearest one");
     }
 
     fn tables(&self, on: Ground<'_>) -> Vec<TableSpec> {

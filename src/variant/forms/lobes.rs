@@ -5,8 +5,8 @@ use crate::error::{Error, Result, Stage};
 use crate::height::HeightField;
 use crate::plan::{Coherence, Illuminant, Variant, Window};
 use crate::tables::{
-    CoefficientsSpec, Corridor, LobeGeometry, LobesSpec, REACH_SIGMAS, Reach, Series, SettingsSpec,
-    TableSpec, TermsSpec,
+    BROADEST, CoefficientsSpec, Corridor, LobeGeometry, LobesSpec, OUTER_NODES, REACH_SIGMAS,
+    Reach, Series, SettingsSpec, TableSpec, TermsSpec,
 };
 use crate::variant::cost::{mean_and_worst, spectrum_bytes};
 use crate::variant::tolerance::Promise;
@@ -94,14 +94,33 @@ impl Computation for Lobes {
         super::define_window(self.window, into);
         super::define_patch(self.series.size_um, into);
         into.flag("MONOCHROMATIC", wavelengths == 1);
-        into.count("CANDIDATE_COUNT", self.corridor.candidates as usize);
-        into.count("LOBE_COLUMNS", self.corridor.columns as usize);
-        into.count("LOBE_ROWS", self.corridor.rows as usize);
-        into.count("MINOR_COUNT", self.corridor.minors as usize);
-        into.count("NODE_BINS", self.corridor.node_bins as usize);
+        into.number(
+            "BROADEST",
+            BROADEST,
+            "width of the broadest narrow lobe, in distances between nodes",
+        );
+        let reach = "a lobe ends at this many standard deviations of the window's spectrum";
+        into.number("REACH_SIGMAS", REACH_SIGMAS, reach);
+        let outer = "number of nodes beyond each end of the range of wavenumbers";
+        into.count("OUTER_NODES", OUTER_NODES as usize, outer);
+        let Corridor { candidates, columns, rows, minors, node_bins, nodes, .. } = self.corridor;
+        into.count(
+            "CANDIDATE_COUNT",
+            candidates as usize,
+            "maximum number of bins that are examined",
+        );
+        into.count(
+            "LOBE_COLUMNS",
+            columns as usize,
+            "number of columns of the table of narrow lobes",
+        );
+        into.count("LOBE_ROWS", rows as usize, "number of widths in the table of narrow lobes");
+        into.count("MINOR_COUNT", minors as usize, "number of bins across the strip");
+        into.count("NODE_BINS", node_bins as usize, "number of columns of bins about a node");
         // one wavelength is one node
-        into.count("NODE_COUNT", (self.corridor.nodes as usize).min(wavelengths));
-        into.number("WAVELENGTH_MAX_UM", self.range_nm[1] * 1e-3);
+        let nodes = (nodes as usize).min(wavelengths);
+        into.count("NODE_COUNT", nodes, "number of nodes, those beyond the range included");
+        into.number("WAVELENGTH_MAX_UM", self.range_nm[1] * 1e-3, "longest wavelength, µm");
     }
 
     fn tables(&self, on: Ground<'_>) -> Vec<TableSpec> {

@@ -74,13 +74,16 @@ impl Computation for Pq {
     fn define(&self, wavelengths: usize, into: &mut Defines) {
         self.series.define(into);
         super::define_patch(self.series.size_um, into);
-        into.count("WAVELENGTH_COUNT", wavelengths);
-        into.number("PERIOD_COLUMNS", f64::from(self.periods[0]));
-        into.number("PERIOD_ROWS", f64::from(self.periods[1]));
-        into.number("PIXEL_COLUMNS", f64::from(self.pixels[0]));
-        into.number("PIXEL_ROWS", f64::from(self.pixels[1]));
-        into.count("TAP_COLUMNS", self.taps[0] as usize);
-        into.count("TAP_ROWS", self.taps[1] as usize);
+        into.count("WAVELENGTH_COUNT", wavelengths, super::WAVELENGTH_COUNT);
+        let [columns, rows] = self.periods.map(f64::from);
+        into.number("PERIOD_COLUMNS", columns, "number of replicas of the patch along x");
+        into.number("PERIOD_ROWS", rows, "number of replicas of the patch along y");
+        let [columns, rows] = self.pixels.map(f64::from);
+        into.number("PIXEL_COLUMNS", columns, "number of pixels of the patch along x");
+        into.number("PIXEL_ROWS", rows, "number of pixels of the patch along y");
+        let [columns, rows] = self.taps.map(|count| count as usize);
+        into.count("TAP_COLUMNS", columns, "number of bins along x that are interpolated between");
+        into.count("TAP_ROWS", rows, "number of bins along y that are interpolated between");
     }
 
     fn tables(&self, on: Ground<'_>) -> Vec<TableSpec> {

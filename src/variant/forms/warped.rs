@@ -50,8 +50,12 @@ impl Computation for Warped {
     fn define(&self, wavelengths: usize, into: &mut Defines) {
         self.series.define(into);
         super::define_grid(self.series.size_um, into);
-        into.count("NODE_LEVELS", NODE_LEVELS as usize);
-        into.count("WAVELENGTH_COUNT", wavelengths);
+        into.count(
+            "NODE_LEVELS",
+            NODE_LEVELS as usize,
+            "number of levels of |(u, v)|, from 0 to 2",
+        );
+        into.count("WAVELENGTH_COUNT", wavelengths, "maximum number of nodes of a level");
         into.flag("MONOCHROMATIC", wavelengths == 1);
     }
 

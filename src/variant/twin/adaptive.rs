@@ -14,7 +14,8 @@ use crate::tables::{BROADEST, LEAST_SQUARED, LobeGeometry, OUTER_NODES, REACH_SI
 use crate::variant::Lobes;
 
 use super::Twin;
-use super::series::{bin_amplitude, series_argument, series_scale};
+use super::bins::bin_amplitude;
+use super::series::{series_argument, series_scale};
 
 /// Relative tristimulus values for one pair of directions.
 pub fn tristimulus(twin: &Twin<'_>, form: &Lobes, Directions { wi, wr }: Directions) -> [f64; 3] {

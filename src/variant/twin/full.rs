@@ -1,4 +1,4 @@
-//! The full sum in f64; see `templates/full.wgsl`.
+//! The full sum in f64; see `templates/full.wgsl`, and `templates/thesis.wgsl` for the same sum in another order.
 
 use glam::{DVec2, DVec3};
 use rustfft::num_complex::Complex64;
@@ -7,7 +7,8 @@ use crate::plan::Coherence;
 use crate::variant::FullWindow;
 
 use super::Twin;
-use super::series::{bin_amplitude, series_argument, series_scale};
+use super::bins::bin_amplitude;
+use super::series::{series_argument, series_scale};
 use super::window::{window, window_sharpness};
 
 /// `|P|²` at one wavelength, µm, along `path = (u, v, w)`.

@@ -12,7 +12,8 @@ use rustfft::num_complex::Complex64;
 use crate::variant::Pq;
 
 use super::Twin;
-use super::series::{bin_amplitude, series_argument, series_scale};
+use super::bins::bin_amplitude;
+use super::series::{series_argument, series_scale};
 
 /// `|P|²` at one wavelength, µm, along `path = (u, v, w)`.
 pub fn response(twin: &Twin<'_>, form: &Pq, path: DVec3, lambda_um: f64) -> f64 {

@@ -114,8 +114,8 @@ pub struct Table {
 pub const TERMS_TABLE: Table = Table {
     group: TERMS_GROUP,
     binding: TERMS_BINDING,
-    data: "../../../surfaces/blazed/terms-74d6e5fc1a02.bin",
-    description: "../../../surfaces/blazed/terms-74d6e5fc1a02.json",
+    data: "../../../surfaces/blazed/terms-b3bf4aee0d97.bin",
+    description: "../../../surfaces/blazed/terms-b3bf4aee0d97.json",
     bytes: 34720,
     format: "rgba32float",
     dimension: "2d-array",
@@ -129,8 +129,8 @@ pub const TERMS_TABLE: Table = Table {
 pub const SPECTRUM_TABLE: Table = Table {
     group: SPECTRUM_GROUP,
     binding: SPECTRUM_BINDING,
-    data: "../../../surfaces/blazed/spectrum-87229ac94a4c.bin",
-    description: "../../../surfaces/blazed/spectrum-87229ac94a4c.json",
+    data: "../../../surfaces/blazed/spectrum-567cf63581a3.bin",
+    description: "../../../surfaces/blazed/spectrum-567cf63581a3.json",
     bytes: 2592,
     format: "rgba32float",
     dimension: "2d",

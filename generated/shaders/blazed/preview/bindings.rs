@@ -114,8 +114,8 @@ pub struct Table {
 pub const TERMS_TABLE: Table = Table {
     group: TERMS_GROUP,
     binding: TERMS_BINDING,
-    data: "../../../surfaces/blazed/terms-a50d7192c021.bin",
-    description: "../../../surfaces/blazed/terms-a50d7192c021.json",
+    data: "../../../surfaces/blazed/terms-77c16c361512.bin",
+    description: "../../../surfaces/blazed/terms-77c16c361512.json",
     bytes: 20832,
     format: "rgba32float",
     dimension: "2d-array",
@@ -129,8 +129,8 @@ pub const TERMS_TABLE: Table = Table {
 pub const SPECTRUM_TABLE: Table = Table {
     group: SPECTRUM_GROUP,
     binding: SPECTRUM_BINDING,
-    data: "../../../surfaces/blazed/spectrum-a5db0c29e3cf.bin",
-    description: "../../../surfaces/blazed/spectrum-a5db0c29e3cf.json",
+    data: "../../../surfaces/blazed/spectrum-8796f139484e.bin",
+    description: "../../../surfaces/blazed/spectrum-8796f139484e.json",
     bytes: 1312,
     format: "rgba32float",
     dimension: "2d",

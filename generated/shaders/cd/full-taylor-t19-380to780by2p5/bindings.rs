@@ -114,8 +114,8 @@ pub struct Table {
 pub const TERMS_TABLE: Table = Table {
     group: TERMS_GROUP,
     binding: TERMS_BINDING,
-    data: "../../../surfaces/cd/terms-2571a4995fc2.bin",
-    description: "../../../surfaces/cd/terms-2571a4995fc2.json",
+    data: "../../../surfaces/cd/terms-097410d03fd0.bin",
+    description: "../../../surfaces/cd/terms-097410d03fd0.json",
     bytes: 16800,
     format: "rgba32float",
     dimension: "2d-array",
@@ -129,8 +129,8 @@ pub const TERMS_TABLE: Table = Table {
 pub const SPECTRUM_TABLE: Table = Table {
     group: SPECTRUM_GROUP,
     binding: SPECTRUM_BINDING,
-    data: "../../../surfaces/cd/spectrum-5f270ad18044.bin",
-    description: "../../../surfaces/cd/spectrum-5f270ad18044.json",
+    data: "../../../surfaces/cd/spectrum-c5f134ec16ec.bin",
+    description: "../../../surfaces/cd/spectrum-c5f134ec16ec.json",
     bytes: 5152,
     format: "rgba32float",
     dimension: "2d",

@@ -114,8 +114,8 @@ pub struct Table {
 pub const TERMS_TABLE: Table = Table {
     group: TERMS_GROUP,
     binding: TERMS_BINDING,
-    data: "../../../surfaces/cd/terms-2571a4995fc2.bin",
-    description: "../../../surfaces/cd/terms-2571a4995fc2.json",
+    data: "../../../surfaces/cd/terms-097410d03fd0.bin",
+    description: "../../../surfaces/cd/terms-097410d03fd0.json",
     bytes: 16800,
     format: "rgba32float",
     dimension: "2d-array",
@@ -129,8 +129,8 @@ pub const TERMS_TABLE: Table = Table {
 pub const SPECTRUM_TABLE: Table = Table {
     group: SPECTRUM_GROUP,
     binding: SPECTRUM_BINDING,
-    data: "../../../surfaces/cd/spectrum-87229ac94a4c.bin",
-    description: "../../../surfaces/cd/spectrum-87229ac94a4c.json",
+    data: "../../../surfaces/cd/spectrum-567cf63581a3.bin",
+    description: "../../../surfaces/cd/spectrum-567cf63581a3.json",
     bytes: 2592,
     format: "rgba32float",
     dimension: "2d",

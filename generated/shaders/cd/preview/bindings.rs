@@ -114,8 +114,8 @@ pub struct Table {
 pub const TERMS_TABLE: Table = Table {
     group: TERMS_GROUP,
     binding: TERMS_BINDING,
-    data: "../../../surfaces/cd/terms-ab6c20db5d32.bin",
-    description: "../../../surfaces/cd/terms-ab6c20db5d32.json",
+    data: "../../../surfaces/cd/terms-7619b27c84e5.bin",
+    description: "../../../surfaces/cd/terms-7619b27c84e5.json",
     bytes: 10080,
     format: "rgba32float",
     dimension: "2d-array",
@@ -129,8 +129,8 @@ pub const TERMS_TABLE: Table = Table {
 pub const SPECTRUM_TABLE: Table = Table {
     group: SPECTRUM_GROUP,
     binding: SPECTRUM_BINDING,
-    data: "../../../surfaces/cd/spectrum-a5db0c29e3cf.bin",
-    description: "../../../surfaces/cd/spectrum-a5db0c29e3cf.json",
+    data: "../../../surfaces/cd/spectrum-8796f139484e.bin",
+    description: "../../../surfaces/cd/spectrum-8796f139484e.json",
     bytes: 1312,
     format: "rgba32float",
     dimension: "2d",

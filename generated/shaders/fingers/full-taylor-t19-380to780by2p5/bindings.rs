@@ -114,8 +114,8 @@ pub struct Table {
 pub const TERMS_TABLE: Table = Table {
     group: TERMS_GROUP,
     binding: TERMS_BINDING,
-    data: "../../../surfaces/fingers/terms-4c849f9d1966.bin",
-    description: "../../../surfaces/fingers/terms-4c849f9d1966.json",
+    data: "../../../surfaces/fingers/terms-4fc4c1c87773.bin",
+    description: "../../../surfaces/fingers/terms-4fc4c1c87773.json",
     bytes: 2830240,
     format: "rgba32float",
     dimension: "2d-array",
@@ -129,8 +129,8 @@ pub const TERMS_TABLE: Table = Table {
 pub const SPECTRUM_TABLE: Table = Table {
     group: SPECTRUM_GROUP,
     binding: SPECTRUM_BINDING,
-    data: "../../../surfaces/fingers/spectrum-5f270ad18044.bin",
-    description: "../../../surfaces/fingers/spectrum-5f270ad18044.json",
+    data: "../../../surfaces/fingers/spectrum-c5f134ec16ec.bin",
+    description: "../../../surfaces/fingers/spectrum-c5f134ec16ec.json",
     bytes: 5152,
     format: "rgba32float",
     dimension: "2d",

@@ -114,8 +114,8 @@ pub struct Table {
 pub const TERMS_TABLE: Table = Table {
     group: TERMS_GROUP,
     binding: TERMS_BINDING,
-    data: "../../../surfaces/fingers/terms-8f2105d0bfa1.bin",
-    description: "../../../surfaces/fingers/terms-8f2105d0bfa1.json",
+    data: "../../../surfaces/fingers/terms-a9287beb31d0.bin",
+    description: "../../../surfaces/fingers/terms-a9287beb31d0.json",
     bytes: 1698144,
     format: "rgba32float",
     dimension: "2d-array",
@@ -129,8 +129,8 @@ pub const TERMS_TABLE: Table = Table {
 pub const SPECTRUM_TABLE: Table = Table {
     group: SPECTRUM_GROUP,
     binding: SPECTRUM_BINDING,
-    data: "../../../surfaces/fingers/spectrum-a5db0c29e3cf.bin",
-    description: "../../../surfaces/fingers/spectrum-a5db0c29e3cf.json",
+    data: "../../../surfaces/fingers/spectrum-8796f139484e.bin",
+    description: "../../../surfaces/fingers/spectrum-8796f139484e.json",
     bytes: 1312,
     format: "rgba32float",
     dimension: "2d",

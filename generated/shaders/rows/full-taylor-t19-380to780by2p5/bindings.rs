@@ -114,8 +114,8 @@ pub struct Table {
 pub const TERMS_TABLE: Table = Table {
     group: TERMS_GROUP,
     binding: TERMS_BINDING,
-    data: "../../../surfaces/rows/terms-73f853815a85.bin",
-    description: "../../../surfaces/rows/terms-73f853815a85.json",
+    data: "../../../surfaces/rows/terms-01fc7f109af4.bin",
+    description: "../../../surfaces/rows/terms-01fc7f109af4.json",
     bytes: 2745760,
     format: "rgba32float",
     dimension: "2d-array",
@@ -129,8 +129,8 @@ pub const TERMS_TABLE: Table = Table {
 pub const SPECTRUM_TABLE: Table = Table {
     group: SPECTRUM_GROUP,
     binding: SPECTRUM_BINDING,
-    data: "../../../surfaces/rows/spectrum-5f270ad18044.bin",
-    description: "../../../surfaces/rows/spectrum-5f270ad18044.json",
+    data: "../../../surfaces/rows/spectrum-c5f134ec16ec.bin",
+    description: "../../../surfaces/rows/spectrum-c5f134ec16ec.json",
     bytes: 5152,
     format: "rgba32float",
     dimension: "2d",

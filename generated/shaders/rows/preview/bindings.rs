@@ -114,8 +114,8 @@ pub struct Table {
 pub const TERMS_TABLE: Table = Table {
     group: TERMS_GROUP,
     binding: TERMS_BINDING,
-    data: "../../../surfaces/rows/terms-4afd365458fd.bin",
-    description: "../../../surfaces/rows/terms-4afd365458fd.json",
+    data: "../../../surfaces/rows/terms-ad6758789e38.bin",
+    description: "../../../surfaces/rows/terms-ad6758789e38.json",
     bytes: 1647456,
     format: "rgba32float",
     dimension: "2d-array",
@@ -129,8 +129,8 @@ pub const TERMS_TABLE: Table = Table {
 pub const SPECTRUM_TABLE: Table = Table {
     group: SPECTRUM_GROUP,
     binding: SPECTRUM_BINDING,
-    data: "../../../surfaces/rows/spectrum-a5db0c29e3cf.bin",
-    description: "../../../surfaces/rows/spectrum-a5db0c29e3cf.json",
+    data: "../../../surfaces/rows/spectrum-8796f139484e.bin",
+    description: "../../../surfaces/rows/spectrum-8796f139484e.json",
     bytes: 1312,
     format: "rgba32float",
     dimension: "2d",

@@ -1,77 +1,12 @@
-//! How a variant computes on a surface, decided once.
-
-use std::ops::Deref;
+//! What every form answers about itself.
 
 use crate::defines::Defines;
-use crate::error::Result;
-use crate::height::HeightField;
 use crate::optics;
-use crate::plan::{Colour, Mode, Optics, Reconstruction, Variant};
+use crate::plan::{Colour, Optics};
 use crate::tables::{Series, TableSpec};
 
-use super::forms::{Baked, FullPrefiltered, FullWindow, Gems, Lobes, Pq, Warped};
 use super::tolerance::Promise;
 use super::{Cost, ErrorBound, FUNCTIONS, Function, LobeBounds};
-
-/// A variant on a surface, by the way it computes. Every form holds the numbers that it needs, and no others.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Form {
-    /// Bins under the coherence window, uniform wavelengths.
-    FullWindow(FullWindow),
-    /// A table with the window in it, uniform wavelengths.
-    FullPrefiltered(FullPrefiltered),
-    /// Replicas of the patch, uniform wavelengths.
-    Pq(Pq),
-    /// Lobes of the bins that the wavelengths of a direction cross.
-    Lobes(Lobes),
-    /// A table with the window in it, wavelengths where the light is.
-    Warped(Warped),
-    /// A table of colours over `(u, v, w)`.
-    Baked(Baked),
-    /// The order sum of GPU Gems (2004), chapter 8.
-    Gems(Gems),
-}
-
-impl Form {
-    /// Chooses what was left to the tool. Time: arithmetic on the surface's size and height range; for the basis `optimal` a
-    /// singular value decomposition, for `gems` a transform. An error is a combination that has no meaning on this surface,
-    /// with the reason.
-    pub fn new(variant: &Variant, height: &HeightField) -> Result<Form> {
-        use Reconstruction::{Prefiltered, Window};
-        Ok(match (variant.mode, variant.reconstruction) {
-            (Mode::Full, Window) => Form::FullWindow(FullWindow::new(variant, height)?),
-            (Mode::Full, Prefiltered) => {
-                Form::FullPrefiltered(FullPrefiltered::new(variant, height)?)
-            }
-            (Mode::Pq, _) => Form::Pq(Pq::new(variant, height)?),
-            (Mode::Adaptive, Window) => Form::Lobes(Lobes::new(variant, height)?),
-            (Mode::Adaptive, Prefiltered) => Form::Warped(Warped::new(variant, height)?),
-            (Mode::Baked, _) => Form::Baked(Baked::new(variant, height)),
-            (Mode::Gems, _) => Form::Gems(Gems::new(variant, height)?),
-        })
-    }
-
-    /// What every form answers.
-    fn get(&self) -> &(dyn Computation + 'static) {
-        match self {
-            Form::FullWindow(form) => form,
-            Form::FullPrefiltered(form) => form,
-            Form::Pq(form) => form,
-            Form::Lobes(form) => form,
-            Form::Warped(form) => form,
-            Form::Baked(form) => form,
-            Form::Gems(form) => form,
-        }
-    }
-}
-
-impl Deref for Form {
-    type Target = dyn Computation;
-
-    fn deref(&self) -> &(dyn Computation + 'static) {
-        self.get()
-    }
-}
 
 /// What tables of a surface are named by.
 #[derive(Clone, Copy, Debug)]
