@@ -1,5 +1,7 @@
 //! Hashes that name things by what they are made from.
 
+use std::io::{self, Read};
+
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
@@ -8,7 +10,24 @@ pub const TOOL_VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// SHA-256, hexadecimal.
 pub fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    hex(&Sha256::digest(bytes))
+}
+
+fn hex(digest: &[u8]) -> String {
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// SHA-256 of what a reader gives, hexadecimal; in memory is a part of it at a time.
+pub fn sha256_of(mut reader: impl Read) -> io::Result<String> {
+    let mut hasher = Sha256::new();
+    let mut part = vec![0; 1 << 20];
+    loop {
+        match reader.read(&mut part)? {
+            0 => break,
+            count => hasher.update(&part[..count]),
+        }
+    }
+    Ok(hex(&hasher.finalize()))
 }
 
 /// SHA-256 of a value as one line of JSON, hexadecimal. Floats are written in the shortest form that reads back.

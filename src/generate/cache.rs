@@ -1,12 +1,15 @@
 //! Finished tables and probes in a folder, by their identity.
 //!
-//! The cache is only a saving: what cannot be read or written is computed, and then stays in memory.
+//! The cache is only a saving: what cannot be read or written is computed, and then stays in memory. Beside every file stands
+//! the hash of its content, and a file that has another content is made anew: a disk that flips a bit, or somebody who
+//! edits the cache, must not reach a package.
 
-use std::fs;
+use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use crate::error::Result;
+use crate::hash::{sha256, sha256_of};
 use crate::package::Content;
 
 /// End of the name of a file that is being written.
@@ -27,7 +30,7 @@ impl Cache<'_> {
         make: impl FnOnce() -> Result<Vec<u8>>,
     ) -> Result<Content> {
         let Some(file) = self.file(id) else { return Ok(Content::Bytes(make()?)) };
-        if fs::metadata(&file).is_ok_and(|found| found.len() == length as u64) {
+        if is_whole(&file, length) {
             return Ok(Content::Stored(file));
         }
         let bytes = make()?;
@@ -44,6 +47,7 @@ impl Cache<'_> {
         let file = self.file(id);
         if let Some(bytes) = file.as_ref().and_then(|file| fs::read(file).ok())
             && bytes.len() == 8 * count
+            && stored_hash(file.as_deref()) == Some(sha256(&bytes))
         {
             return Ok(bytes
                 .as_chunks()
@@ -77,23 +81,44 @@ impl Cache<'_> {
     }
 }
 
-/// Writes a whole file or none; whether it did.
+/// Whether a file has that length and the content that it was written with.
+fn is_whole(file: &Path, length: usize) -> bool {
+    fs::metadata(file).is_ok_and(|found| found.len() == length as u64)
+        && stored_hash(Some(file))
+            .is_some_and(|hash| File::open(file).and_then(sha256_of).is_ok_and(|own| own == hash))
+}
+
+/// The hash that was written beside a file.
+fn stored_hash(file: Option<&Path>) -> Option<String> {
+    fs::read_to_string(hash_file(file?)).ok()
+}
+
+fn hash_file(file: &Path) -> PathBuf {
+    file.with_extension("sha256")
+}
+
+/// Writes a file and its hash, whole; whether it did. The hash comes first: without its file it says nothing.
 fn store(file: &Path, bytes: &[u8]) -> bool {
-    let partial = file.with_extension(format!("{}.{PARTIAL}", std::process::id()));
-    let stored = file
-        .parent()
-        .map_or(Ok(()), fs::create_dir_all)
-        .and_then(|()| fs::write(&partial, bytes))
-        .and_then(|()| fs::rename(&partial, file));
-    if stored.is_err() {
+    let folder = file.parent().map_or(Ok(()), fs::create_dir_all);
+    folder.is_ok()
+        && write_whole(&hash_file(file), sha256(bytes).as_bytes())
+        && write_whole(file, bytes)
+}
+
+/// Writes a whole file or none; whether it did.
+fn write_whole(file: &Path, bytes: &[u8]) -> bool {
+    let mut name = file.as_os_str().to_owned();
+    name.push(format!(".{}.{PARTIAL}", std::process::id()));
+    let partial = PathBuf::from(name);
+    let written = fs::write(&partial, bytes).and_then(|()| fs::rename(&partial, file));
+    if written.is_err() {
         let _ = fs::remove_file(&partial);
     }
-    stored.is_ok()
+    written.is_ok()
 }
 
 #[cfg(test)]
 mod tests {
-    use std::fs::File;
     use std::time::SystemTime;
 
     use super::*;
@@ -110,5 +135,40 @@ mod tests {
         }
         Cache(Some(folder.path())).sweep();
         assert_eq!(names.map(|name| folder.path().join(name).exists()), [false, true, true]);
+    }
+
+    /// A flipped bit, a hash of something else, a missing hash, a wrong length: the file is made anew.
+    #[test]
+    fn damaged_files_are_made_anew() {
+        let folder = tempfile::tempdir().expect("folder");
+        let cache = Cache(Some(folder.path()));
+        let bytes = || Ok(vec![7; 5000]);
+        let of = |content: Content| content.read().expect("readable").into_owned();
+        let never = || panic!("it is whole");
+        let numbers = || Ok(vec![1.5, -2.0]);
+        let (table, hash) = (folder.path().join("table.bin"), folder.path().join("table.sha256"));
+        let damages: [&dyn Fn(); 4] = [
+            &|| {
+                let mut damaged = fs::read(&table).expect("readable");
+                damaged[4321] ^= 4;
+                fs::write(&table, damaged).expect("writes");
+            },
+            &|| fs::write(&hash, sha256(b"other")).expect("writes"),
+            &|| fs::remove_file(&hash).expect("removes"),
+            &|| fs::write(&table, [7; 4999]).expect("writes"),
+        ];
+        for damage in damages {
+            cache.content("table", 5000, bytes).expect("made");
+            assert_eq!(of(cache.content("table", 5000, never).expect("whole")), [7; 5000]);
+            damage();
+            assert_eq!(of(cache.content("table", 5000, bytes).expect("made anew")), [7; 5000]);
+        }
+        cache.numbers("probes", 2, numbers).expect("made");
+        assert_eq!(cache.numbers("probes", 2, || panic!("whole")).expect("whole"), [1.5, -2.0]);
+        let file = folder.path().join("probes.bin");
+        let mut damaged = fs::read(&file).expect("readable");
+        damaged[6] ^= 1;
+        fs::write(&file, damaged).expect("writes");
+        assert_eq!(cache.numbers("probes", 2, numbers).expect("made anew"), [1.5, -2.0]);
     }
 }

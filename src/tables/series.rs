@@ -172,6 +172,11 @@ impl Series {
         self.expansion.min_nm
     }
 
+    /// Whether the table has the coherence window in it.
+    pub fn is_prefiltered(&self) -> bool {
+        self.grid.is_some()
+    }
+
     /// Number of terms.
     pub fn terms(&self) -> u32 {
         self.expansion().terms
@@ -238,7 +243,7 @@ impl Series {
     pub fn define(&self, into: &mut Defines) {
         into.flag("HALF", self.format == TableFormat::F16);
         into.flag("PAIRED", self.packing == Packing::Paired);
-        into.flag("PREFILTERED", self.grid.is_some());
+        into.flag("PREFILTERED", self.is_prefiltered());
         into.flag("TABULATED", self.expansion().is_tabulated());
         let [r_max, s_max] = [self.bins.r_max, self.bins.s_max];
         into.count("CENTRE_COLUMN", r_max, "column of the central texel of the terms, from 0");

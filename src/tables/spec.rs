@@ -74,7 +74,7 @@ impl CoefficientsSpec {
             surface: surface.to_owned(),
             expansion: series.laid().clone(),
             columns: series.coefficient_count(),
-            nearest: series.grid.is_some(),
+            nearest: series.is_prefiltered(),
         })
     }
 
