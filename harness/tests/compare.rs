@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::cell::Cell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::rc::Rc;
 
@@ -161,7 +161,11 @@ impl Kept {
 }
 
 fn compared(routes: &[Box<dyn Route>], known: bool) -> Kept {
-    let plan = Plan::parse(PLAN, Path::new("plan.toml")).unwrap();
+    compared_of(PLAN, routes, known)
+}
+
+fn compared_of(plan: &str, routes: &[Box<dyn Route>], known: bool) -> Kept {
+    let plan = Plan::parse(plan, Path::new("plan.toml")).unwrap();
     let request = Request {
         surfaces: &plan.surfaces,
         variants: &plan.variants,
@@ -181,6 +185,50 @@ fn made(behaviour: Behaviour) -> (Kept, usize) {
     let asked = Rc::new(Cell::new(0));
     let kept = compared(&[Box::new(Made { behaviour, asked: asked.clone() })], false);
     (kept, asked.get())
+}
+
+/// The same heights twice, once under optics of their own: exact colours and variants follow, and what is not for a surface
+/// is not missed there.
+#[test]
+fn surfaces_have_their_own_optics_and_presets() {
+    const GRATING: &str =
+        "grating = { kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 60 }";
+    const REST: &str = "[variants]\nmode = [\"full\", \"pq\"]\nterms = [19]\n[[preset]]\nname = \"foil\"\nsurfaces = [\"card\"]\nmode = \"adaptive\"\nterms = 19\n";
+    let of = |own: &str, optics: &str| {
+        let plan = format!(
+            "schema = 1\n[[surface]]\nname = \"a\"\n{GRATING}\n[[surface]]\nname = \"card\"\n{GRATING}\n{own}\n{optics}\n{REST}"
+        );
+        compared_of(&plan, &[], false)
+    };
+    let on = |kept: &Kept, surface: &str| -> Vec<Compare> {
+        kept.compares().into_iter().filter(|c| c.surface == surface).cloned().collect()
+    };
+    let optics = "refractive_index = 1.8\ncoherence = \"ensemble\"";
+    let own = of("optics = { refractive_index = 1.8, coherence = \"ensemble\" }", "");
+    let plain = of("", "");
+    assert_eq!(on(&own, "a"), on(&plain, "a"));
+    assert!(on(&own, "card") != on(&plain, "card"));
+    // pq has no ensemble, and a plan with such optics not even the variant
+    let same = of("", &format!("[optics]\n{optics}"));
+    let unnamed = |compares: Vec<Compare>| -> Vec<Compare> {
+        let unnamed = |mut c: Compare| {
+            c.variant = c.variant.replace("-ensemble-n1p8", "");
+            c.pictures = None;
+            c
+        };
+        compares.into_iter().map(unnamed).collect()
+    };
+    let card = unnamed(on(&own, "card"));
+    assert_eq!(card, unnamed(on(&same, "card")));
+    let variants = |compares: &[Compare]| -> BTreeSet<String> {
+        compares.iter().map(|c| c.variant.clone()).collect()
+    };
+    assert_eq!(variants(&card), ["foil", "full-taylor-t19"].map(str::to_owned).into());
+    assert!(card.iter().all(|c| c.pass), "{card:#?}");
+    assert!(!variants(&on(&own, "a")).contains("foil"));
+    let gaps: Vec<&str> = own.gaps().iter().map(|gap| gap.reason.as_str()).collect();
+    assert!(gaps.len() == 1 && gaps[0].contains("pq repeats the patch"), "{gaps:?}");
+    assert_eq!(own.gaps()[0].surface.as_deref(), Some("card"));
 }
 
 /// A route that does not run the shader that it is given passes every comparison, and no control.
