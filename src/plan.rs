@@ -1,8 +1,6 @@
 //! `plan.toml` as pure data: surfaces, optics, the axes of the variants, targets.
 
 mod axis;
-#[cfg(test)]
-mod declared;
 mod item;
 mod local;
 mod mode;
@@ -16,6 +14,9 @@ mod variant;
 mod variants;
 mod vocabulary;
 mod words;
+
+#[cfg(test)]
+mod tests;
 
 use std::fmt;
 use std::path::PathBuf;

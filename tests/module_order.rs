@@ -105,7 +105,7 @@ fn files(src: &Path) -> Vec<String> {
             let path = entry.expect("readable").path();
             if path.is_dir() {
                 folders.push(path);
-            } else if path.extension().is_some_and(|e| e == "rs") {
+            } else if path.extension().is_some_and(|e| e == "rs") && !is_of_tests(&path) {
                 let relative = path.strip_prefix(src).expect("below it");
                 found.push(relative.to_string_lossy().replace('\\', "/"));
             }
@@ -154,12 +154,17 @@ fn name(text: &str) -> String {
     text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
 }
 
+/// Whether a file holds unit tests alone.
+fn is_of_tests(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name == "tests.rs")
+}
+
 fn read_all(folder: &Path, text: &mut String) {
     for entry in fs::read_dir(folder).into_iter().flatten() {
         let path = entry.expect("readable").path();
         if path.is_dir() {
             read_all(&path, text);
-        } else if path.extension().is_some_and(|e| e == "rs") {
+        } else if path.extension().is_some_and(|e| e == "rs") && !is_of_tests(&path) {
             *text += &fs::read_to_string(&path).expect("text");
             text.push('\n');
         }
