@@ -112,7 +112,15 @@ pub struct Window {
 
 impl From<&Optics> for Window {
     fn from(optics: &Optics) -> Window {
-        let &Optics { coherence_um, coherence, coherence_scaling, .. } = optics;
+        let &Optics {
+            coherence_um,
+            coherence,
+            coherence_scaling,
+            refractive_index: _,
+            shadowing: _,
+            illuminant: _,
+            colour: _,
+        } = optics;
         Window { coherence_um, coherence, coherence_scaling }
     }
 }
