@@ -5,13 +5,11 @@ use std::error::Error;
 use std::fs;
 use std::time::Instant;
 
-use diffraction_shaders::{
-    generate::{Request, generate, index},
-    input,
-    package::{Package, Stamp, write},
-    plan::Target,
-    template::Sources,
-};
+use diffraction_shaders::input;
+use diffraction_shaders::package::compile::{Request, generate, index};
+use diffraction_shaders::package::{Package, Stamp, write};
+use diffraction_shaders::plan::Target;
+use diffraction_shaders::shader::template::Sources;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = tempfile::tempdir()?;

@@ -7,15 +7,20 @@
 //! the patch centre, `ĝ(f) = exp(-2π²σs²|f|²)` with peak 1 (Stam 1999, eqs. 9–13, with a Gaussian coherence window).
 //! `ensemble` is `Σ_rs |c_rs(z)|² ĝ(f - f_rs)²`: by Parseval the mean of `|P|²` over all window positions.
 
+pub mod transform;
+pub mod replicas;
+pub mod reference;
+pub mod comparison_directions;
+
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec2;
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 
-use crate::height::HeightField;
+use crate::field::transform::{Bins, GridAxis, axes, heights_upwards_um, ifft2};
 use crate::plan::Coherence;
-use crate::transform::{Axis, Bins, axes, heights_upwards_um, ifft2};
+use crate::surface::HeightField;
 
 /// Weights of the window below this are left out; the sum of `|c|²` is 1, so the amplitude errs by little more.
 const LEAST_WEIGHT: f64 = 1e-12;
@@ -108,15 +113,15 @@ pub struct Field {
 /// One axis of the tile and the part of the window that was applied to it in space.
 #[derive(Clone, Copy, Debug)]
 struct SplitAxis {
-    axis: Axis,
+    axis: GridAxis,
     /// Standard deviation of the factor applied in space, µm; infinite where none is.
     applied_um: f64,
 }
 
 impl SplitAxis {
     /// `sigma_um`: least and greatest standard deviation of the window on the signal.
-    fn new(patch: Axis, origin_um: f64, sigma_um: (f64, f64)) -> SplitAxis {
-        let whole = Axis { start_um: origin_um, ..patch };
+    fn new(patch: GridAxis, origin_um: f64, sigma_um: (f64, f64)) -> SplitAxis {
+        let whole = GridAxis { start_um: origin_um, ..patch };
         if cut_bins(patch.period_um, sigma_um.0) <= MOST_BINS {
             return SplitAxis { axis: whole, applied_um: f64::INFINITY };
         }
@@ -127,7 +132,7 @@ impl SplitAxis {
         let period_um = (-2.0 * LEAST_WEIGHT.ln()).sqrt() * applied_um.hypot(rest_um);
         let count = (period_um / pitch_um).ceil() as usize;
         let first = ((-0.5 * count as f64 * pitch_um - origin_um) / pitch_um).round();
-        let axis = Axis {
+        let axis = GridAxis {
             count,
             start_um: origin_um + first * pitch_um,
             period_um: count as f64 * pitch_um,
@@ -136,7 +141,7 @@ impl SplitAxis {
     }
 
     /// Index of the patch sample that lies at sample `index` of the tile.
-    fn patch_index(&self, index: usize, patch: Axis, origin_um: f64) -> usize {
+    fn patch_index(&self, index: usize, patch: GridAxis, origin_um: f64) -> usize {
         let pitch_um = patch.period_um / patch.count as f64;
         let first = ((self.axis.start_um - origin_um) / pitch_um).round() as i64;
         (first + index as i64).rem_euclid(patch.count as i64) as usize
@@ -215,7 +220,7 @@ impl Layout {
 }
 
 /// Where sample 0 of the transformed signal lies: pixel 0 of the patch, or lag 0 of its autocorrelation.
-fn origin_um(coherence: Coherence, patch: Axis) -> f64 {
+fn origin_um(coherence: Coherence, patch: GridAxis) -> f64 {
     match coherence {
         Coherence::Single => patch.start_um,
         Coherence::Ensemble => 0.0,
@@ -325,7 +330,7 @@ pub struct Scratch {
 /// Periodic samples laid on the tile, under the part of the window that is applied in space.
 fn tile(
     signal: &[Complex64],
-    patch: [Axis; 2],
+    patch: [GridAxis; 2],
     split: [SplitAxis; 2],
     coherence: Coherence,
 ) -> Vec<Complex64> {
@@ -347,7 +352,7 @@ fn tile(
 }
 
 /// `1/(NM) Σ p(x) p*(x + lag)` at all lags, lag 0 first: the signal whose transform is `|c_rs|²`.
-fn autocorrelation(mut signal: Vec<Complex64>, patch: [Axis; 2]) -> Vec<Complex64> {
+fn autocorrelation(mut signal: Vec<Complex64>, patch: [GridAxis; 2]) -> Vec<Complex64> {
     // every bin once, in the order of the transform, then back: both directions by the same routine, since |c|² is real
     let mut planner = rustfft::FftPlanner::new();
     let mut both = |data: &mut Vec<Complex64>| {

@@ -13,10 +13,10 @@ use serde_json::json;
 
 use crate::error::{Error, Result, Stage};
 use crate::hash::{of_value, sha256};
-use crate::height::read::{MAX_FILE_BYTES, Reading};
-use crate::height::{self, Origin, Surface};
+use crate::optics::spectrum;
 use crate::plan::{FileSource, Illuminant, Plan, SurfaceSource, SurfaceSpec};
-use crate::spectrum;
+use crate::surface::read::{MAX_FILE_BYTES, Reading};
+use crate::surface::{self, Origin, Surface};
 
 /// Largest plan that is read.
 pub const MAX_PLAN_BYTES: u64 = 4 << 20;
@@ -110,7 +110,7 @@ impl SurfaceInput {
     pub fn read(spec: &SurfaceSpec) -> Result<SurfaceInput> {
         let bytes = match &spec.source {
             SurfaceSource::Grating(_) => None,
-            SurfaceSource::File(file) => Some(height_bytes(file, &height::subject(spec))?),
+            SurfaceSource::File(file) => Some(height_bytes(file, &surface::subject(spec))?),
         };
         let identity = identity(spec, bytes.as_deref());
         Ok(SurfaceInput { spec: spec.clone(), bytes, identity, prepared: OnceLock::new() })
@@ -137,7 +137,7 @@ impl SurfaceInput {
         if let Some(prepared) = self.prepared.get() {
             return Ok(prepared);
         }
-        let prepared = height::prepare(&self.spec, self.bytes.as_deref())?;
+        let prepared = surface::prepare(&self.spec, self.bytes.as_deref())?;
         Ok(self.prepared.get_or_init(|| prepared))
     }
 }
@@ -165,26 +165,26 @@ pub fn load_surface(spec: &SurfaceSpec) -> Result<Surface> {
     let prepared = input.prepared.into_inner();
     prepared
         .map(|(surface, _)| surface)
-        .ok_or_else(|| Error::new(Stage::Height, height::subject(spec), "has no heights"))
+        .ok_or_else(|| Error::new(Stage::Height, surface::subject(spec), "has no heights"))
 }
 
 /// Reads and decodes the file of surface `name`, before anything is prepared.
 pub fn read_heights(source: &FileSource, name: &str) -> Result<Reading> {
-    let bytes = height_bytes(source, &height::read::subject(name, &source.path))?;
-    height::read::parse(source, name, &bytes)
+    let bytes = height_bytes(source, &surface::read::subject(name, &source.path))?;
+    surface::read::parse(source, name, &bytes)
 }
 
 /// The whole file; its size is checked before anything is allocated.
 fn height_bytes(source: &FileSource, subject: &str) -> Result<Vec<u8>> {
     let error = |cause: &str| Error::new(Stage::Height, subject, cause);
-    height::read::check_source(source, subject)?;
+    surface::read::check_source(source, subject)?;
     let meta = fs::metadata(&source.path).map_err(|e| {
         error("cannot be read").source(e).remedy("`file` is relative to the folder of the plan")
     })?;
     if !meta.is_file() {
         return Err(error("is not a regular file").remedy("give the path of a height field"));
     }
-    height::read::check_extension(&source.path, subject)?;
+    surface::read::check_extension(&source.path, subject)?;
     if meta.len() > MAX_FILE_BYTES {
         let cause = format!("the file has {} bytes, the limit is {MAX_FILE_BYTES}", meta.len());
         return Err(error(&cause).remedy("crop the surface"));

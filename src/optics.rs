@@ -1,149 +1,16 @@
-//! Directions and the gain factor in front of the interference term.
+//! What happens to light at one direction and wavelength: directions, gain, coherence, spectra and colours.
 //!
 //! Conventions: the surface normal is `(0, 0, 1)`; `wi` points from the surface to the light, `wr` to the viewer, both
 //! unit; `(u, v, w) = -wi - wr`. Angles are degrees: `theta` from the normal, `phi` counter-clockwise from `+x`.
 
-use glam::DVec3;
+mod directions;
+mod gain;
+mod coherence;
+pub mod colour;
+pub mod spectrum;
+pub mod brdf_map;
+pub mod colour_difference;
 
-use crate::defines::Defines;
-use crate::plan::{CoherenceScaling, Optics, Window};
-
-/// Unit vector of the polar angles `theta_deg` (from the normal) and `phi_deg` (from `+x` towards `+y`).
-pub fn direction(theta_deg: f64, phi_deg: f64) -> DVec3 {
-    let ((sin_theta, cos_theta), (sin_phi, cos_phi)) =
-        (theta_deg.to_radians().sin_cos(), phi_deg.to_radians().sin_cos());
-    DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta)
-}
-
-/// `(u, v, w) = -wi - wr` in the frame of a surface that is rotated by `rotate_deg` about its normal.
-pub fn path_difference(wi: DVec3, wr: DVec3, rotate_deg: f64) -> DVec3 {
-    let uvw = -wi - wr;
-    if rotate_deg == 0.0 {
-        return uvw;
-    }
-    let (sin, cos) = rotate_deg.to_radians().sin_cos();
-    DVec3::new(cos * uvw.x + sin * uvw.y, cos * uvw.y - sin * uvw.x, uvw.z)
-}
-
-/// Reflectance at normal incidence, `((n-1)/(n+1))²`.
-pub fn normal_reflectance(refractive_index: f64) -> f64 {
-    ((refractive_index - 1.0) / (refractive_index + 1.0)).powi(2)
-}
-
-/// Schlick's reflectance over its value at normal incidence, `R(θh)/R0` (Schlick 1994, eq. 15).
-///
-/// Stam's `F` is an amplitude coefficient, so that his `F²` is this `R`, once.
-pub fn fresnel_ratio(cos_half: f64, refractive_index: f64) -> f64 {
-    1.0 + (1.0 / normal_reflectance(refractive_index) - 1.0) * (1.0 - cos_half).powi(5)
-}
-
-/// Shadowing and masking of V-cavities, `min(1, 2(n·h)(n·wr)/(h·wr), 2(n·h)(n·wi)/(h·wr))` (Torrance & Sparrow 1967).
-pub fn shadowing(wi: DVec3, wr: DVec3) -> f64 {
-    let half = (wi + wr).normalize();
-    (2.0 * half.z * wi.z.min(wr.z) / half.dot(wr)).min(1.0)
-}
-
-/// The gain `C(wi, wr) = R/R0 · (1 + wi·wr)² / (w² cos θr) · S`, zero where either direction is at or below the horizon
-/// (Stam 1999, eqs. 7 and 11, relative to a mirror at normal incidence). Diverges at grazing exit without `S`.
-pub fn gain(wi: DVec3, wr: DVec3, optics: &Optics) -> f64 {
-    if !(wi.z > 0.0 && wr.z > 0.0) {
-        return 0.0;
-    }
-    let half = (wi + wr).normalize();
-    let w = wi.z + wr.z;
-    let obliquity = (1.0 + wi.dot(wr)).powi(2) / (w * w * wr.z);
-    let shadow = if optics.shadowing { shadowing(wi, wr) } else { 1.0 };
-    fresnel_ratio(half.dot(wr), optics.refractive_index) * obliquity * shadow
-}
-
-/// Flags and constants of the template of the gain.
-pub fn define(optics: &Optics, into: &mut Defines) {
-    into.flag("SHADOWING", optics.shadowing);
-    let index = optics.refractive_index;
-    into.number("REFRACTIVE_INDEX", index, "refractive index of the material, relative to air");
-}
-
-/// Standard deviation of the coherence window, µm, at a wavelength: `ℓc/4`, times `λ/550 nm` where the source has a
-/// fixed angular size.
-pub fn window_sigma_um(window: impl Into<Window>, lambda_nm: f64) -> f64 {
-    let window = window.into();
-    window.coherence_um / 4.0
-        * match window.coherence_scaling {
-            CoherenceScaling::Fixed => 1.0,
-            CoherenceScaling::Wavelength => lambda_nm / REFERENCE_NM,
-        }
-}
-
-/// Wavelength at which a coherence length is stated, nm.
-pub const REFERENCE_NM: f64 = 550.0;
-
-/// Radiance relative to a white diffuser per unit of ρ: `s = 4π² R0 σs²/λ0²`, λ0 = 550 nm.
-pub fn diffuser_scale(optics: &Optics) -> f64 {
-    let ratio = std::f64::consts::TAU * optics.coherence_um / 4.0 / (REFERENCE_NM * 1e-3);
-    normal_reflectance(optics.refractive_index) * ratio * ratio
-}
-
-/// The same for a surface of replicas, sides in µm, without a window: `π R0 Ax Ay/λ0²`. Both are
-/// `π R0/(λ0² ∫|P|² df)` of a mirror.
-pub fn replica_diffuser_scale(optics: &Optics, [x_um, y_um]: [f64; 2]) -> f64 {
-    let area = x_um * y_um / (REFERENCE_NM * 1e-3).powi(2);
-    std::f64::consts::PI * normal_reflectance(optics.refractive_index) * area
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn mirror_at_normal_incidence_has_gain_one_and_forty_degrees_less() {
-        let optics = Optics::standard();
-        let up = DVec3::Z;
-        assert!((gain(up, up, &optics) - 1.0).abs() < 1e-15);
-        let tilted = gain(direction(40.0, 0.0), direction(40.0, 180.0), &optics);
-        assert!((tilted - 0.78).abs() < 0.005, "{tilted}");
-    }
-
-    /// The texts square Schlick's value once more; at 80° that is another number.
-    #[test]
-    fn reflectance_enters_once() {
-        let cos = 80.0_f64.to_radians().cos();
-        let ratio = fresnel_ratio(cos, 1.5);
-        let r = 0.04 + 0.96 * (1.0 - cos).powi(5);
-        assert!((ratio - r / 0.04).abs() < 1e-12 && (ratio - (r / 0.04).powi(2)).abs() > 1.0);
-    }
-
-    #[test]
-    fn nothing_below_the_horizon() {
-        let optics = Optics::standard();
-        for (wi, wr) in [
-            (DVec3::X, DVec3::Z),
-            (DVec3::Z, DVec3::X),
-            (-DVec3::Z, DVec3::Z),
-            (DVec3::Z, -DVec3::Z),
-        ] {
-            assert_eq!(gain(wi, wr, &optics), 0.0);
-        }
-    }
-
-    #[test]
-    fn shadowing_tames_grazing_exit() {
-        let mut optics = Optics::standard();
-        let (wi, wr) = (direction(20.0, 0.0), direction(89.999, 180.0));
-        assert!(gain(wi, wr, &optics) < 100.0);
-        optics.shadowing = false;
-        assert!(gain(wi, wr, &optics) > 1000.0);
-    }
-
-    #[test]
-    fn rotating_the_surface_is_turning_both_directions_back() {
-        let (wi, wr) = (direction(30.0, 20.0), direction(50.0, 130.0));
-        let turned =
-            path_difference(direction(30.0, 20.0 - 33.0), direction(50.0, 130.0 - 33.0), 0.0);
-        assert!((path_difference(wi, wr, 33.0) - turned).length() < 1e-14);
-    }
-
-    #[test]
-    fn diffuser_scale_of_filtered_sunlight() {
-        assert!((diffuser_scale(&Optics::standard()) - 1378.0).abs() < 1.0);
-    }
-}
+pub use coherence::{REFERENCE_NM, diffuser_scale, replica_diffuser_scale, window_sigma_um};
+pub use directions::{direction, path_difference};
+pub use gain::{define, fresnel_ratio, gain, normal_reflectance, shadowing};

@@ -3,9 +3,14 @@
 //! The folder belongs to the package as far as its `manifest.json` lists files; everything else in it is foreign and
 //! is never changed.
 
+pub mod bindings;
 mod check;
-mod compare;
+mod equality;
+pub mod compile;
 mod folder;
+pub mod manifest;
+pub mod probe;
+pub mod readme;
 mod stamp;
 mod write;
 
@@ -27,7 +32,7 @@ pub use stamp::Stamp;
 pub use write::{Cancel, WriteReport, write, write_unless};
 
 /// First line of every generated text file, as a comment, and the key `generated_by` of every generated JSON file.
-pub use crate::template::GENERATED as GENERATED_BY;
+pub use crate::shader::template::GENERATED as GENERATED_BY;
 
 /// The file that lists all others.
 pub const MANIFEST: &str = "manifest.json";
@@ -38,7 +43,7 @@ pub const JSON_TOLERANCE: f64 = 1e-9;
 /// How a file on disk is compared with a fresh one: numbers may differ in their last digits between processors.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "compare", rename_all = "lowercase")]
-pub enum Compare {
+pub enum Equality {
     /// Byte for byte.
     Bytes,
     /// Structure and strings exactly; numbers within `tolerance`, relative to the largest magnitude of the array that
@@ -110,7 +115,7 @@ pub struct PackageFile {
     /// What it holds.
     pub content: Content,
     /// How it is compared.
-    pub compare: Compare,
+    pub compare: Equality,
 }
 
 /// Generated files by path, relative, with `/`.
@@ -123,7 +128,7 @@ pub struct Package {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Listed {
     #[serde(flatten)]
-    compare: Compare,
+    compare: Equality,
     /// Of files compared byte for byte.
     #[serde(skip_serializing_if = "Option::is_none")]
     sha256: Option<String>,
@@ -143,13 +148,18 @@ impl Package {
         &mut self,
         path: &str,
         bytes: impl Into<Vec<u8>>,
-        compare: Compare,
+        compare: Equality,
     ) -> Result<()> {
         self.insert_content(path, Content::Bytes(bytes.into()), compare)
     }
 
     /// Like [`Package::insert`], of what may be in a file.
-    pub fn insert_content(&mut self, path: &str, content: Content, compare: Compare) -> Result<()> {
+    pub fn insert_content(
+        &mut self,
+        path: &str,
+        content: Content,
+        compare: Equality,
+    ) -> Result<()> {
         self.insert_file(path, PackageFile { content, compare })
     }
 
@@ -209,7 +219,7 @@ impl Package {
         let mut text = serde_json::to_string_pretty(&manifest)
             .map_err(|e| error("cannot be written").source(e))?;
         text.push('\n');
-        self.insert(MANIFEST, text, Compare::Json { tolerance: JSON_TOLERANCE })
+        self.insert(MANIFEST, text, Equality::Json { tolerance: JSON_TOLERANCE })
     }
 
     fn insert_file(&mut self, path: &str, file: PackageFile) -> Result<()> {
@@ -245,9 +255,9 @@ fn is_plain(path: &str) -> bool {
 fn listed(file: &PackageFile) -> Result<Listed> {
     let PackageFile { content, compare } = file;
     let (sha256, bytes) = match compare {
-        Compare::Json { .. } => (None, None),
-        Compare::Table { .. } | Compare::Container { .. } => (None, Some(content.byte_count()?)),
-        Compare::Bytes => {
+        Equality::Json { .. } => (None, None),
+        Equality::Table { .. } | Equality::Container { .. } => (None, Some(content.byte_count()?)),
+        Equality::Bytes => {
             let bytes = content.read()?;
             (Some(sha256(&bytes)), Some(bytes.len() as u64))
         }

@@ -5,17 +5,17 @@ mod cpu;
 use glam::DVec3;
 
 use crate::error::{Error, Result, Stage};
-use crate::frame::{Frame, view_directions};
-use crate::height::HeightField;
+use crate::field::reference::Directions;
+use crate::optics::brdf_map::{BrdfMap, view_directions};
 use crate::plan::Variant;
-use crate::reference::Directions;
+use crate::surface::HeightField;
 use crate::variant::Form;
 
 pub use cpu::{Exact, TwinRunner};
 
 /// What is evaluated: a variant on a surface.
 #[derive(Clone, Copy, Debug)]
-pub struct Subject<'a> {
+pub struct Placement<'a> {
     /// The heights.
     pub height: &'a HeightField,
     /// Rotation of the surface about its normal, degrees.
@@ -44,10 +44,10 @@ pub trait Runner {
     fn response(&self, directions: &[Directions], lambda_nm: f64) -> Result<Vec<f64>>;
 
     /// A BRDF map; by its own entry point where there is one.
-    fn map(&self, light: DVec3, size: usize, progress: Progress<'_>) -> Result<Frame> {
+    fn brdf_map(&self, light: DVec3, size: usize, progress: Progress<'_>) -> Result<BrdfMap> {
         let directions: Vec<Directions> =
             view_directions(size).into_iter().map(|wr| Directions { wi: light, wr }).collect();
-        Ok(Frame::from_disc(size, &self.tristimulus(&directions, progress)?))
+        Ok(BrdfMap::from_disc(size, &self.tristimulus(&directions, progress)?))
     }
 }
 

@@ -1,5 +1,7 @@
 //! The tables that shaders read: what each is made from ([`TableSpec`]), its texels, the files that hold them.
 
+pub mod basis;
+pub mod terms;
 mod axes;
 pub mod bake;
 pub mod container;
@@ -14,13 +16,13 @@ mod spec;
 
 use serde::{Deserialize, Serialize};
 
-use crate::basis::Expansion;
+use crate::field::transform::Bins;
+use crate::optics::spectrum::Sample;
 use crate::plan::{Packing, TableFormat};
-use crate::spectrum::Sample;
-use crate::terms::Terms;
-use crate::transform::Bins;
+use crate::tables::basis::Expansion;
+use crate::tables::terms::Terms;
 
-pub use axes::{Aim, Axes, BEND, octant};
+pub use axes::{Aim, BEND, BakedAxes, octant};
 pub use corridor::{BROADEST, Corridor, LEAST_SQUARED, LobeGeometry, OUTER_NODES, REACH_SIGMAS};
 pub use meaning::{Meaning, NODE_LEVELS};
 pub use period::strongest_period_um;
@@ -192,16 +194,16 @@ pub const SAMPLER_NAME: &str = "linear_clamp";
 /// A geometric sequence costs the shader nothing but one texel a pixel: the ratio goes into the argument of the power
 /// series, the first scale into its result. Both are 32-bit numbers, so that packer, shader and twin use the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scale {
+pub struct TermScale {
     /// Scale of term 0.
     pub first: f64,
     /// Scale of a term over that of the term before.
     pub ratio: f64,
 }
 
-impl Scale {
+impl TermScale {
     /// What a table of 32-bit floats has.
-    pub const NONE: Scale = Scale { first: 1.0, ratio: 1.0 };
+    pub const NONE: TermScale = TermScale { first: 1.0, ratio: 1.0 };
 
     /// Scale of a term.
     pub fn of(&self, term: usize) -> f64 {
@@ -211,7 +213,12 @@ impl Scale {
 
 /// The term table, 2-D array. `paired`: texel `(r, s)` of layer `p` holds terms `2p` (red, green) and `2p+1` (blue,
 /// alpha; zero if there is none); `single`: layer `n` holds term `n`. Column 0 is bin `-r_max`, row 0 is bin `-s_max`.
-pub fn terms_table(terms: &Terms, packing: Packing, format: TableFormat, scale: Scale) -> Table {
+pub fn terms_table(
+    terms: &Terms,
+    packing: Packing,
+    format: TableFormat,
+    scale: TermScale,
+) -> Table {
     let shape = terms_shape(terms.bins, terms.tables.len(), packing, format);
     let (format, layers) = (shape.format, shape.layers);
     let per_texel = format.channels() / 2;
@@ -290,7 +297,7 @@ pub struct Settings {
     /// Rotation of the surface, degrees.
     pub rotate_deg: f64,
     /// Scales of the terms.
-    pub scale: Scale,
+    pub scale: TermScale,
 }
 
 /// The spectrum table, 2-D. Row 0: one texel per node, X, Y, Z weights (quadrature included, of uniform wavelengths; per
@@ -326,12 +333,12 @@ pub fn levels_table(levels: &[Vec<Sample>], settings: Settings) -> Table {
 /// The table of the order sum in place of a spectrum. Row 0, first texel: the grating's period as a vector, µm, from one
 /// groove to the next. Row 1 as in [`spectrum_table`].
 pub fn grating_table([x_um, y_um]: [f64; 2], rotate_deg: f64) -> Table {
-    two_rows(vec![[x_um, y_um, 0.0, 0.0]], Settings { rotate_deg, scale: Scale::NONE })
+    two_rows(vec![[x_um, y_um, 0.0, 0.0]], Settings { rotate_deg, scale: TermScale::NONE })
 }
 
 /// Spectrum table for shaders that need only the rotation. Row 1 as in [`spectrum_table`].
 pub fn rotation_table(rotate_deg: f64) -> Table {
-    two_rows(vec![[0.0; 4]], Settings { rotate_deg, scale: Scale::NONE })
+    two_rows(vec![[0.0; 4]], Settings { rotate_deg, scale: TermScale::NONE })
 }
 
 /// The spectrum table of sums over lobes: row 0 one texel per node, X, Y, Z of the lobe about it and the wavelength in µm at

@@ -1,4 +1,4 @@
-//- Twin: src/spectrum.rs.
+//- Twin: src/optics/colour.rs.
 
 // From tristimulus values to linear RGB.
 

@@ -1,4 +1,4 @@
-//- Twin of the geometry: src/frame.rs.
+//- Twin of the geometry: src/optics/brdf_map.rs.
 
 // A full-screen picture of the hemisphere of viewing directions under one light.
 

@@ -5,15 +5,16 @@ mod data_support;
 
 use std::path::Path;
 
-use diffraction_shaders::frame::view_directions;
-use diffraction_shaders::height::HeightField;
+use diffraction_shaders::field::comparison_directions::on_orders;
+use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::input::load_surface as load;
-use diffraction_shaders::measure::{Comparison, compare, on_orders};
+use diffraction_shaders::optics::brdf_map::view_directions;
+use diffraction_shaders::optics::colour_difference::{ColourDifference, colour_difference};
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{Plan, Variant};
-use diffraction_shaders::reference::Directions;
-use diffraction_shaders::runner::{Exact, Runner, Subject, TwinRunner};
-use diffraction_shaders::specialise;
+use diffraction_shaders::runner::{Exact, Placement, Runner, TwinRunner};
+use diffraction_shaders::shader::specialise;
+use diffraction_shaders::surface::HeightField;
 use diffraction_shaders::tables::{LobeGeometry, Table};
 use diffraction_shaders::variant::Form;
 use diffraction_shaders::variant::Twin;
@@ -56,19 +57,19 @@ fn directions(height: &HeightField, variant: &Variant, theta_i: f64) -> Vec<Dire
     all
 }
 
-fn against_the_exact(name: &str, subject: &(HeightField, Variant)) -> Comparison {
+fn against_the_exact(name: &str, subject: &(HeightField, Variant)) -> ColourDifference {
     under(20.0, name, subject)
 }
 
-fn under(theta_i: f64, name: &str, (height, variant): &(HeightField, Variant)) -> Comparison {
-    let subject = Subject { height, rotate_deg: 0.0, variant };
+fn under(theta_i: f64, name: &str, (height, variant): &(HeightField, Variant)) -> ColourDifference {
+    let subject = Placement { height, rotate_deg: 0.0, variant };
     let directions = directions(height, variant, theta_i);
     let exact = Exact(subject).tristimulus(&directions, &|_| ()).unwrap();
     let twin = TwinRunner::new(subject, true).unwrap();
     let colours = twin.tristimulus(&directions, &|_| ()).unwrap();
-    let all = compare(name, &exact, &colours, None).unwrap();
+    let all = colour_difference(name, &exact, &colours, None).unwrap();
     let map = directions.len() - 1000;
-    let drawn = compare(name, &exact[map..], &colours[map..], None).unwrap();
+    let drawn = colour_difference(name, &exact[map..], &colours[map..], None).unwrap();
     let cost = Form::new(variant, height).unwrap().cost();
     println!(
         "{name} {}: all p95 {:.3} max {:.3}, drawn p95 {:.3} max {:.3}, max_abs {:.1e}; evaluations {:.1} worst {}",
@@ -119,7 +120,7 @@ fn colours_hold_under_other_lights() {
 fn weights_without_their_jacobian_are_found() {
     let (height, variant) = &grating(CROSSED, "");
     let directions = directions(height, variant, 20.0);
-    let subject = Subject { height, rotate_deg: 0.0, variant };
+    let subject = Placement { height, rotate_deg: 0.0, variant };
     let exact = Exact(subject).tristimulus(&directions, &|_| ()).unwrap();
     let form = Form::new(variant, height).unwrap();
     let mut tables = specialise::tables(&form, height, 0.0).unwrap();
@@ -127,7 +128,7 @@ fn weights_without_their_jacobian_are_found() {
         let twin = Twin::new(&form, tables, &variant.optics, 0.0);
         directions.iter().map(|d| twin.tristimulus(*d)).collect()
     };
-    let right = compare("right", &exact, &colours(&tables), None).unwrap();
+    let right = colour_difference("right", &exact, &colours(&tables), None).unwrap();
     let width = tables[1].width;
     for (place, texel) in tables[1].texels.chunks_mut(4).enumerate() {
         // row 1 holds no weights
@@ -138,7 +139,7 @@ fn weights_without_their_jacobian_are_found() {
         let jacobian = (texel[3].max(0.1) / 0.55).powi(2);
         texel[..3].iter_mut().for_each(|weight| *weight /= jacobian);
     }
-    let wrong = compare("wrong", &exact, &colours(&tables), None).unwrap();
+    let wrong = colour_difference("wrong", &exact, &colours(&tables), None).unwrap();
     assert!(right.de2000.p95 < 0.5 && wrong.de2000.p95 > 5.0, "{wrong:?}");
 }
 
@@ -162,7 +163,7 @@ fn a_single_patch_with_overlapping_lobes_is_refused() {
     let (height, variant) = grating(CROSSED, "coherence_um = 2.0");
     let told = Form::new(&variant, &height).unwrap_err().to_string();
     assert!(told.contains("σf·L = 0.64") && told.contains("ensemble"), "{told}");
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
+    let subject = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     assert!(TwinRunner::new(subject, true).is_err());
 }
 
@@ -171,7 +172,7 @@ fn a_single_patch_with_overlapping_lobes_is_refused() {
 fn the_response_at_one_wavelength_is_the_exact_one() {
     for subject in [grating(BLAZED, ""), grating(CROSSED, "")] {
         let (height, variant) = &subject;
-        let subject = Subject { height, rotate_deg: 0.0, variant };
+        let subject = Placement { height, rotate_deg: 0.0, variant };
         let directions = directions(height, variant, 20.0);
         let exact = Exact(subject).response(&directions, 550.0).unwrap();
         let twin = TwinRunner::new(subject, false).unwrap().response(&directions, 550.0).unwrap();

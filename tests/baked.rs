@@ -3,14 +3,15 @@
 
 use std::path::Path;
 
-use diffraction_shaders::height::HeightField;
+use diffraction_shaders::field::comparison_directions::standard;
+use diffraction_shaders::field::reference::{Directions, Reference};
 use diffraction_shaders::input::load_surface as load;
-use diffraction_shaders::measure::{auto_exposure, compare, standard};
+use diffraction_shaders::optics::colour_difference::{auto_exposure, colour_difference};
 use diffraction_shaders::optics::{direction, gain};
 use diffraction_shaders::plan::{Plan, Variant, Wavelengths};
-use diffraction_shaders::reference::{Directions, Reference};
-use diffraction_shaders::runner::{Runner, Subject, TwinRunner, rounded};
-use diffraction_shaders::tables::Axes;
+use diffraction_shaders::runner::{Placement, Runner, TwinRunner, rounded};
+use diffraction_shaders::surface::HeightField;
+use diffraction_shaders::tables::BakedAxes;
 use diffraction_shaders::tables::bake::{Colours, bake, sharpen};
 use diffraction_shaders::variant::Form;
 use glam::DVec3;
@@ -19,7 +20,8 @@ const BLAZED: &str = "{ kind = \"blazed\", period_um = 2.5, height_um = 0.3, pix
 const DOMES: &str =
     "{ kind = \"bumps\", size_um = 18.0, pixels = 200, pitch_um = 2.0, height_um = 0.2, seed = 4 }";
 /// Sizes at which a test takes little time.
-const FEW: Axes = Axes { columns: 48, pages: 1, rows: 40, levels: 4, stretch: 8.0, pace: 11.0 };
+const FEW: BakedAxes =
+    BakedAxes { columns: 48, pages: 1, rows: 40, levels: 4, stretch: 8.0, pace: 11.0 };
 const VISIBLE: Wavelengths = Wavelengths { min_nm: 380.0, max_nm: 780.0, step_nm: 5.0 };
 
 fn read(grating: &str, keys: &str) -> (HeightField, Variant) {
@@ -30,12 +32,12 @@ fn read(grating: &str, keys: &str) -> (HeightField, Variant) {
     (load(&plan.surfaces[0]).unwrap().field, plan.variants[0].clone())
 }
 
-fn axes_of(form: &Form) -> Axes {
+fn axes_of(form: &Form) -> BakedAxes {
     let Form::Baked(baked) = form else { panic!("{form:?} is not baked") };
     baked.axes
 }
 
-fn baked(height: &HeightField, variant: &Variant, axes: Axes) -> Colours {
+fn baked(height: &HeightField, variant: &Variant, axes: BakedAxes) -> Colours {
     bake(height, (&variant.optics).into(), &variant.optics.illuminant, &VISIBLE, axes, &|_| ())
         .unwrap()
 }
@@ -148,8 +150,8 @@ fn maps_are_as_good_as_was_asked() {
         let p95 = |error: f64| {
             let keys = format!("table = \"rgb9e5\"\nbake_error = {error}\n{keys}");
             let (height, variant) = read(grating, &keys);
-            let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
-            let twin = TwinRunner::new(subject, true).unwrap();
+            let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
+            let twin = TwinRunner::new(placement, true).unwrap();
             let light = rounded(direction(20.0, 10.0));
             let all = standard(&height, &variant.optics, 0.0, light, 24);
             let visible = Reference::VISIBLE_NM;
@@ -158,7 +160,7 @@ fn maps_are_as_good_as_was_asked() {
                     .unwrap();
             let exact = reference.tristimulus_all(&all, &|_| ());
             let found = twin.tristimulus(&all, &|_| ()).unwrap();
-            compare("baked", &exact, &found, auto_exposure(&exact)).unwrap().de2000.p95
+            colour_difference("baked", &exact, &found, auto_exposure(&exact)).unwrap().de2000.p95
         };
         let (fine, coarse) = (p95(1.0), p95(8.0));
         assert!(fine < 1.5, "{grating}: {fine}");
@@ -169,8 +171,8 @@ fn maps_are_as_good_as_was_asked() {
 #[test]
 fn what_it_has_not_is_told() {
     let (height, variant) = read(BLAZED, "bake_mib = 1");
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     let up = Directions { wi: DVec3::Z, wr: DVec3::Z };
-    let told = TwinRunner::new(subject, true).unwrap().response(&[up], 550.0).unwrap_err();
+    let told = TwinRunner::new(placement, true).unwrap().response(&[up], 550.0).unwrap_err();
     assert!(told.to_string().contains("has no wavelength axis"), "{told}");
 }

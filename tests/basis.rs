@@ -6,24 +6,25 @@ mod data_support;
 
 use std::path::Path;
 
-use diffraction_shaders::basis::Expansion;
-use diffraction_shaders::emit::emit;
-use diffraction_shaders::frame::view_directions;
-use diffraction_shaders::height::HeightField;
+use diffraction_shaders::field::comparison_directions::on_orders;
+use diffraction_shaders::field::reference::Directions;
+use diffraction_shaders::field::transform::Bins;
 use diffraction_shaders::input::load_surface as load;
-use diffraction_shaders::measure::{Comparison, compare, on_orders};
+use diffraction_shaders::optics::brdf_map::view_directions;
+use diffraction_shaders::optics::colour_difference::{ColourDifference, colour_difference};
 use diffraction_shaders::optics::direction;
+use diffraction_shaders::optics::spectrum::Spectrum;
 use diffraction_shaders::plan::{
     Basis, Mode, Plan, Reconstruction, Sampling, Variant, Wavelengths,
 };
-use diffraction_shaders::reference::Directions;
-use diffraction_shaders::runner::{Runner, Subject, TwinRunner};
-use diffraction_shaders::specialise;
-use diffraction_shaders::spectrum::Spectrum;
+use diffraction_shaders::runner::{Placement, Runner, TwinRunner};
+use diffraction_shaders::shader::emit::emit;
+use diffraction_shaders::shader::specialise;
+use diffraction_shaders::shader::template::Sources;
+use diffraction_shaders::surface::HeightField;
+use diffraction_shaders::tables::basis::Expansion;
+use diffraction_shaders::tables::terms::Terms;
 use diffraction_shaders::tables::{Table, coefficients_table};
-use diffraction_shaders::template::Sources;
-use diffraction_shaders::terms::Terms;
-use diffraction_shaders::transform::Bins;
 use diffraction_shaders::variant::Form;
 use diffraction_shaders::variant::Twin;
 use rustfft::num_complex::Complex64;
@@ -179,7 +180,7 @@ fn terms_times_coefficients_are_the_transform_of_the_phase_function() {
     }
 }
 
-fn difference(height: &HeightField, variant: &Variant, spoil: bool) -> Comparison {
+fn difference(height: &HeightField, variant: &Variant, spoil: bool) -> ColourDifference {
     let wi = direction(20.0, 0.0);
     let mut directions: Vec<Directions> =
         view_directions(32).into_iter().map(|wr| Directions { wi, wr }).collect();
@@ -187,8 +188,9 @@ fn difference(height: &HeightField, variant: &Variant, spoil: bool) -> Compariso
     // the same sum over bins and wavelengths with a power series that has converged
     let converged = plan(BLAZED, "basis = \"taylor\"").1.variants[0].terms;
     let whole = Variant { basis: Basis::Taylor, terms: converged, ..variant.clone() };
-    let subject = Subject { height, rotate_deg: 0.0, variant: &whole };
-    let want = TwinRunner::new(subject, false).unwrap().tristimulus(&directions, &|_| ()).unwrap();
+    let placement = Placement { height, rotate_deg: 0.0, variant: &whole };
+    let want =
+        TwinRunner::new(placement, false).unwrap().tristimulus(&directions, &|_| ()).unwrap();
     let form = Form::new(variant, height).unwrap();
     let mut tables: Vec<Table> = specialise::tables(&form, height, 0.0).unwrap();
     tables = tables.into_iter().map(Table::rounded).collect();
@@ -198,7 +200,7 @@ fn difference(height: &HeightField, variant: &Variant, spoil: bool) -> Compariso
     }
     let twin = Twin::new(&form, &tables, &variant.optics, 0.0);
     let got: Vec<[f64; 3]> = directions.iter().map(|&d| twin.tristimulus(d)).collect();
-    compare(&variant.name, &want, &got, None).unwrap()
+    colour_difference(&variant.name, &want, &got, None).unwrap()
 }
 
 const MODES: &str = "mode = [\"full\", \"pq\", \"adaptive\"]\nwavelengths = [{ step_nm = 10 }]\n";

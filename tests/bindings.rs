@@ -5,7 +5,8 @@ mod common;
 
 use std::{path::Path, process::Command};
 
-use diffraction_shaders::{package::Package, template::GENERATED};
+use diffraction_shaders::package::Package;
+use diffraction_shaders::shader::template::GENERATED;
 
 /// All generated bindings by path.
 fn texts(package: &Package) -> Vec<(String, String)> {

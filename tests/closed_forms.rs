@@ -4,12 +4,13 @@
 
 use std::f64::consts::{PI, TAU};
 
+use diffraction_shaders::field::reference::{Directions, Reference};
 use diffraction_shaders::field::{Domain, Field, Scratch, coefficient_brute};
-use diffraction_shaders::height::{HeightField, synthetic::synthesise};
+use diffraction_shaders::optics::spectrum::Spectrum;
 use diffraction_shaders::optics::{direction, path_difference};
 use diffraction_shaders::plan::{Coherence, Grating, Optics};
-use diffraction_shaders::reference::{Directions, Reference};
-use diffraction_shaders::spectrum::Spectrum;
+use diffraction_shaders::surface::HeightField;
+use diffraction_shaders::surface::synthetic::synthesise;
 use glam::{DVec2, DVec3};
 
 const SIGMA_UM: f64 = 65.0 / 4.0;

@@ -3,12 +3,12 @@
 
 use std::{fs, io::Cursor, path::Path};
 
-use diffraction_shaders::generate::{Request, generate, index};
+use diffraction_shaders::package::compile::{Request, generate, index};
 use diffraction_shaders::package::{self, Package};
 use diffraction_shaders::plan::{Container, Plan};
+use diffraction_shaders::shader::template::Sources;
 use diffraction_shaders::tables::TexelFormat;
 use diffraction_shaders::tables::container::{Atlas, Shape, decode, encode};
-use diffraction_shaders::template::Sources;
 use exr::image::{FlatSamples, read::read as reader};
 use exr::prelude::{ReadChannels, ReadLayers};
 use serde_json::Value;

@@ -3,11 +3,11 @@
 
 use std::path::Path;
 
-use diffraction_shaders::generate::{Request, generate, index};
 use diffraction_shaders::input::read_surfaces;
+use diffraction_shaders::package::compile::{Request, generate, index};
 use diffraction_shaders::package::{MANIFEST, Package};
 use diffraction_shaders::plan::{Plan, SurfaceSpec, Target, Variant};
-use diffraction_shaders::template::Sources;
+use diffraction_shaders::shader::template::Sources;
 
 /// Variants that share tables and variants that differ in every axis, on surfaces of every kind of size.
 const PLAN: &str = r#"schema = 1

@@ -5,12 +5,10 @@ mod common;
 
 use std::collections::BTreeMap;
 
-use diffraction_shaders::{
-    emit::{BindingKind, EmittedFile, emit},
-    module::{Stage, compile},
-    plan::Target,
-    template::{GENERATED, specialise},
-};
+use diffraction_shaders::plan::Target;
+use diffraction_shaders::shader::emit::{BindingKind, EmittedFile, emit};
+use diffraction_shaders::shader::module::{Stage, compile};
+use diffraction_shaders::shader::template::{GENERATED, specialise};
 
 fn text(file: &EmittedFile) -> &str {
     std::str::from_utf8(&file.bytes).unwrap()

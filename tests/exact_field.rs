@@ -1,8 +1,9 @@
 //! The fast exact field against the definition, and the two readings of the sum over orders against each other.
 
 use diffraction_shaders::field::{Domain, Field, Scratch, amplitude_brute, ensemble_brute};
-use diffraction_shaders::height::{HeightField, synthetic::synthesise};
 use diffraction_shaders::plan::{Coherence, Grating};
+use diffraction_shaders::surface::HeightField;
+use diffraction_shaders::surface::synthetic::synthesise;
 use glam::DVec2;
 
 fn rough(columns: usize, rows: usize) -> HeightField {

@@ -8,9 +8,9 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use diffraction_shaders::height::read::parse;
-use diffraction_shaders::height::{HeightField, write_gsf};
 use diffraction_shaders::plan::{FileSource, Plan};
+use diffraction_shaders::surface::read::parse;
+use diffraction_shaders::surface::{HeightField, write_gsf};
 use exr::prelude::*;
 use height_support as support;
 use height_support::{COLUMNS, ROWS};

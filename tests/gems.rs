@@ -3,12 +3,12 @@
 
 use std::path::Path;
 
-use diffraction_shaders::height::HeightField;
+use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::input::load_surface as load;
+use diffraction_shaders::optics::colour::to_rgb;
 use diffraction_shaders::plan::{Plan, Variant};
-use diffraction_shaders::reference::Directions;
-use diffraction_shaders::runner::{Runner, Subject, TwinRunner};
-use diffraction_shaders::spectrum::to_rgb;
+use diffraction_shaders::runner::{Placement, Runner, TwinRunner};
+use diffraction_shaders::surface::HeightField;
 use diffraction_shaders::variant::Form;
 use glam::DVec3;
 
@@ -27,7 +27,8 @@ const CD: &str =
 fn colour(rotate_deg: f64, u: f64, v: f64) -> [f64; 3] {
     let (height, variant) = read(CD);
     let runner =
-        TwinRunner::new(Subject { height: &height, rotate_deg, variant: &variant }, true).unwrap();
+        TwinRunner::new(Placement { height: &height, rotate_deg, variant: &variant }, true)
+            .unwrap();
     let wr = DVec3::new(-u, -v, (1.0 - u * u - v * v).sqrt());
     let xyz = runner.tristimulus(&[Directions { wi: DVec3::Z, wr }], &|_| ()).unwrap()[0];
     to_rgb(xyz, variant.optics.colour)
@@ -50,9 +51,9 @@ fn orders_have_the_chapters_colours() {
 #[test]
 fn what_it_has_not_is_told() {
     let (height, variant) = read(CD);
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     let up = Directions { wi: DVec3::Z, wr: DVec3::Z };
-    let runner = TwinRunner::new(subject, true).unwrap();
+    let runner = TwinRunner::new(placement, true).unwrap();
     let told = runner.response(&[up], 550.0).unwrap_err().to_string();
     assert!(told.contains("has no wavelength axis"), "{told}");
     let cost = Form::new(&variant, &height).unwrap().cost();

@@ -5,9 +5,9 @@
 mod height_support;
 
 use diffraction_shaders::error::{Result, Stage};
-use diffraction_shaders::height::read::Reading;
 use diffraction_shaders::input::read_heights as read;
 use diffraction_shaders::plan::FileSource;
+use diffraction_shaders::surface::read::Reading;
 use height_support::*;
 use image::ExtendedColorType;
 use tiff::encoder::colortype;

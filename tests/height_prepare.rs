@@ -4,9 +4,9 @@
 
 mod height_support;
 
-use diffraction_shaders::height::{EXTRUDED, HeightField, Surface, level};
 use diffraction_shaders::input;
 use diffraction_shaders::plan::{Level, SurfaceSpec};
+use diffraction_shaders::surface::{EXTRUDED, HeightField, Surface, level};
 use height_support::*;
 
 fn field(columns: usize, rows: usize, height: impl Fn(usize, usize) -> f64) -> HeightField {

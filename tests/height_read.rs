@@ -4,10 +4,10 @@
 
 mod height_support;
 
-use diffraction_shaders::height::read::Reading;
-use diffraction_shaders::height::{HeightField, write_gsf};
 use diffraction_shaders::input::read_heights as read;
 use diffraction_shaders::plan::FileSource;
+use diffraction_shaders::surface::read::Reading;
+use diffraction_shaders::surface::{HeightField, write_gsf};
 use height_support::*;
 use image::ExtendedColorType;
 use tiff::encoder::colortype;

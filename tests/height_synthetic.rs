@@ -6,9 +6,9 @@ mod height_support;
 
 use std::f64::consts::{PI, TAU};
 
-use diffraction_shaders::height::synthetic::synthesise;
-use diffraction_shaders::height::{HeightField, Surface};
 use diffraction_shaders::plan::{Grating, Rough};
+use diffraction_shaders::surface::synthetic::synthesise;
+use diffraction_shaders::surface::{HeightField, Surface};
 use height_support::assert_says;
 
 const KINDS: [fn(Rough) -> Grating; 3] = [Grating::Bumps, Grating::Fingers, Grating::Rows];

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use diffraction_shaders::input::{SurfaceInput, read_plan, read_surfaces};
-use diffraction_shaders::spectrum::Spectrum;
+use diffraction_shaders::optics::spectrum::Spectrum;
 
 const PLAN: &str = r#"schema = 1
 [[surface]]

@@ -8,12 +8,12 @@ mod height_support;
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
-use diffraction_shaders::height::HeightField;
-use diffraction_shaders::height::inspect::{Facts, Periods, facts, periods};
-use diffraction_shaders::height::synthetic::synthesise;
 use diffraction_shaders::input;
-use diffraction_shaders::inspect::{Inspection, height_picture, inspect, spectrum_picture};
 use diffraction_shaders::plan::{FileSource, Grating, Plan, SurfaceSpec};
+use diffraction_shaders::surface::HeightField;
+use diffraction_shaders::surface::facts::{Facts, Periods, facts, periods};
+use diffraction_shaders::surface::synthetic::synthesise;
+use diffraction_shaders::survey::{Survey, height_picture, spectrum_picture, survey};
 use height_support::{floats, folder, integers, png, put, surface};
 use image::{ExtendedColorType, RgbImage};
 
@@ -141,8 +141,8 @@ fn plan(rest: &str) -> Plan {
     input::read_plan(&put(&dir, "plan.toml", text.as_bytes())).unwrap()
 }
 
-fn inspected(plan: &Plan, spec: &SurfaceSpec) -> Inspection {
-    inspect(plan, spec).unwrap().0
+fn inspected(plan: &Plan, spec: &SurfaceSpec) -> Survey {
+    survey(plan, spec).unwrap().0
 }
 
 #[test]

@@ -6,11 +6,11 @@ mod common;
 
 use std::path::Path;
 
-use diffraction_shaders::emit::emit;
 use diffraction_shaders::input::load_surface as load;
 use diffraction_shaders::plan::{Mode, Plan, Variant};
-use diffraction_shaders::specialise;
-use diffraction_shaders::template::Sources;
+use diffraction_shaders::shader::emit::emit;
+use diffraction_shaders::shader::specialise;
+use diffraction_shaders::shader::template::Sources;
 use diffraction_shaders::variant::Form;
 
 const SURFACE: &str = "schema = 1\n[[surface]]\nname = \"a\"\ngrating = { kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 100 }\n";

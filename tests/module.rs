@@ -5,11 +5,10 @@ mod common;
 
 use std::collections::BTreeSet;
 
-use diffraction_shaders::{
-    diagnostic::group,
-    module::{Contract, Stage, compile, compile_with, lint::LINTS},
-    template::{Defines, Sources, specialise},
-};
+use diffraction_shaders::diagnostic::group;
+use diffraction_shaders::shader::module::lint::LINTS;
+use diffraction_shaders::shader::module::{Contract, Stage, compile, compile_with};
+use diffraction_shaders::shader::template::{Defines, Sources, specialise};
 
 use common::{CORE, PROBE, ROOT, lines, sources};
 

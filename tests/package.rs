@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use diffraction_shaders::package::{
-    self, Cancel, Compare, Content, JSON_TOLERANCE, Package, Report, Stamp,
+    self, Cancel, Content, Equality, JSON_TOLERANCE, Package, Report, Stamp,
 };
 use diffraction_shaders::plan::TableFormat;
 
@@ -16,9 +16,9 @@ fn package(files: &[(&str, &str)]) -> Package {
     let mut package = Package::new();
     for (path, text) in files {
         let compare = if path.ends_with(".json") {
-            Compare::Json { tolerance: JSON_TOLERANCE }
+            Equality::Json { tolerance: JSON_TOLERANCE }
         } else {
-            Compare::Bytes
+            Equality::Bytes
         };
         package.insert(path, *text, compare).unwrap();
     }
@@ -135,7 +135,7 @@ fn a_partial_rebuild_keeps_the_rest() {
     let whole = package(&[("a/x", "1"), ("b/x", "1"), ("c/x.json", "[1.0]")]);
     package::write(&whole, &out).unwrap();
     let mut part = Package::new();
-    part.insert("a/x", "2", Compare::Bytes).unwrap();
+    part.insert("a/x", "2", Equality::Bytes).unwrap();
     assert_eq!(part.overlay(&out, |path| !path.starts_with("b/")).unwrap(), ["c/x.json"]);
     part.seal(BTreeMap::new()).unwrap();
     package::write(&part, &out).unwrap();
@@ -153,9 +153,9 @@ fn a_partial_rebuild_keeps_the_rest() {
 #[test]
 fn paths_that_leave_the_folder_or_clash_are_refused() {
     let mut package = Package::new();
-    package.insert("a/x", "x", Compare::Bytes).unwrap();
+    package.insert("a/x", "x", Equality::Bytes).unwrap();
     for path in ["", "/x", "../x", "a//x", "a/./x", "a\\x", "c:x", "a/x", "a", "a/x/y"] {
-        assert!(package.insert(path, "x", Compare::Bytes).is_err(), "{path:?}");
+        assert!(package.insert(path, "x", Equality::Bytes).is_err(), "{path:?}");
     }
     assert!(package.seal(BTreeMap::from([("files".to_owned(), 1.into())])).is_err());
 }
@@ -284,7 +284,7 @@ fn stored_files_are_written_and_checked_like_those_in_memory() {
     let (out, stored) = (base.path().join("out"), base.path().join("stored"));
     let bytes: Vec<u8> = (0..50_000_u32).flat_map(|i| (i as f32).to_le_bytes()).collect();
     fs::write(&stored, &bytes).unwrap();
-    let compare = Compare::Table { format: TableFormat::F32, tolerance: 1e-6, layer: 0 };
+    let compare = Equality::Table { format: TableFormat::F32, tolerance: 1e-6, layer: 0 };
     let mut fresh = Package::new();
     fresh.insert_content("table.bin", Content::Stored(stored.clone()), compare).unwrap();
     fresh.seal(BTreeMap::new()).unwrap();

@@ -3,18 +3,19 @@
 
 use std::path::Path;
 
-use diffraction_shaders::frame::view_directions;
-use diffraction_shaders::generate::{Request, generate, index};
+use diffraction_shaders::field::comparison_directions::on_orders;
+use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::input::load_surface as load;
-use diffraction_shaders::measure::{compare, on_orders};
+use diffraction_shaders::optics::brdf_map::view_directions;
+use diffraction_shaders::optics::colour_difference::colour_difference;
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::package::Package;
+use diffraction_shaders::package::compile::{Request, generate, index};
 use diffraction_shaders::plan::{Plan, TableFormat};
-use diffraction_shaders::reference::Directions;
-use diffraction_shaders::runner::{Runner, Subject, TwinRunner};
-use diffraction_shaders::tables::{Scale, terms_table};
-use diffraction_shaders::template::Sources;
-use diffraction_shaders::terms::Terms;
+use diffraction_shaders::runner::{Placement, Runner, TwinRunner};
+use diffraction_shaders::shader::template::Sources;
+use diffraction_shaders::tables::terms::Terms;
+use diffraction_shaders::tables::{TermScale, terms_table};
 use diffraction_shaders::variant::Form;
 use serde_json::Value;
 
@@ -42,12 +43,13 @@ fn sixteen_bits_with_scales_keep_the_colours() {
             let mut directions: Vec<Directions> =
                 view_directions(24).into_iter().map(|wr| Directions { wi, wr }).collect();
             directions.extend(on_orders(height, &variant.optics, 0.0, wi, 200, 1));
-            let subject = Subject { height, rotate_deg: 0.0, variant };
+            let placement = Placement { height, rotate_deg: 0.0, variant };
             let colours = |packed: bool| {
-                let twin = TwinRunner::new(subject, packed).unwrap();
+                let twin = TwinRunner::new(placement, packed).unwrap();
                 twin.tristimulus(&directions, &|_| ()).unwrap()
             };
-            let found = compare(&variant.name, &colours(false), &colours(true), None).unwrap();
+            let found =
+                colour_difference(&variant.name, &colours(false), &colours(true), None).unwrap();
             println!(
                 "{} {}: max_abs {:.1e}, p95 {:.4}, max {:.4}",
                 spec.name, variant.name, found.max_abs, found.de2000.p95, found.de2000.max
@@ -69,12 +71,12 @@ fn terms_of_a_tall_surface_overflow_without_scales() {
     let (height, variant) = (&load(&plan.surfaces[0]).unwrap().field, &plan.variants[0]);
     let form = Form::new(variant, height).unwrap();
     let series = form.series().unwrap();
-    let finite = |scale: Scale| {
+    let finite = |scale: TermScale| {
         let terms = Terms::new(height, series.expansion(), series.bins, None);
         let table = terms_table(&terms, variant.packing, variant.table, scale).rounded();
         table.texels.iter().all(|v| v.is_finite())
     };
-    assert!(finite(series.scale()) && !finite(Scale::NONE));
+    assert!(finite(series.scale()) && !finite(TermScale::NONE));
 }
 
 #[test]

@@ -4,13 +4,13 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use diffraction_shaders::generate::{Request, generate, index, input_hash};
 use diffraction_shaders::input::{read_plan, read_surfaces};
-use diffraction_shaders::inspect::inspect;
 use diffraction_shaders::package::Package;
+use diffraction_shaders::package::compile::{Request, generate, index, input_hash};
+use diffraction_shaders::package::readme::readme;
 use diffraction_shaders::plan::{Coherence, Optics, Plan, SurfaceSpec, Variant};
-use diffraction_shaders::readme::readme;
-use diffraction_shaders::template::Sources;
+use diffraction_shaders::shader::template::Sources;
+use diffraction_shaders::survey::survey;
 use serde_json::{Value, json};
 
 const GRATING: &str =
@@ -105,7 +105,7 @@ fn what_the_optics_of_a_surface_make_impossible_is_a_gap_there() {
     let (package, gaps) = package(&plan);
     assert_eq!(gaps, ["card pq-taylor-t3"]);
     assert_eq!(folders(&package), ["a/full-taylor-t3", "a/pq-taylor-t3", "card/full-taylor-t3"]);
-    let (found, _) = inspect(&plan, surface(&plan, "card")).unwrap();
+    let (found, _) = survey(&plan, surface(&plan, "card")).unwrap();
     assert_eq!(found.variants.len(), 1);
     assert!(found.notes.iter().any(|note| note.contains("pq repeats")), "{:?}", found.notes);
 }
@@ -137,7 +137,7 @@ fn presets_are_for_the_surfaces_that_they_name() {
     let readme = std::str::from_utf8(package.bytes("README.md").unwrap()).unwrap();
     assert_eq!(readme.matches("| foil |").count(), 1, "{readme}");
     assert!(!readme.contains("`foil` is not built"), "{readme}");
-    let (found, _) = inspect(&plan, surface(&plan, "a")).unwrap();
+    let (found, _) = survey(&plan, surface(&plan, "a")).unwrap();
     assert_eq!(found.variants.iter().map(|v| v.name.as_str()).collect::<Vec<_>>(), names("a"));
 }
 
@@ -325,7 +325,7 @@ fn package(plan: &Plan) -> (Package, Vec<String>) {
     let made = generate(&request, &|_| ()).unwrap_or_else(|errors| panic!("{errors:#?}"));
     let (mut package, index) = (made.package, index(&request).unwrap());
     let readme = readme(&package, &index, &plan.rejected).unwrap();
-    package.insert("README.md", readme, diffraction_shaders::package::Compare::Bytes).unwrap();
+    package.insert("README.md", readme, diffraction_shaders::package::Equality::Bytes).unwrap();
     package.seal(index).unwrap();
     let gaps = made.gaps.iter().map(|gap| format!("{} {}", gap.surface, gap.variant)).collect();
     (package, gaps)

@@ -5,13 +5,14 @@ use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
 use diffraction_shaders::field::coefficient_brute;
-use diffraction_shaders::height::{HeightField, synthetic::synthesise};
+use diffraction_shaders::field::reference::Directions;
+use diffraction_shaders::field::replicas;
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{Grating, Plan, Variant};
-use diffraction_shaders::reference::Directions;
-use diffraction_shaders::replicas;
-use diffraction_shaders::runner::{Runner, Subject, TwinRunner};
-use diffraction_shaders::specialise;
+use diffraction_shaders::runner::{Placement, Runner, TwinRunner};
+use diffraction_shaders::shader::specialise;
+use diffraction_shaders::surface::HeightField;
+use diffraction_shaders::surface::synthetic::synthesise;
 use diffraction_shaders::tables::Table;
 use diffraction_shaders::variant::Twin;
 use diffraction_shaders::variant::{Form, Pq, replica_tail};
@@ -158,8 +159,8 @@ fn colours_are_in_the_ratio_of_the_line_areas() {
         })
         .collect();
     let luminance = |variant: &Variant| -> f64 {
-        let subject = Subject { height: &height, rotate_deg: 0.0, variant };
-        let twin = TwinRunner::new(subject, true).unwrap();
+        let placement = Placement { height: &height, rotate_deg: 0.0, variant };
+        let twin = TwinRunner::new(placement, true).unwrap();
         twin.tristimulus(&directions, &|_| ()).unwrap().iter().map(|c| c[1]).sum()
     };
     let got = luminance(&pq) / luminance(&full);

@@ -3,18 +3,19 @@
 
 use std::path::Path;
 
-use diffraction_shaders::emit::{BindingKind, EmittedFile, emit};
-use diffraction_shaders::frame::view_directions;
-use diffraction_shaders::height::HeightField;
+use diffraction_shaders::field::comparison_directions::on_orders;
+use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::input::load_surface as load;
-use diffraction_shaders::measure::{Comparison, compare, on_orders};
+use diffraction_shaders::optics::brdf_map::view_directions;
+use diffraction_shaders::optics::colour_difference::{ColourDifference, colour_difference};
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{Auto, Plan, Sampling, Target, Variant};
-use diffraction_shaders::reference::Directions;
-use diffraction_shaders::runner::{Exact, Runner, Subject, TwinRunner};
-use diffraction_shaders::specialise;
+use diffraction_shaders::runner::{Exact, Placement, Runner, TwinRunner};
+use diffraction_shaders::shader::emit::{BindingKind, EmittedFile, emit};
+use diffraction_shaders::shader::specialise;
+use diffraction_shaders::shader::template::Sources;
+use diffraction_shaders::surface::HeightField;
 use diffraction_shaders::tables::{SAMPLER, SAMPLER_NAME, SPECTRUM, Table};
-use diffraction_shaders::template::Sources;
 use diffraction_shaders::variant::Twin;
 use diffraction_shaders::variant::{Form, GRID_ERROR, grid_error};
 
@@ -38,8 +39,8 @@ fn directions(height: &HeightField, variant: &Variant, theta_i: f64) -> Vec<Dire
     all
 }
 
-fn exact(subject: Subject<'_>, directions: &[Directions]) -> Vec<[f64; 3]> {
-    Exact(subject).tristimulus(directions, &|_| ()).unwrap()
+fn exact(placement: Placement<'_>, directions: &[Directions]) -> Vec<[f64; 3]> {
+    Exact(placement).tristimulus(directions, &|_| ()).unwrap()
 }
 
 /// Lobes overlap, so that the sum over isolated lobes would be refused; no number here knows the surface.
@@ -47,12 +48,13 @@ fn exact(subject: Subject<'_>, directions: &[Directions]) -> Vec<[f64; 3]> {
 fn colours_are_those_of_the_exact_field_at_every_angle() {
     for (name, grating) in [("fingers", FINGERS), ("bumps", BUMPS)] {
         let (height, variant) = read(grating, "");
-        let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
-        let twin = TwinRunner::new(subject, true).unwrap();
+        let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
+        let twin = TwinRunner::new(placement, true).unwrap();
         for theta_i in [0.0, 60.0] {
             let directions = directions(&height, &variant, theta_i);
             let colours = twin.tristimulus(&directions, &|_| ()).unwrap();
-            let c = compare(name, &exact(subject, &directions), &colours, None).unwrap();
+            let c =
+                colour_difference(name, &exact(placement, &directions), &colours, None).unwrap();
             println!("{name} {theta_i}: {:?}", c.de2000);
             assert!(c.de2000.p95 <= 1.0, "{name} {theta_i}: {c:?}");
         }
@@ -63,7 +65,7 @@ fn colours_are_those_of_the_exact_field_at_every_angle() {
 #[test]
 fn far_from_the_mirror_direction_few_nodes_do_not_do() {
     let (height, variant) = read(FINGERS, "");
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     let form = Form::new(&variant, &height).unwrap();
     let right = specialise::tables(&form, &height, 0.0).unwrap();
     let mut wrong = right.clone();
@@ -72,11 +74,11 @@ fn far_from_the_mirror_direction_few_nodes_do_not_do() {
     let first = few.texels[..row].to_vec();
     few.texels[2 * row..].chunks_mut(row).for_each(|level| level.copy_from_slice(&first));
     let directions = directions(&height, &variant, 60.0);
-    let exact = exact(subject, &directions);
-    let by = |tables: &[Table]| -> Comparison {
+    let exact = exact(placement, &directions);
+    let by = |tables: &[Table]| -> ColourDifference {
         let twin = Twin::new(&form, tables, &variant.optics, 0.0);
         let colours: Vec<_> = directions.iter().map(|d| twin.tristimulus(*d)).collect();
-        compare("nodes", &exact, &colours, None).unwrap()
+        colour_difference("nodes", &exact, &colours, None).unwrap()
     };
     let [right, wrong] = [&right, &wrong].map(|tables| by(tables).de2000.p95);
     assert!(right <= 1.0 && wrong > 3.0 * right, "{right} {wrong}");
@@ -87,13 +89,13 @@ fn far_from_the_mirror_direction_few_nodes_do_not_do() {
 fn linear_interpolation_errs_as_stated() {
     let (height, variant) = read(FINGERS, "");
     let variant = Variant { terms: Auto::Value(14), ..variant };
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     let grid = Form::new(&variant, &height).unwrap().series().unwrap().grid.unwrap();
     let stated = grid_error(&grid);
     assert!(stated <= GRID_ERROR && stated > 0.9 * GRID_ERROR, "{stated}");
     let directions = directions(&height, &variant, 20.0);
-    let exact = Exact(subject).response(&directions, 550.0).unwrap();
-    let found = TwinRunner::new(subject, false).unwrap().response(&directions, 550.0).unwrap();
+    let exact = Exact(placement).response(&directions, 550.0).unwrap();
+    let found = TwinRunner::new(placement, false).unwrap().response(&directions, 550.0).unwrap();
     let difference = |(a, b): (&f64, &f64)| (a.sqrt() - b.sqrt()).powi(2);
     let squared: f64 = exact.iter().zip(&found).map(difference).sum();
     let relative = (squared / exact.iter().sum::<f64>()).sqrt();

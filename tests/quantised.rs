@@ -4,12 +4,13 @@
 
 mod height_support;
 
-use diffraction_shaders::height::{HeightField, Surface, synthetic::synthesise};
+use diffraction_shaders::field::reference::{Directions, Reference};
 use diffraction_shaders::input;
-use diffraction_shaders::measure::{Comparison, compare};
+use diffraction_shaders::optics::colour_difference::{ColourDifference, colour_difference};
 use diffraction_shaders::optics::{diffuser_scale, direction};
 use diffraction_shaders::plan::{FileSource, Grating, Optics};
-use diffraction_shaders::reference::{Directions, Reference};
+use diffraction_shaders::surface::synthetic::synthesise;
+use diffraction_shaders::surface::{HeightField, Surface};
 use glam::DVec3;
 use height_support::*;
 use image::ExtendedColorType;
@@ -71,7 +72,7 @@ fn the_step_is_told() {
 
 /// The exact colours of a file's heights against those of the heights that it was made from, across the plane of
 /// incidence and as bright as they are beside a white diffuser.
-fn difference(smooth: &HeightField, file: &[u8]) -> Comparison {
+fn difference(smooth: &HeightField, file: &[u8]) -> ColourDifference {
     let wi = direction(20.0, 0.0);
     let towards = |x: f64| DVec3::new(x, 0.0, (1.0 - x * x).sqrt());
     let directions: Vec<Directions> =
@@ -82,7 +83,7 @@ fn difference(smooth: &HeightField, file: &[u8]) -> Comparison {
         let reference = Reference::new(height, 0.0, &optics, Reference::VISIBLE_NM, all).unwrap();
         reference.tristimulus_all(&directions, &|_| {})
     });
-    compare("stepped heights", &exact, &stepped, Some(diffuser_scale(&optics))).unwrap()
+    colour_difference("stepped heights", &exact, &stepped, Some(diffuser_scale(&optics))).unwrap()
 }
 
 #[test]

@@ -8,10 +8,10 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use diffraction_shaders::diagnostic::Diagnostic;
-use diffraction_shaders::generate::{Gap, Generated, Request, generate, index};
 use diffraction_shaders::package::Package;
+use diffraction_shaders::package::compile::{Gap, Generated, Request, generate, index};
 use diffraction_shaders::plan::Plan;
-use diffraction_shaders::template::Sources;
+use diffraction_shaders::shader::template::Sources;
 use proptest::prelude::*;
 use proptest::sample::Index;
 use proptest::strategy::ValueTree;

@@ -4,17 +4,18 @@
 use std::f64::consts::{PI, TAU};
 
 use diffraction_shaders::field::Scratch;
-use diffraction_shaders::frame::view_directions;
-use diffraction_shaders::height::{HeightField, synthetic::synthesise};
-use diffraction_shaders::measure::compare;
+use diffraction_shaders::field::reference::{Directions, Reference};
+use diffraction_shaders::optics::brdf_map::view_directions;
+use diffraction_shaders::optics::colour_difference::colour_difference;
+use diffraction_shaders::optics::spectrum::Spectrum;
 use diffraction_shaders::optics::{direction, gain};
 use diffraction_shaders::plan::{
     Auto, Basis, CoherenceScaling, Grating, Optics, Packing, Reconstruction, Sampling, Variant,
     Wavelengths,
 };
-use diffraction_shaders::reference::{Directions, Reference};
-use diffraction_shaders::runner::{Exact, Runner, Subject, TwinRunner};
-use diffraction_shaders::spectrum::Spectrum;
+use diffraction_shaders::runner::{Exact, Placement, Runner, TwinRunner};
+use diffraction_shaders::surface::HeightField;
+use diffraction_shaders::surface::synthetic::synthesise;
 use glam::DVec3;
 
 const PERIOD_UM: f64 = 2.5;
@@ -101,10 +102,14 @@ fn finer_steps_change_nothing() {
                 .tristimulus_all(&directions, &|_| ())
             };
             let (standard, finer) = (at(1.0), at(0.125));
-            let c = compare("finer", &standard, &finer, None).unwrap();
-            let coarse =
-                compare("coarser", &finer, &uniform(&height, &optics, &directions, 5.0), None)
-                    .unwrap();
+            let c = colour_difference("finer", &standard, &finer, None).unwrap();
+            let coarse = colour_difference(
+                "coarser",
+                &finer,
+                &uniform(&height, &optics, &directions, 5.0),
+                None,
+            )
+            .unwrap();
             assert!(coarse.de2000.p95 > 0.2, "{theta_i}°: {coarse:?}");
             assert!(c.max_abs < 2e-4 && c.de2000.p99 < 0.04, "{theta_i}°: {c:?}");
         }
@@ -124,7 +129,8 @@ fn the_step_follows_the_coherence_length() {
             .tristimulus_all(&directions, &|_| ())
     };
     let finest = at(0.03125);
-    let distance = |other: &[[f64; 3]]| compare("step", &finest, other, None).unwrap().max_abs;
+    let distance =
+        |other: &[[f64; 3]]| colour_difference("step", &finest, other, None).unwrap().max_abs;
     assert!(distance(&at(1.0)) < 1e-4, "{:e}", distance(&at(1.0)));
     let fixed = uniform(&height, &optics, &directions, 1.0);
     assert!(distance(&fixed) > 5e-4, "1 nm for all: {:e}", distance(&fixed));
@@ -136,11 +142,13 @@ fn the_twin_converges_to_the_reference() {
     for height in [blazed(), fingers()] {
         let directions = map(20.0, 33);
         let distance = |variant: &Variant| {
-            let subject = Subject { height: &height, rotate_deg: 15.0, variant };
-            let exact = Exact(subject).tristimulus(&directions, &|_| ()).unwrap();
-            let twin =
-                TwinRunner::new(subject, false).unwrap().tristimulus(&directions, &|_| ()).unwrap();
-            compare("twin", &exact, &twin, None).unwrap()
+            let placement = Placement { height: &height, rotate_deg: 15.0, variant };
+            let exact = Exact(placement).tristimulus(&directions, &|_| ()).unwrap();
+            let twin = TwinRunner::new(placement, false)
+                .unwrap()
+                .tristimulus(&directions, &|_| ())
+                .unwrap();
+            colour_difference("twin", &exact, &twin, None).unwrap()
         };
         let fine = distance(&full(30, 3, 0.5));
         assert!(fine.max_abs < 1e-4 && fine.de2000.p99 < 0.01, "{fine:?}");
@@ -167,9 +175,9 @@ fn amplitudes_of_terms_are_summed_not_intensities() {
     assert!(intensities > 5.0, "{intensities}");
     let flat = HeightField::new(4, 4, 0.05, 0.05, vec![HEIGHT_UM / 2.0; 16]).unwrap();
     let variant = Variant { basis: Basis::TaylorZero, ..full(30, 1, 5.0) };
-    let subject = Subject { height: &flat, rotate_deg: 0.0, variant: &variant };
+    let placement = Placement { height: &flat, rotate_deg: 0.0, variant: &variant };
     let up = [Directions { wi: DVec3::Z, wr: DVec3::Z }];
-    let response = TwinRunner::new(subject, true).unwrap().response(&up, 550.0).unwrap()[0];
+    let response = TwinRunner::new(placement, true).unwrap().response(&up, 550.0).unwrap()[0];
     assert!((response - 1.0).abs() < 1e-6, "{response}");
 }
 

@@ -8,12 +8,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
 use std::{fs, path::Path};
 
-use diffraction_shaders::generate::{Generated, Request, generate, index};
-use diffraction_shaders::manifest::SCHEMA_VERSION;
 use diffraction_shaders::package::Package;
+use diffraction_shaders::package::compile::{Generated, Request, generate, index};
+use diffraction_shaders::package::manifest::SCHEMA_VERSION;
 use diffraction_shaders::plan::{Plan, Target, vocabulary};
-use diffraction_shaders::profile::Profile;
-use diffraction_shaders::template::{GENERATED, Sources};
+use diffraction_shaders::shader::limits::Profile;
+use diffraction_shaders::shader::template::{GENERATED, Sources};
 use jsonschema::Validator;
 use schema_support::{is_of_type, places, walk};
 use serde_json::{Value, json};

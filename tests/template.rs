@@ -3,7 +3,9 @@
 
 mod common;
 
-use diffraction_shaders::template::{Constant, Defines, Origin, Sources, Value, specialise};
+use diffraction_shaders::shader::template::{
+    Constant, Defines, Origin, Sources, Value, specialise,
+};
 
 use common::lines;
 

@@ -7,12 +7,12 @@ mod data_support;
 use std::fs;
 use std::path::Path;
 
-use diffraction_shaders::height::HeightField;
+use diffraction_shaders::field::reference::{Directions, Reference};
 use diffraction_shaders::input;
 use diffraction_shaders::plan::{
     FileSource, Level, Optics, SurfaceOptics, SurfaceSource, SurfaceSpec,
 };
-use diffraction_shaders::reference::{Directions, Reference};
+use diffraction_shaders::surface::HeightField;
 
 /// Of the largest component of a direction's XYZ; the two programs were seen to agree to 5e-4.
 const TOLERANCE: f64 = 2e-3;

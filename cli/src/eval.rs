@@ -4,8 +4,8 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::optics::gain;
-use diffraction_shaders::reference::Directions;
 
 use crate::Outcome;
 use crate::args::{Runner, RunnerArgs, SurfaceArgs, wavelength_nm};
@@ -67,7 +67,7 @@ pub fn run(args: &Args, console: &Console, drivers: Drivers) -> Result<Outcome> 
             if args.runner.runner == Runner::Exact {
                 job.surface
                     .field
-                    .check_pitch(&diffraction_shaders::height::subject(&job.spec), lambda_nm)?;
+                    .check_pitch(&diffraction_shaders::surface::subject(&job.spec), lambda_nm)?;
             }
             let optics = &job.variant.optics;
             let rows = runner.response(&directions, lambda_nm)?;

@@ -5,8 +5,8 @@ use std::num::NonZeroUsize;
 use anyhow::{Context, Result, bail};
 use diffraction_shaders::diagnostic::Diagnostic;
 use diffraction_shaders::input;
-use diffraction_shaders::specialise;
-use diffraction_shaders::template::{Origin, Sources, Specialised, specialise};
+use diffraction_shaders::shader::specialise;
+use diffraction_shaders::shader::template::{Origin, Sources, Specialised, specialise};
 use diffraction_shaders::variant::Form;
 
 use crate::Outcome;
@@ -111,7 +111,7 @@ mod tests {
         ]
         .into_iter()
         .collect();
-        let mut defines = diffraction_shaders::template::Defines::default();
+        let mut defines = diffraction_shaders::shader::template::Defines::default();
         defines.flag("ON", true);
         defines.count("N", 7, "days");
         (specialise(&sources, "shader", &defines).unwrap(), sources)

@@ -8,12 +8,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use anyhow::{Context, Result};
 use diffraction_shaders::diagnostic::Diagnostic;
 use diffraction_shaders::error::Error;
-use diffraction_shaders::generate::{self, Generated, Request, Step};
 use diffraction_shaders::input::read_surfaces;
-use diffraction_shaders::package::{self, Compare, Package, Report, Stamp};
+use diffraction_shaders::package::compile::{self, Generated, Request, Step};
+use diffraction_shaders::package::readme;
+use diffraction_shaders::package::{self, Equality, Package, Report, Stamp};
 use diffraction_shaders::plan::{Plan, Target, Variant};
-use diffraction_shaders::readme;
-use diffraction_shaders::template::Sources;
+use diffraction_shaders::shader::template::Sources;
 
 use crate::Outcome;
 use crate::args::PlanArgs;
@@ -107,7 +107,7 @@ fn build(
     }
     let bar = progress::bar(plan.surfaces.len() * selection.variants.len(), "generating");
     let baked = AtomicUsize::new(0);
-    let generated = generate::generate(&request, &|step| match step {
+    let generated = compile::generate(&request, &|step| match step {
         Step::Finished(_) => {
             baked.store(0, Ordering::Relaxed);
             bar.set_message("generating");
@@ -131,9 +131,9 @@ fn build(
             .cloned()
             .collect();
     }
-    let index = generate::index(&Request { variants: &variants, ..request })?;
+    let index = compile::index(&Request { variants: &variants, ..request })?;
     let readme = readme::readme(&package, &index, &plan.rejected)?;
-    package.insert(readme::FILE, readme, Compare::Bytes)?;
+    package.insert(readme::FILE, readme, Equality::Bytes)?;
     package.seal(index)?;
     if let Some(expected) = expected {
         // it may be kept before the files are written, for it tells what they have to hold
@@ -256,7 +256,7 @@ mod tests {
             package.insert(
                 &format!("{}.txt", variant.name),
                 variant.canonical(),
-                Compare::Bytes,
+                Equality::Bytes,
             )?;
         }
         package.seal(BTreeMap::new())?;
@@ -298,7 +298,11 @@ mod tests {
                 run_with(&args, &caches(), &Console::new(MessageFormat::Human), |_, _, _| {
                     let mut package = Package::new();
                     for i in 0..200 {
-                        package.insert(&format!("part/{i}"), vec![b'b'; 20_000], Compare::Bytes)?;
+                        package.insert(
+                            &format!("part/{i}"),
+                            vec![b'b'; 20_000],
+                            Equality::Bytes,
+                        )?;
                     }
                     package.seal(BTreeMap::new())?;
                     Ok(Some(package))
@@ -316,7 +320,7 @@ mod tests {
         let mut command = std::process::Command::new("sh");
         command.args([
             "-c",
-            &format!("{shell} exec \"$0\" --exact generate::tests::child --nocapture"),
+            &format!("{shell} exec \"$0\" --exact compile::tests::child --nocapture"),
         ]);
         command.arg(std::env::current_exe().unwrap()).env("GENERATE_TEST_BASE", base);
         command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped());

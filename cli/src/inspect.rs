@@ -7,9 +7,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use diffraction_shaders::inspect::{Inspection, height_picture, inspect, spectrum_picture};
-use diffraction_shaders::package::{self, Compare, JSON_TOLERANCE, MANIFEST, Package};
+use diffraction_shaders::package::{self, Equality, JSON_TOLERANCE, MANIFEST, Package};
 use diffraction_shaders::plan::SurfaceSpec;
+use diffraction_shaders::survey::{Survey, height_picture, spectrum_picture, survey};
 use serde_json::{Value, json};
 
 use crate::Outcome;
@@ -45,16 +45,16 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let spec = plan.surface(&args.surface.surface)?;
     let out = args.out.clone().unwrap_or_else(|| Path::new("inspect").join(&spec.name));
     check_ours(&out)?;
-    let (found, field) = inspect(&plan, spec)?;
+    let (found, field) = survey(&plan, spec)?;
     found.notes.iter().for_each(|note| console.note(&format!("surface {}: {note}", spec.name)));
     let files = FILES.map(|file| out.join(file));
     let object = object(spec, &found)?;
 
     let mut folder = Package::new();
     let [heights, spectrum, facts] = FILES;
-    folder.insert(heights, height_picture(&field, &spec.name)?, Compare::Bytes)?;
-    folder.insert(spectrum, spectrum_picture(&field, &spec.name)?, Compare::Bytes)?;
-    let compare = Compare::Json { tolerance: JSON_TOLERANCE };
+    folder.insert(heights, height_picture(&field, &spec.name)?, Equality::Bytes)?;
+    folder.insert(spectrum, spectrum_picture(&field, &spec.name)?, Equality::Bytes)?;
+    let compare = Equality::Json { tolerance: JSON_TOLERANCE };
     folder.insert(facts, format!("{object:#}\n"), compare)?;
     folder.seal_as(GENERATED_BY, BTreeMap::from([("surface".to_owned(), json!(spec.name))]))?;
     package::write(&folder, &out)?;
@@ -86,7 +86,7 @@ fn check_ours(out: &Path) -> Result<()> {
     }
 }
 
-fn object(spec: &SurfaceSpec, found: &Inspection) -> Result<Value> {
+fn object(spec: &SurfaceSpec, found: &Survey) -> Result<Value> {
     let mut object = list::surface_object(spec);
     let facts = serde_json::to_value(found).context("the facts cannot be written as JSON")?;
     if let (Some(object), Value::Object(facts)) = (object.as_object_mut(), facts) {

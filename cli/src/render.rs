@@ -3,10 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use diffraction_shaders::frame::Frame;
-use diffraction_shaders::measure::auto_exposure;
+use diffraction_shaders::optics::brdf_map::BrdfMap;
+use diffraction_shaders::optics::colour_difference::auto_exposure;
 use diffraction_shaders::optics::direction;
-use diffraction_shaders::picture;
 use diffraction_shaders::runner::rounded;
 
 use crate::Outcome;
@@ -67,23 +66,23 @@ pub fn run(args: &Args, console: &Console, drivers: Drivers) -> Result<Outcome> 
     // the twin is to see what the shader sees; the exact reference, the angle as it was given
     let light = if args.runner.runner == Runner::Twin { rounded(light) } else { light };
     let bar = progress::bar(size * size, &format!("rendering {}", runner.route()));
-    let frame = runner.map(light, size, &|done| bar.inc(done as u64))?;
+    let frame = runner.brdf_map(light, size, &|done| bar.inc(done as u64))?;
     bar.finish_and_clear();
     let colour = job.variant.optics.colour;
     let bytes = match format {
         Format::Png => {
             let exposure = exposure(args.exposure, &frame, console);
             console.note(&format!("exposure {exposure:.4}"));
-            picture::png(&frame, colour, exposure)?
+            frame.png(colour, exposure)?
         }
-        Format::Exr => picture::exr(&frame, colour)?,
+        Format::Exr => frame.exr(colour)?,
     };
     write_whole(&args.out, &bytes)?;
     console.note(&format!("{}: {size} × {size} pixels by {}", args.out.display(), runner.route()));
     Ok(Outcome::Done)
 }
 
-fn exposure(wanted: Exposure, frame: &Frame, console: &Console) -> f64 {
+fn exposure(wanted: Exposure, frame: &BrdfMap, console: &Console) -> f64 {
     match wanted {
         Exposure::Value(value) => value,
         Exposure::Auto => auto_exposure(&frame.disc()).unwrap_or_else(|| {

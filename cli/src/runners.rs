@@ -1,19 +1,19 @@
 //! From flags to something that evaluates a variant on a surface.
 
 use anyhow::{Result, bail};
-use diffraction_shaders::height::{self, Surface};
 use diffraction_shaders::input;
 use diffraction_shaders::plan::{Plan, SurfaceSpec, Variant};
-use diffraction_shaders::runner::{Exact, Runner, Subject, TwinRunner};
+use diffraction_shaders::runner::{Exact, Placement, Runner, TwinRunner};
+use diffraction_shaders::surface::{self, Surface};
 
 use crate::args::{Runner as Kind, RunnerArgs, SurfaceArgs};
 use crate::console::Console;
 
 /// What opens a runner on a driver.
-pub type Drivers = for<'a> fn(Subject<'a>, &RunnerArgs) -> Result<Box<dyn Runner + 'a>>;
+pub type Drivers = for<'a> fn(Placement<'a>, &RunnerArgs) -> Result<Box<dyn Runner + 'a>>;
 
 /// That of a program that has no drivers.
-pub fn none<'a>(_: Subject<'a>, args: &RunnerArgs) -> Result<Box<dyn Runner + 'a>> {
+pub fn none<'a>(_: Placement<'a>, args: &RunnerArgs) -> Result<Box<dyn Runner + 'a>> {
     bail!("--runner {:?}: this program has no drivers; {} has", args.runner, crate::harness::NAME)
 }
 
@@ -44,13 +44,13 @@ impl Job {
         };
         let surface = input::load_surface(&spec)?;
         surface.notes.iter().for_each(|note| console.note(note));
-        surface.field.check_pitch(&height::subject(&spec), min_nm)?;
+        surface.field.check_pitch(&surface::subject(&spec), min_nm)?;
         Ok(Job { spec, surface, variant })
     }
 
-    /// The subject that runners evaluate.
-    pub fn subject(&self) -> Subject<'_> {
-        Subject {
+    /// The placement that runners evaluate.
+    pub fn placement(&self) -> Placement<'_> {
+        Placement {
             height: &self.surface.field,
             rotate_deg: self.spec.rotate_deg,
             variant: &self.variant,
@@ -59,16 +59,16 @@ impl Job {
 
     /// The runner that the flags name.
     pub fn runner(&self, args: &RunnerArgs, drivers: Drivers) -> Result<Box<dyn Runner + '_>> {
-        let subject = self.subject();
+        let placement = self.placement();
         if args.unpacked && args.runner != Kind::Twin {
             bail!(
                 "--unpacked: only the twin can read tables before they are rounded; use --runner twin"
             );
         }
         Ok(match args.runner {
-            Kind::Exact => Box::new(Exact(subject)),
-            Kind::Twin => Box::new(TwinRunner::new(subject, !args.unpacked)?),
-            _ => drivers(subject, args)?,
+            Kind::Exact => Box::new(Exact(placement)),
+            Kind::Twin => Box::new(TwinRunner::new(placement, !args.unpacked)?),
+            _ => drivers(placement, args)?,
         })
     }
 }

@@ -4,8 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use diffraction_shaders::generate::{Request, input_hash};
 use diffraction_shaders::package::Stamp;
+use diffraction_shaders::package::compile::{Request, input_hash};
 
 /// Caches of other programs are removed when nothing was added for so long.
 const KEPT: Duration = Duration::from_secs(7 * 24 * 3600);

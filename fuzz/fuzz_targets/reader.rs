@@ -1,7 +1,7 @@
 //! What the targets of the file formats share: any bytes give heights that keep the documented promises, or an error.
 
-use diffraction_shaders::height::read::parse;
-use diffraction_shaders::height::{MAX_PIXELS, voids};
+use diffraction_shaders::surface::read::parse;
+use diffraction_shaders::surface::{MAX_PIXELS, voids};
 use diffraction_shaders::plan::FileSource;
 
 /// The key of a plan that integers need.

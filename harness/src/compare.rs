@@ -2,7 +2,7 @@
 //!
 //! Each error is split: what the variant's approximation costs (*model*: unrounded twin against the exact field), what
 //! rounding the tables costs (*packing*: twin against unrounded twin), what a driver's 32-bit arithmetic costs
-//! (*arithmetic*: route against twin). Directions, exposure and what counts as lit are those of [`measure`](diffraction_shaders::measure).
+//! (*arithmetic*: route against twin). Directions, exposure and what counts as lit are those of [`measure`](diffraction_shaders::optics::colour_difference).
 //!
 //! Results go to a [`Sink`] as soon as they are known. A route that fails three times in a row is not asked again.
 
@@ -13,18 +13,18 @@ mod unit;
 use std::collections::{BTreeMap, BTreeSet};
 
 use diffraction_shaders::error::Result;
-use diffraction_shaders::frame::Frame;
-use diffraction_shaders::height::{self, HeightField};
+use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::input;
+use diffraction_shaders::optics::brdf_map::BrdfMap;
 use diffraction_shaders::plan::{Mode, SurfaceSpec, Variant};
-use diffraction_shaders::reference::Directions;
-use diffraction_shaders::runner::{Runner, Subject};
+use diffraction_shaders::runner::{Placement, Runner};
+use diffraction_shaders::surface::{self, HeightField};
 use diffraction_shaders::variant::Form;
 use glam::DVec3;
 
 use crate::drivers::Prepared;
 use crate::drivers::routes::Route;
-use crate::record::{Gap, Record};
+use crate::results::{Gap, Record};
 
 pub use controls::{CONTROLS, SURFACE as CONTROL_SURFACE};
 pub use pictures::{AMPLIFIED, difference, mean_flip};
@@ -33,7 +33,7 @@ pub use pictures::{AMPLIFIED, difference, mean_flip};
 const PATIENCE: u32 = 3;
 
 /// What is to be compared.
-pub struct Request<'a> {
+pub struct Job<'a> {
     /// The surfaces, in order.
     pub surfaces: &'a [SurfaceSpec],
     /// The variants, each on every surface that it is for.
@@ -85,7 +85,7 @@ pub struct Unit<'a> {
 }
 
 /// Steps of a whole run: one for each route and the twin under each light, one for each route's controls.
-pub fn steps(request: &Request<'_>) -> usize {
+pub fn steps(request: &Job<'_>) -> usize {
     let units = request.surfaces.len() * request.variants.len() * request.lights.len();
     units * (1 + request.routes.len()) + request.routes.len()
 }
@@ -96,7 +96,7 @@ pub fn is_slow(route: &str) -> bool {
 }
 
 /// Compares everything.
-pub fn run(request: &Request<'_>, sink: &mut dyn Sink) -> Result<()> {
+pub fn run(request: &Job<'_>, sink: &mut dyn Sink) -> Result<()> {
     let mut failures = vec![0; request.routes.len()];
     for (route, failures) in request.routes.iter().zip(&mut failures) {
         sink.begin(&format!("controls by {}", route.name()));
@@ -128,18 +128,18 @@ struct Truth {
 impl Truth {
     /// The colours of a runner in the order of the directions; the map by its own entry point.
     fn ask(&self, runner: &dyn Runner, size: usize) -> Result<Vec<[f64; 3]>> {
-        let mut colours = runner.map(self.light, size, &|_| ())?.disc();
+        let mut colours = runner.brdf_map(self.light, size, &|_| ())?.disc();
         colours.extend(runner.tristimulus(&self.directions[self.map..], &|_| ())?);
         Ok(colours)
     }
 
-    fn frame(&self, colours: &[[f64; 3]], size: usize) -> Frame {
-        Frame::from_disc(size, &colours[..self.map])
+    fn frame(&self, colours: &[[f64; 3]], size: usize) -> BrdfMap {
+        BrdfMap::from_disc(size, &colours[..self.map])
     }
 }
 
 fn run_surface(
-    request: &Request<'_>,
+    request: &Job<'_>,
     spec: &SurfaceSpec,
     height: &HeightField,
     failures: &mut [u32],
@@ -161,9 +161,9 @@ fn run_surface(
             }
             Some(Err(error)) => Err(error.to_string()),
             Some(Ok(variant)) => {
-                let subject = Subject { height, rotate_deg: spec.rotate_deg, variant };
+                let subject = Placement { height, rotate_deg: spec.rotate_deg, variant };
                 let min_nm = variant.wavelengths.min_nm.min(380.0);
-                let pitch = height.check_pitch(&height::subject(spec), min_nm);
+                let pitch = height.check_pitch(&surface::subject(spec), min_nm);
                 let prepared = pitch.and_then(|()| Prepared::new(subject));
                 prepared.map(|prepared| (subject, prepared)).map_err(|error| error.to_string())
             }
@@ -220,7 +220,7 @@ fn run_surface(
 }
 
 /// Which variants slow routes take on a surface: of every mode the cheapest, then the second of every mode, and so on.
-fn subset(request: &Request<'_>, spec: &SurfaceSpec, height: &HeightField) -> BTreeSet<usize> {
+fn subset(request: &Job<'_>, spec: &SurfaceSpec, height: &HeightField) -> BTreeSet<usize> {
     let mut by_mode: BTreeMap<Mode, Vec<(u64, usize)>> = BTreeMap::new();
     for (index, variant) in request.variants.iter().enumerate() {
         let Some(Ok(variant)) = variant.on(spec) else { continue };

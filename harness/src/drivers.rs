@@ -1,7 +1,8 @@
 //! Ways to evaluate a variant by its shader, on a driver of this machine or in a browser.
 
+mod colour_map;
+mod driver;
 pub mod icd;
-mod pictures;
 mod shader;
 mod stages;
 
@@ -12,7 +13,8 @@ pub mod passthrough;
 pub mod routes;
 
 pub use browser::BrowserRunner;
+pub use colour_map::ColourMap;
+pub use driver::{BoundTable, Driver, DriverRunner, Prepared, params};
 pub use egl::EglRunner;
 pub use passthrough::PassthroughRunner;
-pub use pictures::{BoundTable, Driver, DriverRunner, Prepared, params};
 pub use shader::{ShaderRunner, texture as table_texture};

@@ -6,11 +6,10 @@
 #![deny(unsafe_code)]
 
 pub mod process;
-pub mod record;
-pub mod scene;
+pub mod results;
 pub mod drivers;
-pub mod studio;
-pub mod testbench;
+pub mod scene;
+pub mod period;
 pub mod bench;
 pub mod tune;
 pub mod validate;

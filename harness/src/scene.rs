@@ -1,23 +1,25 @@
 //! A scene to draw a variant in: meshes with tangents, an orbiting camera, directional lights, a body's colour.
 //!
 //! World: right-handed, `y` up in the picture; a camera at azimuth and elevation 0 stands on `+z`. Lengths have no unit.
-//! Everything here is data or f64 arithmetic; drawing is [`crate::drivers::gpu`]'s and [`crate::studio`]'s.
+//! Everything here is data or f64 arithmetic; drawing is [`crate::drivers::gpu`]'s and [`crate::scene::drawing`]'s.
 
 mod camera;
+pub mod drawing;
 mod gltf;
-mod image;
 mod mesh;
 mod obj;
 pub mod pattern;
-pub mod picture;
+pub mod tone_map;
 pub mod raster;
+mod raw;
+mod read;
 mod snake;
 mod sphere;
 mod tangents;
 
 pub use camera::Orbit;
-pub use image::ColourMap;
-pub use mesh::{Mesh, read};
+pub use mesh::Mesh;
+pub use read::read;
 pub use snake::{Snake, snake};
 pub use sphere::sphere;
 

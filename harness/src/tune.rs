@@ -21,7 +21,7 @@ mod preset;
 use diffraction_shaders::plan::Variant;
 use diffraction_shaders::variant::{Cost, Form};
 
-use crate::record::{Bounds, Verdict};
+use crate::results::{Bounds, Verdict};
 
 pub use preset::preset;
 

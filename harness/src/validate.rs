@@ -11,17 +11,44 @@ use std::{
     collections::BTreeSet,
     fs,
     path::{Path, PathBuf},
+    time::Duration,
 };
 
-use diffraction_shaders::{
-    diagnostic::Diagnostic,
-    error::{Error, Result, Stage},
-};
+use diffraction_shaders::diagnostic::Diagnostic;
+use diffraction_shaders::error::{Error, Result, Stage};
 use rayon::prelude::*;
 use serde::Serialize;
 
 pub use reflect::Reflection;
-pub use tools::{External, HlslSpirv, Naga, Reads, tools};
+pub use tools::{External, HlslSpirv, Naga, tools};
+
+/// Time that a tool has for one file.
+const TIME_LIMIT: Duration = Duration::from_secs(60);
+
+/// The language that a tool reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reads {
+    /// WGSL.
+    Wgsl,
+    /// GLSL of both kinds, and HLSL.
+    GlslHlsl,
+    /// HLSL.
+    Hlsl,
+    /// SPIR-V.
+    Spirv,
+}
+
+impl Reads {
+    pub(super) fn name(self, name: &str) -> bool {
+        let suffixes: &[&str] = match self {
+            Reads::Wgsl => &[".wgsl"],
+            Reads::GlslHlsl => &[".glsl", ".es300.vert", ".es300.frag", ".hlsl"],
+            Reads::Hlsl => &[".hlsl"],
+            Reads::Spirv => &[".spv"],
+        };
+        suffixes.iter().any(|suffix| name.ends_with(suffix))
+    }
+}
 
 /// A validator.
 pub trait Tool: Send + Sync {

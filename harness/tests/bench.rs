@@ -8,9 +8,9 @@ use diffraction_harness::bench::result::{Place, bench};
 use diffraction_harness::bench::rounds::Rules;
 use diffraction_harness::bench::yardstick::Yardstick;
 use diffraction_harness::drivers::gpu::{Backend, Gpu};
-use diffraction_harness::record::Bench;
-use diffraction_shaders::height::HeightField;
+use diffraction_harness::results::Bench;
 use diffraction_shaders::plan::{Auto, Mode, Optics, Variant, Wavelengths};
+use diffraction_shaders::surface::HeightField;
 
 const SIZE: usize = 8;
 

@@ -7,15 +7,16 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use diffraction_harness::drivers::browser::Api;
 use diffraction_harness::drivers::{Driver, DriverRunner, Prepared};
-use diffraction_shaders::basis;
-use diffraction_shaders::frame::view_direction;
-use diffraction_shaders::height::{HeightField, synthetic::synthesise};
+use diffraction_shaders::field::reference::Directions;
+use diffraction_shaders::optics::brdf_map::view_direction;
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{
     Auto, Coherence, Mode, Optics, Packing, Sampling, TableFormat, Variant,
 };
-use diffraction_shaders::reference::Directions;
-use diffraction_shaders::runner::{Runner, Subject, TwinRunner, rounded};
+use diffraction_shaders::runner::{Placement, Runner, TwinRunner, rounded};
+use diffraction_shaders::surface::HeightField;
+use diffraction_shaders::surface::synthetic::synthesise;
+use diffraction_shaders::tables::basis;
 use diffraction_shaders::tables::{Table, TexelFormat};
 
 use browser_support::{blazed, browser, centred, params};
@@ -34,11 +35,11 @@ fn every_mode_agrees_with_its_twin_and_both_routes_with_each_other() {
     let height = blazed();
     let mut worst = [0.0_f64; 3];
     for variant in &variants() {
-        let subject = Subject { height: &height, rotate_deg: 25.0, variant };
-        let twin = map(&TwinRunner::new(subject, true).unwrap());
+        let placement = Placement { height: &height, rotate_deg: 25.0, variant };
+        let twin = map(&TwinRunner::new(placement, true).unwrap());
         let maps = Api::ALL.map(|api| {
             let web = browser.api(api).unwrap();
-            let runner = DriverRunner::with(Prepared::new(subject).unwrap(), web);
+            let runner = DriverRunner::with(Prepared::new(placement).unwrap(), web);
             assert_eq!(runner.route(), api.route());
             map(&runner)
         });
@@ -60,15 +61,15 @@ fn texts_agrees_within_its_own_bound() {
     let Some(browser) = browser() else { return };
     let height = blazed();
     let variant = Variant::texts(&Optics::standard());
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
-    let twin = map(&TwinRunner::new(subject, true).unwrap());
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
+    let twin = map(&TwinRunner::new(placement, true).unwrap());
     // terms of a series about the lowest height cancel from exp(z H) down to 1, each rounded to 24 bits
     let (low_um, high_um) = height.range_um();
     let z_max = basis::greatest_z(380.0);
     let bound = (z_max * (high_um - low_um)).exp() * 2.0_f64.powi(-24);
     for api in Api::ALL {
         let web = browser.api(api).unwrap();
-        let got = map(&DriverRunner::with(Prepared::new(subject).unwrap(), web));
+        let got = map(&DriverRunner::with(Prepared::new(placement).unwrap(), web));
         let error = difference(&got, &twin);
         println!("texts {api}: {error:.2e} within {bound:.2e}");
         assert!(error <= bound, "{api}: {error} is above {bound}");
@@ -80,20 +81,20 @@ fn listed_directions_and_single_wavelengths_agree_too() {
     let Some(browser) = browser() else { return };
     let height = blazed();
     let variant = centred("centred");
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     // more than one row of the probe's picture
     let pair = |i: u32| Directions {
         wi: rounded(direction(30.0, 0.0)),
         wr: rounded(direction(0.1 * f64::from(i % 650), if i < 650 { 180.0 } else { 0.0 })),
     };
     let pairs: Vec<Directions> = (0..1000).map(pair).collect();
-    let twin = TwinRunner::new(subject, true).unwrap();
+    let twin = TwinRunner::new(placement, true).unwrap();
     let colours = twin.tristimulus(&pairs, &|_| ()).unwrap();
     let responses = twin.response(&pairs, 550.0).unwrap();
     assert!(responses.iter().any(|p2| *p2 > 0.1), "no order is met");
     for api in Api::ALL {
         let web = browser.api(api).unwrap();
-        let runner = DriverRunner::with(Prepared::new(subject).unwrap(), web);
+        let runner = DriverRunner::with(Prepared::new(placement).unwrap(), web);
         let error = difference(&runner.tristimulus(&pairs, &|_| ()).unwrap(), &colours);
         assert!(error <= CENTRED, "{api}: {error}");
         for (got, wanted) in runner.response(&pairs, 550.0).unwrap().iter().zip(&responses) {
@@ -146,9 +147,9 @@ fn what_is_wrong_is_seen() {
     let height = fingers();
     for (what, table, spoil) in spoils {
         let variant = Variant { table, ..centred("wrong") };
-        let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
-        let twin = map(&TwinRunner::new(subject, true).unwrap());
-        let mut prepared = Prepared::new(subject).unwrap();
+        let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
+        let twin = map(&TwinRunner::new(placement, true).unwrap());
+        let mut prepared = Prepared::new(placement).unwrap();
         spoil(&mut prepared);
         for api in Api::ALL {
             let web = browser.api(api).unwrap();
@@ -159,13 +160,13 @@ fn what_is_wrong_is_seen() {
     }
     let variant = centred("mirrored");
     let height = blazed();
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
-    let twin = map(&TwinRunner::new(subject, true).unwrap());
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
+    let twin = map(&TwinRunner::new(placement, true).unwrap());
     let light = rounded(direction(20.0, 190.0));
     for api in Api::ALL {
         let web = browser.api(api).unwrap();
-        let runner = DriverRunner::with(Prepared::new(subject).unwrap(), web);
-        let error = difference(&runner.map(light, SIZE, &|_| ()).unwrap().disc(), &twin);
+        let runner = DriverRunner::with(Prepared::new(placement).unwrap(), web);
+        let error = difference(&runner.brdf_map(light, SIZE, &|_| ()).unwrap().disc(), &twin);
         assert!(error > SEEN, "mirrored u, {api}: {error}");
     }
 }
@@ -175,8 +176,8 @@ fn what_is_wrong_is_seen() {
 fn row_zero_is_at_the_top() {
     let Some(browser) = browser() else { return };
     let (variant, height) = (centred("places"), blazed());
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
-    let mut prepared = Prepared::new(subject).unwrap();
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
+    let mut prepared = Prepared::new(placement).unwrap();
     let colour = prepared.sources.0.get_mut("colour").unwrap();
     let line = "return to_rgb(tristimulus(wi, wr));";
     assert!(colour.contains(line));
@@ -244,7 +245,7 @@ fn fingers() -> HeightField {
 }
 
 fn map(runner: &dyn Runner) -> Vec<[f64; 3]> {
-    runner.map(rounded(direction(20.0, 10.0)), SIZE, &|_| ()).unwrap().disc()
+    runner.brdf_map(rounded(direction(20.0, 10.0)), SIZE, &|_| ()).unwrap().disc()
 }
 
 /// The term of a number in a table of two complex terms per texel; `layer` is the numbers of a layer.

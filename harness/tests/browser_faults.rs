@@ -9,9 +9,9 @@ use std::time::{Duration, Instant};
 
 use diffraction_harness::drivers::browser::{Api, Browser, Web, check_page};
 use diffraction_harness::drivers::{Driver, DriverRunner, Prepared};
-use diffraction_shaders::emit::emit;
 use diffraction_shaders::optics::direction;
-use diffraction_shaders::runner::{Runner, Subject};
+use diffraction_shaders::runner::{Placement, Runner};
+use diffraction_shaders::shader::emit::emit;
 use diffraction_shaders::tables::Table;
 
 use browser_support::{blazed, browser, centred, params};
@@ -20,8 +20,8 @@ use browser_support::{blazed, browser, centred, params};
 fn what_the_browser_refuses_is_an_error_and_the_next_job_works() {
     let Some(browser) = browser() else { return };
     let (variant, height) = (centred("v"), blazed());
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
-    let prepared = Prepared::new(subject).unwrap();
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
+    let prepared = Prepared::new(placement).unwrap();
     let module = prepared.module(prepared.spectrum.width).unwrap();
     let tables = [(1, &prepared.terms), (2, &prepared.spectrum)];
     let wide = Table { width: 100_000, height: 1, layers: 1, ..prepared.terms.clone() };
@@ -67,17 +67,17 @@ fn what_the_browser_refuses_is_an_error_and_the_next_job_works() {
 fn a_browser_that_dies_is_an_error_and_leaves_nothing() {
     let Some(browser) = browser() else { return };
     let (variant, height) = (centred("v"), blazed());
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     let runner =
-        DriverRunner::with(Prepared::new(subject).unwrap(), browser.api(Api::WebGl2).unwrap());
+        DriverRunner::with(Prepared::new(placement).unwrap(), browser.api(Api::WebGl2).unwrap());
     let light = direction(20.0, 0.0);
-    runner.map(light, 8, &|_| ()).unwrap();
+    runner.brdf_map(light, 8, &|_| ()).unwrap();
     let (process, profile) = (browser.process(), browser.profile());
     assert!(profile.join("stderr.log").is_file());
     let killed = Command::new("kill").args(["-9", &process.to_string()]).status();
     assert!(killed.unwrap().success());
     let begun = Instant::now();
-    let errors = [0, 1].map(|_| runner.map(light, 8, &|_| ()).unwrap_err().to_string());
+    let errors = [0, 1].map(|_| runner.brdf_map(light, 8, &|_| ()).unwrap_err().to_string());
     assert!(begun.elapsed() < Duration::from_secs(20), "it took {:?}", begun.elapsed());
     for error in errors {
         assert!(error.starts_with("chromium: ended with signal: 9"), "{error}");
@@ -92,8 +92,8 @@ fn a_browser_that_dies_is_an_error_and_leaves_nothing() {
 fn a_lost_device_is_an_error_and_the_next_program_gets_another() {
     let Some(browser) = browser() else { return };
     let (variant, height) = (centred("v"), blazed());
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
-    let prepared = Prepared::new(subject).unwrap();
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
+    let prepared = Prepared::new(placement).unwrap();
     let module = prepared.module(prepared.spectrum.width).unwrap();
     let tables = [(1, &prepared.terms), (2, &prepared.spectrum)];
     for api in Api::ALL {

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use diffraction_harness::record::{self, Bench, Record};
+use diffraction_harness::results::{self, Bench, Record};
 
 /// `gems` has no meaning on a flat surface: it cannot be built.
 const PLAN: &str = r#"schema = 1
@@ -72,9 +72,9 @@ fn results_are_appended_and_what_cannot_be_built_is_a_gap() {
     let text = String::from_utf8_lossy(&done.stderr);
     assert_eq!(done.status.code(), Some(1), "gems failed: {text}");
     assert!(text.contains("a flat surface has no period"), "{text}");
-    let records = record::read(&folder.path().join("out/records.jsonl")).unwrap();
+    let records = results::read(&folder.path().join("out/records.jsonl")).unwrap();
     let stdout = String::from_utf8(done.stdout).unwrap();
-    assert_eq!(stdout, records.iter().map(record::line).collect::<String>());
+    assert_eq!(stdout, records.iter().map(results::line).collect::<String>());
     let gaps = records.iter().filter(|r| match r {
         Record::Gap(gap) => gap.failed && gap.variant.as_deref() == Some("gems"),
         _ => false,
@@ -89,7 +89,7 @@ fn results_are_appended_and_what_cannot_be_built_is_a_gap() {
     }
     // a second run adds to the first
     bench(folder.path(), &args);
-    let again = record::read(&folder.path().join("out/records.jsonl")).unwrap();
+    let again = results::read(&folder.path().join("out/records.jsonl")).unwrap();
     assert_eq!((again.len(), &again[..records.len()]), (2 * records.len(), &records[..]));
 }
 
@@ -103,7 +103,7 @@ fn kept_results_are_compared_with() {
     assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
     let table = String::from_utf8(done.stdout).unwrap();
     assert!(table.contains("ratio = slow / this") && !table.contains("since"), "{table}");
-    let kept = record::read(&folder.path().join("target/bench/before.jsonl")).unwrap();
+    let kept = results::read(&folder.path().join("target/bench/before.jsonl")).unwrap();
     assert!(benches(&kept).iter().any(|b| b.variant == "quick"));
     let done = bench(folder.path(), &["--variant", "quick", "--compare-to", "before"]);
     let table = String::from_utf8(done.stdout).unwrap();
@@ -123,7 +123,7 @@ fn scaling_varies_what_the_mode_reads() {
     assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
     let table = String::from_utf8(done.stdout).unwrap();
     assert!(table.contains("time grows like terms^"), "{table}");
-    let records = record::read(&folder.path().join("out/records.jsonl")).unwrap();
+    let records = results::read(&folder.path().join("out/records.jsonl")).unwrap();
     let values = |axis: &str| -> Vec<f64> {
         let of_axis = |r: &Record| match r {
             Record::Scaling(s) if s.axis == axis => Some(s.value),

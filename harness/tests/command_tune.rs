@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use diffraction_harness::record::{self, Record, Tune, Verdict};
+use diffraction_harness::results::{self, Record, Tune, Verdict};
 use diffraction_shaders::plan::Plan;
 
 /// `short` is cut so short that its colours are wrong; it costs next to nothing.
@@ -45,7 +45,7 @@ fn without_driver(done: &Output) -> bool {
 }
 
 fn tunes(folder: &Path) -> Vec<Tune> {
-    let records = record::read(&folder.join("out/records.jsonl")).unwrap();
+    let records = results::read(&folder.join("out/records.jsonl")).unwrap();
     let tune = |r| if let Record::Tune(tune) = r { Some(tune) } else { None };
     records.into_iter().filter_map(tune).collect()
 }
@@ -62,7 +62,7 @@ fn the_winner_is_within_the_budget_and_its_preset_can_be_pasted() {
     let found = tunes(folder.path());
     let stdout = String::from_utf8(done.stdout).unwrap();
     let lines = |found: &[Tune]| -> String {
-        found.iter().map(|t| record::line(&Record::Tune(t.clone()))).collect()
+        found.iter().map(|t| results::line(&Record::Tune(t.clone()))).collect()
     };
     assert_eq!(stdout, lines(&found));
     let winners: Vec<&Tune> = found.iter().filter(|t| t.verdict == Verdict::Winner).collect();

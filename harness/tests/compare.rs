@@ -6,13 +6,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::rc::Rc;
 
-use diffraction_harness::compare::{CONTROLS, Request, Sink, Unit, run, steps};
+use diffraction_harness::compare::{CONTROLS, Job, Sink, Unit, run, steps};
 use diffraction_harness::drivers::Prepared;
 use diffraction_harness::drivers::routes::{self, Route};
-use diffraction_harness::record::{Compare, Control, Gap, Part, Record};
+use diffraction_harness::results::{Compare, Control, Gap, Part, Record};
 use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::plan::Plan;
-use diffraction_shaders::reference::Directions;
 use diffraction_shaders::runner::{Progress, Runner, TwinRunner};
 
 const PLAN: &str = r#"schema = 1
@@ -59,7 +59,7 @@ impl Route for Made {
 
     fn runner<'a>(&self, prepared: Prepared<'a>) -> Box<dyn Runner + 'a> {
         self.asked.set(self.asked.get() + 1);
-        let twin = TwinRunner::new(prepared.subject, true).unwrap();
+        let twin = TwinRunner::new(prepared.placement, true).unwrap();
         Box::new(MadeRunner { behaviour: self.behaviour, twin })
     }
 }
@@ -166,7 +166,7 @@ fn compared(routes: &[Box<dyn Route>], known: bool) -> Kept {
 
 fn compared_of(plan: &str, routes: &[Box<dyn Route>], known: bool) -> Kept {
     let plan = Plan::parse(plan, Path::new("plan.toml")).unwrap();
-    let request = Request {
+    let request = Job {
         surfaces: &plan.surfaces,
         variants: &plan.variants,
         routes,
@@ -357,7 +357,7 @@ coherence_um = 16
         ("packing f32", Part::Packing, "rows", "fine", [20.0, 0.0], 256),
     ];
     for (what, part, surface, variant, light, size) in cases {
-        let request = Request {
+        let request = Job {
             surfaces: &[plan.surface(surface).unwrap().clone()],
             variants: &[find(variant)],
             routes: &[],

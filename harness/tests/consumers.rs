@@ -10,10 +10,10 @@ use std::sync::OnceLock;
 use std::time::Duration;
 
 use diffraction_harness::drivers::browser::{check_page, drive_page};
-use diffraction_shaders::generate::{Request, generate, index};
 use diffraction_shaders::input;
+use diffraction_shaders::package::compile::{Request, generate, index};
 use diffraction_shaders::package::write;
-use diffraction_shaders::template::Sources;
+use diffraction_shaders::shader::template::Sources;
 use serde_json::{Value, json};
 
 #[path = "../../examples/wgpu_probe.rs"]

@@ -5,15 +5,16 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use diffraction_harness::drivers::egl::{Dialect, Egl};
 use diffraction_harness::drivers::{Driver, DriverRunner, EglRunner, Prepared};
-use diffraction_shaders::emit::{EmittedFile, emit};
-use diffraction_shaders::frame::view_direction;
-use diffraction_shaders::height::{HeightField, synthetic::synthesise};
+use diffraction_shaders::field::reference::Directions;
+use diffraction_shaders::optics::brdf_map::view_direction;
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{
     Auto, Basis, Grating, Optics, Packing, Reconstruction, Rough, Sampling, Variant,
 };
-use diffraction_shaders::reference::Directions;
-use diffraction_shaders::runner::{Runner, Subject, TwinRunner, rounded};
+use diffraction_shaders::runner::{Placement, Runner, TwinRunner, rounded};
+use diffraction_shaders::shader::emit::{EmittedFile, emit};
+use diffraction_shaders::surface::HeightField;
+use diffraction_shaders::surface::synthetic::synthesise;
 use diffraction_shaders::tables::Table;
 use glam::DVec3;
 
@@ -32,15 +33,15 @@ fn both_dialects_agree_with_the_twin() {
     let (centred, texts) = (variant(), Variant::texts(&Optics::standard()));
     for (variant, bound) in [(&centred, CENTRED), (&texts, TEXTS)] {
         let references = surfaces().map(|height| {
-            let subject = Subject { height: &height, rotate_deg: 25.0, variant };
-            let expected = Results::of(&TwinRunner::new(subject, true).unwrap());
+            let placement = Placement { height: &height, rotate_deg: 25.0, variant };
+            let expected = Results::of(&TwinRunner::new(placement, true).unwrap());
             (height, expected)
         });
         on_both(|egl| {
             let mut worst = 0.0_f64;
             for (height, expected) in &references {
-                let subject = Subject { height, rotate_deg: 25.0, variant };
-                let runner = EglRunner::new(subject, egl.dialect()).unwrap();
+                let placement = Placement { height, rotate_deg: 25.0, variant };
+                let runner = EglRunner::new(placement, egl.dialect()).unwrap();
                 assert_eq!(runner.route(), egl.dialect().route());
                 let [map, probe] = Results::of(&runner).errors(expected);
                 println!("{} {}: map {map:.2e}, probe {probe:.2e}", variant.name, egl.dialect());
@@ -57,12 +58,12 @@ fn both_dialects_agree_with_the_twin() {
 fn single_wavelengths_agree_with_the_twin() {
     let variant = variant();
     let [_, height, _] = surfaces();
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
-    let expected = TwinRunner::new(subject, true).unwrap().response(&pairs(), 532.0).unwrap();
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
+    let expected = TwinRunner::new(placement, true).unwrap().response(&pairs(), 532.0).unwrap();
     let most = expected.iter().fold(0.0_f64, |a, b| a.max(*b));
     assert!(most > 0.0);
     on_both(|egl| {
-        let runner = EglRunner::new(subject, egl.dialect()).unwrap();
+        let runner = EglRunner::new(placement, egl.dialect()).unwrap();
         let got = runner.response(&pairs(), 532.0).unwrap();
         for (got, expected) in got.iter().zip(&expected) {
             assert!((got - expected).abs() <= CENTRED * most, "{got} {expected}");
@@ -103,11 +104,11 @@ fn what_is_wrong_is_seen() {
     let variant = variant();
     // unlike its mirror image on both axes
     let [_, height, _] = surfaces();
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
-    let expected = Results::of(&TwinRunner::new(subject, true).unwrap());
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
+    let expected = Results::of(&TwinRunner::new(placement, true).unwrap());
     on_both(|egl| {
         for (what, spoil) in spoils {
-            let mut prepared = Prepared::new(subject).unwrap();
+            let mut prepared = Prepared::new(placement).unwrap();
             spoil(&mut prepared);
             let [map, probe] =
                 Results::of(&DriverRunner::with(prepared, egl.clone())).errors(&expected);
@@ -121,8 +122,8 @@ fn what_is_wrong_is_seen() {
 fn row_zero_is_at_the_top() {
     let variant = variant();
     let [height, ..] = surfaces();
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
-    let mut prepared = Prepared::new(subject).unwrap();
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
+    let mut prepared = Prepared::new(placement).unwrap();
     let colour = prepared.sources.0.get_mut("colour").unwrap();
     assert!(colour.contains("return to_rgb(tristimulus(wi, wr));"));
     // what is added is lost in rounding, and keeps every binding alive
@@ -175,7 +176,7 @@ fn row_zero_is_at_the_top() {
 fn what_the_driver_refuses_is_an_error_that_names_it() {
     let variant = variant();
     let [height, ..] = surfaces();
-    let prepared = Prepared::new(Subject { height: &height, rotate_deg: 0.0, variant: &variant });
+    let prepared = Prepared::new(Placement { height: &height, rotate_deg: 0.0, variant: &variant });
     let prepared = prepared.unwrap();
     let module = prepared.module(prepared.spectrum.width).unwrap();
     let tables = [(1, &prepared.terms), (2, &prepared.spectrum)];
@@ -243,16 +244,16 @@ fn what_the_driver_refuses_is_an_error_that_names_it() {
 fn runners_are_used_on_any_thread_and_within_each_other() {
     let variant = variant();
     let [height, ..] = surfaces();
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     let pairs = &pairs()[..40];
     on_both(|egl| {
-        let runner = EglRunner::new(subject, egl.dialect()).unwrap();
+        let runner = EglRunner::new(placement, egl.dialect()).unwrap();
         let wanted = runner.tristimulus(pairs, &|_| ()).unwrap();
         std::thread::scope(|scope| {
             for dialect in Dialect::ALL {
                 let wanted = &wanted;
                 scope.spawn(move || {
-                    let runner = EglRunner::new(subject, dialect).unwrap();
+                    let runner = EglRunner::new(placement, dialect).unwrap();
                     let got = runner.tristimulus(pairs, &|_| ()).unwrap();
                     let same = |(a, b): (&[f64; 3], &[f64; 3])| {
                         (DVec3::from(*a) - DVec3::from(*b)).length() < 1e-5
@@ -263,35 +264,33 @@ fn runners_are_used_on_any_thread_and_within_each_other() {
         });
         // the callback of one runner runs another, of another dialect, on the same thread
         let light = direction(20.0, 0.0);
-        let wanted = runner.map(light, 40, &|_| ()).unwrap();
+        let wanted = runner.brdf_map(light, 40, &|_| ()).unwrap();
         let inner = |_: usize| {
             for dialect in Dialect::ALL {
-                let runner = EglRunner::new(subject, dialect).unwrap();
-                assert_eq!(runner.map(light, 40, &|_| ()).unwrap().size, 40);
+                let runner = EglRunner::new(placement, dialect).unwrap();
+                assert_eq!(runner.brdf_map(light, 40, &|_| ()).unwrap().size, 40);
             }
         };
-        assert_eq!(runner.map(light, 40, &inner).unwrap(), wanted);
+        assert_eq!(runner.brdf_map(light, 40, &inner).unwrap(), wanted);
     });
 }
 
 /// wgpu closes the display of Mesa that it opened; that must not be the one of a runner that is still in use.
 #[test]
 fn wgpu_in_the_same_process_does_no_harm() {
-    use diffraction_harness::drivers::{
-        ShaderRunner,
-        gpu::{Backend, Gpu},
-    };
+    use diffraction_harness::drivers::ShaderRunner;
+    use diffraction_harness::drivers::gpu::{Backend, Gpu};
     let variant = variant();
     let [height, ..] = surfaces();
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     let light = rounded(direction(20.0, 35.0));
     on_both(|egl| {
-        let runner = EglRunner::new(subject, egl.dialect()).unwrap();
-        let before = runner.map(light, 40, &|_| ()).unwrap();
+        let runner = EglRunner::new(placement, egl.dialect()).unwrap();
+        let before = runner.brdf_map(light, 40, &|_| ()).unwrap();
         match Gpu::open(Backend::Gl, None) {
             Ok(gpu) => {
-                let shader = ShaderRunner::new(subject, gpu).unwrap();
-                let wgpu = shader.map(light, 40, &|_| ()).unwrap().disc();
+                let shader = ShaderRunner::new(placement, gpu).unwrap();
+                let wgpu = shader.brdf_map(light, 40, &|_| ()).unwrap().disc();
                 let most = before.disc().as_flattened().iter().fold(0.0_f64, |a, b| a.max(*b));
                 for (a, b) in wgpu.as_flattened().iter().zip(before.disc().as_flattened()) {
                     assert!((a - b).abs() <= CENTRED * most, "{a} {b}");
@@ -299,7 +298,7 @@ fn wgpu_in_the_same_process_does_no_harm() {
             }
             Err(e) => println!("NOT RUN: {e}"),
         }
-        assert_eq!(runner.map(light, 40, &|_| ()).unwrap(), before);
+        assert_eq!(runner.brdf_map(light, 40, &|_| ()).unwrap(), before);
     });
 }
 
@@ -382,7 +381,7 @@ impl Results {
     fn of(runner: &dyn Runner) -> Results {
         let light = rounded(direction(20.0, 35.0));
         Results {
-            map: runner.map(light, 64, &|_| ()).unwrap().disc(),
+            map: runner.brdf_map(light, 64, &|_| ()).unwrap().disc(),
             probe: runner.tristimulus(&pairs(), &|_| ()).unwrap(),
         }
     }

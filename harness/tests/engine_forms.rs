@@ -12,13 +12,13 @@ use diffraction_harness::drivers::gpu::{
     Backend, Gpu, Program, Shader, Texture, TextureFormat, TextureLayout, Uniform,
 };
 use diffraction_harness::drivers::passthrough::{Language, Passthrough};
-use diffraction_shaders::emit::{BindingKind, BindingName, EmittedFile, EntryPoint};
-use diffraction_shaders::generate::{Request, generate};
-use diffraction_shaders::module::Stage;
 use diffraction_shaders::package::Package;
+use diffraction_shaders::package::compile::{Request, generate};
 use diffraction_shaders::plan::{Plan, Target};
+use diffraction_shaders::shader::emit::{BindingKind, BindingName, EmittedFile, EntryPoint};
+use diffraction_shaders::shader::module::Stage;
+use diffraction_shaders::shader::template::Sources;
 use diffraction_shaders::tables::{DIRECTIONS, Table, TexelFormat};
-use diffraction_shaders::template::Sources;
 use serde_json::Value;
 
 /// Every mode, both formats and packings, on a surface with orders along both axes and on a rough one.

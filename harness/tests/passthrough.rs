@@ -10,12 +10,12 @@ use diffraction_harness::drivers::gpu::{Backend, Gpu};
 use diffraction_harness::drivers::passthrough::{Language, Passthrough};
 use diffraction_harness::drivers::{Driver, DriverRunner, Prepared, ShaderRunner};
 use diffraction_harness::process::on_path;
-use diffraction_shaders::emit::{EmittedFile, emit};
-use diffraction_shaders::module;
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{Basis, Mode, TableFormat, Variant};
-use diffraction_shaders::runner::{Runner, Subject, TwinRunner};
-use diffraction_shaders::tables::{Scale, Table};
+use diffraction_shaders::runner::{Placement, Runner, TwinRunner};
+use diffraction_shaders::shader::emit::{EmittedFile, emit};
+use diffraction_shaders::shader::module;
+use diffraction_shaders::tables::{Table, TermScale};
 use passthrough_support::{Results, blazed, centred, fingers, texts_bound, variants};
 
 /// Greatest difference of a centred basis from the twin, over the greatest value.
@@ -37,8 +37,8 @@ fn every_mode_and_form_agrees_with_its_twin() {
         // the modes and the preset on both, the other forms on the one that fills the map
         let both = ["full", "pq", "gems", "texts"].contains(&variant.name.as_str());
         for (height, rotate_deg) in surfaces.iter().zip([25.0, 0.0]).take(1 + usize::from(both)) {
-            let subject = Subject { height, rotate_deg, variant };
-            let twin = Results::of(&TwinRunner::new(subject, true).unwrap());
+            let placement = Placement { height, rotate_deg, variant };
+            let twin = Results::of(&TwinRunner::new(placement, true).unwrap());
             let bound = match (variant.basis, variant.mode) {
                 // the last bit of a direction is a small part of a column of the table
                 (_, Mode::Baked) => 5.0 * CENTRED,
@@ -46,7 +46,7 @@ fn every_mode_and_form_agrees_with_its_twin() {
                 _ => CENTRED,
             };
             for driver in &drivers {
-                let runner = DriverRunner::with(Prepared::new(subject).unwrap(), driver.clone());
+                let runner = DriverRunner::with(Prepared::new(placement).unwrap(), driver.clone());
                 let errors = Results::of(&runner).errors(&twin);
                 let what = format!("{} by {}", variant.name, runner.route());
                 println!("{what}: map {:.1e}, probe {:.1e} of {bound:.1e}", errors[0], errors[1]);
@@ -68,8 +68,8 @@ fn all_routes_agree_with_each_other() {
     let mut wrong = Vec::new();
     let compared = ["full", "full-f16-single", "full-ensemble", "pq", "adaptive", "gems"];
     for variant in variants().iter().filter(|v| compared.contains(&v.name.as_str())) {
-        let subject = Subject { height: &height, rotate_deg: 25.0, variant };
-        let prepared = Prepared::new(subject).unwrap();
+        let placement = Placement { height: &height, rotate_deg: 25.0, variant };
+        let prepared = Prepared::new(placement).unwrap();
         let mut runners: Vec<Box<dyn Runner + '_>> = Vec::new();
         for driver in drivers() {
             if driver.language() == Language::Spirv {
@@ -78,7 +78,7 @@ fn all_routes_agree_with_each_other() {
             runners.push(Box::new(DriverRunner::with(prepared.clone(), driver)));
         }
         match Gpu::open(Backend::Gl, None) {
-            Ok(gpu) => runners.push(Box::new(ShaderRunner::new(subject, gpu).unwrap())),
+            Ok(gpu) => runners.push(Box::new(ShaderRunner::new(placement, gpu).unwrap())),
             Err(e) => missing(&e.to_string()),
         }
         for dialect in Dialect::ALL {
@@ -131,7 +131,7 @@ fn what_is_wrong_is_seen() {
         }),
         ("f16 unscaled", TableFormat::F16, |prepared| {
             let scale = prepared.form.series().unwrap().scale();
-            assert_ne!(scale, Scale::NONE);
+            assert_ne!(scale, TermScale::NONE);
             for term in 0..2 * prepared.terms.layers {
                 numbers(&mut prepared.terms, term).for_each(|v| *v *= scale.of(term));
             }
@@ -143,10 +143,10 @@ fn what_is_wrong_is_seen() {
     let height = fingers(0.4);
     for (what, table, spoil) in spoils {
         let variant = Variant { table, ..centred("centred") };
-        let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
-        let twin = Results::of(&TwinRunner::new(subject, true).unwrap());
+        let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
+        let twin = Results::of(&TwinRunner::new(placement, true).unwrap());
         for driver in drivers() {
-            let mut prepared = Prepared::new(subject).unwrap();
+            let mut prepared = Prepared::new(placement).unwrap();
             spoil(&mut prepared);
             let wrong = DriverRunner::with(prepared, driver);
             let errors = Results::of(&wrong).errors(&twin);
@@ -163,8 +163,8 @@ fn wrong_files_are_errors_and_harm_nothing() {
     }
     let height = blazed();
     let variant = centred("v");
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
-    let prepared = Prepared::new(subject).unwrap();
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
+    let prepared = Prepared::new(placement).unwrap();
     let module = prepared.module(prepared.spectrum.width).unwrap();
     let tables = [(1, &prepared.terms), (2, &prepared.spectrum)];
     for driver in drivers() {
@@ -230,8 +230,8 @@ fn flipped_bits_do_not_bring_the_process_down() {
         return;
     }
     let (height, variant) = (blazed(), centred("v"));
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
-    let prepared = Prepared::new(subject).unwrap();
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
+    let prepared = Prepared::new(placement).unwrap();
     let module = prepared.module(prepared.spectrum.width).unwrap();
     let tables = [(1, &prepared.terms), (2, &prepared.spectrum)];
     for driver in drivers().iter().filter(|driver| driver.language() == Language::Spirv) {
@@ -263,10 +263,10 @@ fn what_cannot_be_opened_says_what_is_missing() {
     match Gpu::open(Backend::Gl, None) {
         Ok(gpu) => {
             let (height, variant) = (blazed(), centred("v"));
-            let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
+            let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
             let driver = Passthrough::with(Language::Spirv, gpu).unwrap();
-            let runner = DriverRunner::with(Prepared::new(subject).unwrap(), driver);
-            let error = runner.map(direction(20.0, 0.0), 8, &|_| ()).unwrap_err().to_string();
+            let runner = DriverRunner::with(Prepared::new(placement).unwrap(), driver);
+            let error = runner.brdf_map(direction(20.0, 0.0), 8, &|_| ()).unwrap_err().to_string();
             assert!(error.contains("takes no SPIR-V"), "{error}");
         }
         Err(e) => missing(&e.to_string()),

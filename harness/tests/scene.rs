@@ -1,14 +1,17 @@
 //! The headless scene on a driver: the entry `mesh` against the same scene in f64, and pictures of what is wrong with a mesh.
 #![allow(clippy::unwrap_used, reason = "a test that unwraps fails with the error")]
 
+use diffraction_harness::drivers::ColourMap;
 use diffraction_harness::drivers::Prepared;
 use diffraction_harness::drivers::gpu::{Backend, Gpu};
-use diffraction_harness::scene::picture::{display, exr, png, stacked};
-use diffraction_harness::scene::{ColourMap, Light, Mesh, Orbit, Snake, snake, sphere};
-use diffraction_harness::studio::{Hdr, Look, Studio, Truth, relative_radiance, truth};
-use diffraction_shaders::height::{HeightField, synthetic::synthesise};
+use diffraction_harness::scene::drawing::{Drawing, Hdr, Look, Truth, relative_radiance, truth};
+use diffraction_harness::scene::tone_map::{display, exr, stacked};
+use diffraction_harness::scene::{Light, Mesh, Orbit, Snake, snake, sphere};
+use diffraction_shaders::encode::animation;
 use diffraction_shaders::plan::{Auto, Basis, Coherence, Grating, Mode, Optics, Packing, Variant};
-use diffraction_shaders::runner::Subject;
+use diffraction_shaders::runner::Placement;
+use diffraction_shaders::surface::HeightField;
+use diffraction_shaders::surface::synthetic::synthesise;
 use diffraction_shaders::variant::mesh::{OrientationMap, Vertex};
 use exr::prelude::{ReadChannels, ReadLayers};
 use glam::{DMat4, DVec3, DVec4};
@@ -78,7 +81,7 @@ fn the_picture_is_the_scene_in_f64_and_a_flipped_bitangent_is_caught() {
     let Some(gpu) = gpu() else { return };
     let (height, variant) = (height(), variant(Coherence::Ensemble));
     let mut prepared =
-        Prepared::new(Subject { height: &height, rotate_deg: 20.0, variant: &variant }).unwrap();
+        Prepared::new(Placement { height: &height, rotate_deg: 20.0, variant: &variant }).unwrap();
     let mesh = hard_sphere();
     let found = judged(&gpu, &prepared, &mesh);
     println!("{found:?}");
@@ -109,11 +112,11 @@ fn the_picture_is_the_scene_in_f64_and_a_flipped_bitangent_is_caught() {
 
 fn picture(gpu: &Gpu, mesh: &Mesh, light: DVec3, orbit: Orbit, widen: bool) -> Hdr {
     let (height, variant) = (height(), variant(Coherence::Ensemble));
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
-    let studio = Studio::new(gpu, subject, mesh.clone(), widen).unwrap();
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
+    let drawing = Drawing::new(gpu, placement, mesh.clone(), widen).unwrap();
     let look = Look { lights: vec![Light::white(light)], texture_weight: 0.0 };
     let params = orbit.params(mesh, SIZE, light).unwrap();
-    studio.picture(&params, &look, SIZE).unwrap()
+    drawing.draw(&params, &look, SIZE).unwrap()
 }
 
 fn sum(picture: &Hdr) -> f64 {
@@ -155,10 +158,10 @@ fn widened_lobes_keep_the_light() {
     mesh.colour = ColourMap::plain([0; 3]);
     let size = [40, 30];
     let (height, variant) = (height(), variant(Coherence::Ensemble));
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     let look = Look { lights: vec![Light::white(LIGHT)], texture_weight: 0.0 };
     // the picture's light for a camera that moves by shares of a pixel: mean and standard deviation
-    let light = |studio: &Studio<'_>, zoom: f64, steps: u32, factor: u32| {
+    let light = |drawing: &Drawing<'_>, zoom: f64, steps: u32, factor: u32| {
         let orbit = Orbit { zoom, ..Orbit::around(&mesh, 4.0 / 3.0) };
         let slope = (0.5 * orbit.view_deg.to_radians()).tan();
         let pixel = 2.0 * slope * orbit.distance / zoom / f64::from(size[1]);
@@ -168,7 +171,7 @@ fn widened_lobes_keep_the_light() {
                 let target = orbit.target + pixel / f64::from(steps * factor) * shift;
                 let size = size.map(|side| side * factor);
                 let params = Orbit { target, ..orbit }.params(&mesh, size, LIGHT).unwrap();
-                let picture = studio.picture(&params, &look, size).unwrap();
+                let picture = drawing.draw(&params, &look, size).unwrap();
                 sum(&picture) / f64::from(factor * factor)
             })
             .collect();
@@ -177,7 +180,7 @@ fn widened_lobes_keep_the_light() {
         [mean, variance.sqrt()]
     };
     let [points, widened] =
-        [false, true].map(|widen| Studio::new(&gpu, subject, mesh.clone(), widen).unwrap());
+        [false, true].map(|widen| Drawing::new(&gpu, placement, mesh.clone(), widen).unwrap());
     // the sphere is 18 and 6 pixels wide
     for (zoom, bias) in [(0.63, 0.1), (0.21, 0.15)] {
         let [exact, _] = light(&points, zoom, 2, 16);
@@ -211,7 +214,7 @@ fn files_hold_what_was_drawn() {
     assert_eq!(read.unwrap().layer_data[0].channel_data.pixels, pixels);
     let shown = |exposure| display(2, 1, &pixels, exposure);
     let frames = [shown(0.1), shown(0.2), shown(0.4)];
-    let bytes = png(&frames, 80).unwrap();
+    let bytes = animation(&frames, 80).unwrap();
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
     assert_eq!(reader.info().animation_control.map(|a| a.num_frames), Some(3));
     for frame in &frames {
@@ -230,7 +233,7 @@ fn frames_that_do_not_exist_are_black_and_pictures_of_no_size_are_errors() {
     let Some(gpu) = gpu() else { return };
     let (height, variant) = (height(), variant(Coherence::Ensemble));
     let prepared =
-        Prepared::new(Subject { height: &height, rotate_deg: 0.0, variant: &variant }).unwrap();
+        Prepared::new(Placement { height: &height, rotate_deg: 0.0, variant: &variant }).unwrap();
     let mesh = sphere(24);
     let orbit = Orbit::around(&mesh, 4.0 / 3.0);
     let params = orbit.params(&mesh, SIZE, LIGHT).unwrap();
@@ -271,7 +274,7 @@ fn inside_of_a_mesh_all_is_black() {
 fn amplitudes_have_no_wider_lobe() {
     let Some(gpu) = gpu() else { return };
     let (height, variant) = (height(), variant(Coherence::Single));
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
-    let error = Studio::new(&gpu, subject, sphere(12), true).err().unwrap().to_string();
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
+    let error = Drawing::new(&gpu, placement, sphere(12), true).err().unwrap().to_string();
     assert!(error.contains("coherence = \"ensemble\""), "{error}");
 }

@@ -6,16 +6,17 @@ mod data_support;
 
 use diffraction_harness::drivers::gpu::{Backend, Gpu};
 use diffraction_harness::drivers::{DriverRunner, Prepared, ShaderRunner};
-use diffraction_shaders::height::{HeightField, synthetic::synthesise};
+use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::input;
-use diffraction_shaders::measure::{Comparison, compare};
+use diffraction_shaders::optics::colour_difference::{ColourDifference, colour_difference};
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{
     Auto, Basis, Coherence, CoherenceScaling, FileSource, Grating, Level, Mode, Optics, Packing,
     Reconstruction, Sampling, SurfaceOptics, SurfaceSource, SurfaceSpec, TableFormat, Variant,
 };
-use diffraction_shaders::reference::Directions;
-use diffraction_shaders::runner::{Runner, Subject, TwinRunner, rounded};
+use diffraction_shaders::runner::{Placement, Runner, TwinRunner, rounded};
+use diffraction_shaders::surface::HeightField;
+use diffraction_shaders::surface::synthetic::synthesise;
 
 /// Greatest arithmetic error of a centred basis, over the map's greatest value.
 const CENTRED: f64 = 2e-5;
@@ -27,7 +28,7 @@ const FILTERED: f64 = 3e-3;
 /// each is rounded to 24 bits: `exp(z H)·2⁻²⁴` is 2.3e-4 for H = 0.25 µm at z = 33.
 fn texts_bound(height: &HeightField) -> f64 {
     let (low_um, high_um) = height.range_um();
-    let z_max = diffraction_shaders::basis::greatest_z(380.0);
+    let z_max = diffraction_shaders::tables::basis::greatest_z(380.0);
     (z_max * (high_um - low_um)).exp() * 2.0_f64.powi(-24)
 }
 
@@ -60,13 +61,14 @@ fn difference(
     rotate_deg: f64,
     theta_i: f64,
     size: usize,
-) -> Comparison {
-    let subject = Subject { height, rotate_deg, variant };
+) -> ColourDifference {
+    let placement = Placement { height, rotate_deg, variant };
     let light = rounded(direction(theta_i, 10.0));
-    let twin = TwinRunner::new(subject, true).unwrap().map(light, size, &|_| ()).unwrap().disc();
-    let shader = ShaderRunner::new(subject, gpu.clone()).unwrap();
-    let map = shader.map(light, size, &|_| ()).unwrap().disc();
-    compare(&format!("{} {}", variant.name, shader.route()), &twin, &map, None).unwrap()
+    let twin =
+        TwinRunner::new(placement, true).unwrap().brdf_map(light, size, &|_| ()).unwrap().disc();
+    let shader = ShaderRunner::new(placement, gpu.clone()).unwrap();
+    let map = shader.brdf_map(light, size, &|_| ()).unwrap().disc();
+    colour_difference(&format!("{} {}", variant.name, shader.route()), &twin, &map, None).unwrap()
 }
 
 /// A table of two pages.
@@ -188,15 +190,18 @@ fn tables_read_between_their_texels_agree_with_their_twins() {
         }
         let variant =
             prefiltered(Mode::Adaptive, Basis::Optimal, 5, Packing::Paired, Sampling::Filter);
-        let subject = Subject { height: &fingers, rotate_deg: 0.0, variant: &variant };
-        let mut nearest = Prepared::new(subject).unwrap();
+        let placement = Placement { height: &fingers, rotate_deg: 0.0, variant: &variant };
+        let mut nearest = Prepared::new(placement).unwrap();
         let template = nearest.sources.0.get_mut("prefiltered").unwrap();
         assert!(template.contains("place / size"));
         *template = template.replace("place / size", "floor(place + 0.5) / size");
         let light = rounded(direction(20.0, 10.0));
-        let twin = TwinRunner::new(subject, true).unwrap().map(light, 48, &|_| ()).unwrap().disc();
-        let wrong = DriverRunner::with(nearest, gpu).map(light, 48, &|_| ()).unwrap().disc();
-        assert!(compare("nearest", &twin, &wrong, None).unwrap().max_abs > 10.0 * FILTERED);
+        let twin =
+            TwinRunner::new(placement, true).unwrap().brdf_map(light, 48, &|_| ()).unwrap().disc();
+        let wrong = DriverRunner::with(nearest, gpu).brdf_map(light, 48, &|_| ()).unwrap().disc();
+        assert!(
+            colour_difference("nearest", &twin, &wrong, None).unwrap().max_abs > 10.0 * FILTERED
+        );
     }
 }
 
@@ -216,24 +221,29 @@ fn wrong_shaders_are_caught() {
     let height = blazed();
     for gpu in adapters() {
         let right = standard(19);
-        let subject = Subject { height: &height, rotate_deg: 0.0, variant: &right };
+        let placement = Placement { height: &height, rotate_deg: 0.0, variant: &right };
         let light = rounded(direction(20.0, 0.0));
-        let twin = TwinRunner::new(subject, true).unwrap().map(light, 64, &|_| ()).unwrap().disc();
+        let twin =
+            TwinRunner::new(placement, true).unwrap().brdf_map(light, 64, &|_| ()).unwrap().disc();
         let mirrored = rounded(direction(20.0, 180.0));
-        let wrong = ShaderRunner::new(subject, gpu.clone())
+        let wrong = ShaderRunner::new(placement, gpu.clone())
             .unwrap()
-            .map(mirrored, 64, &|_| ())
+            .brdf_map(mirrored, 64, &|_| ())
             .unwrap()
             .disc();
-        assert!(compare("mirrored", &twin, &wrong, None).unwrap().max_abs > 100.0 * CENTRED);
+        assert!(
+            colour_difference("mirrored", &twin, &wrong, None).unwrap().max_abs > 100.0 * CENTRED
+        );
         let fewer = standard(9);
-        let subject = Subject { variant: &fewer, ..subject };
-        let wrong = ShaderRunner::new(subject, gpu.clone())
+        let placement = Placement { variant: &fewer, ..placement };
+        let wrong = ShaderRunner::new(placement, gpu.clone())
             .unwrap()
-            .map(light, 64, &|_| ())
+            .brdf_map(light, 64, &|_| ())
             .unwrap()
             .disc();
-        assert!(compare("fewer terms", &twin, &wrong, None).unwrap().max_abs > 10.0 * CENTRED);
+        assert!(
+            colour_difference("fewer terms", &twin, &wrong, None).unwrap().max_abs > 10.0 * CENTRED
+        );
     }
 }
 
@@ -242,7 +252,7 @@ fn wrong_shaders_are_caught() {
 fn listed_directions_agree_too() {
     let height = blazed();
     let variant = standard(19);
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     let directions: Vec<Directions> = (0..1000)
         .map(|i| {
             let (wi, theta_r) = (direction(30.0, 0.0), 0.1 * f64::from(i % 650));
@@ -252,15 +262,19 @@ fn listed_directions_agree_too() {
             }
         })
         .collect();
-    let twin = TwinRunner::new(subject, true).unwrap();
+    let twin = TwinRunner::new(placement, true).unwrap();
     let colours = twin.tristimulus(&directions, &|_| ()).unwrap();
     let responses = twin.response(&directions, 550.0).unwrap();
     assert!(responses.iter().any(|p2| *p2 > 0.1), "no order is met");
     for gpu in adapters() {
-        let shader = ShaderRunner::new(subject, gpu).unwrap();
-        let c =
-            compare("probe", &colours, &shader.tristimulus(&directions, &|_| ()).unwrap(), None)
-                .unwrap();
+        let shader = ShaderRunner::new(placement, gpu).unwrap();
+        let c = colour_difference(
+            "probe",
+            &colours,
+            &shader.tristimulus(&directions, &|_| ()).unwrap(),
+            None,
+        )
+        .unwrap();
         assert!(c.max_abs <= CENTRED && c.de2000.p99 <= 0.01, "{c:?}");
         for (got, want) in shader.response(&directions, 550.0).unwrap().iter().zip(&responses) {
             assert!((got - want).abs() <= CENTRED, "{got} against {want}");

@@ -6,13 +6,14 @@ mod data_support;
 
 use std::path::Path;
 
-use diffraction_harness::testbench::{self, Lobe, Measurement, Picture, Profile, Protocol};
-use diffraction_shaders::height::inspect::facts;
-use diffraction_shaders::height::{HeightField, synthetic::synthesise};
+use diffraction_harness::period::{self, ClosedForm, HeatmapText, Lobe, Measurement, Protocol};
 use diffraction_shaders::input::load_surface as load;
 use diffraction_shaders::optics::window_sigma_um;
 use diffraction_shaders::plan::{Grating, Mode, Optics, Plan, Variant, Wavelengths};
-use diffraction_shaders::runner::{Runner, Subject, TwinRunner};
+use diffraction_shaders::runner::{Placement, Runner, TwinRunner};
+use diffraction_shaders::surface::HeightField;
+use diffraction_shaders::surface::facts::facts;
+use diffraction_shaders::surface::synthetic::synthesise;
 
 /// What the estimate may be off the one on the closed form, nm.
 const CLOSED_NM: f64 = 0.02;
@@ -57,22 +58,22 @@ fn by_twin(height: &HeightField, variant: &Variant, protocol: Protocol) -> Measu
 }
 
 fn turned(h: &HeightField, rotate_deg: f64, variant: &Variant, protocol: Protocol) -> Measurement {
-    let subject = Subject { height: h, rotate_deg, variant };
-    let twin = TwinRunner::new(subject, true).unwrap();
-    let extent_um = testbench::extent_um(subject, 780.0).unwrap();
-    testbench::measure(&protocol, extent_um, testbench::runner(&twin, protocol)).unwrap()
+    let placement = Placement { height: h, rotate_deg, variant };
+    let twin = TwinRunner::new(placement, true).unwrap();
+    let extent_um = period::extent_um(placement, 780.0).unwrap();
+    period::measure(&protocol, extent_um, period::runner(&twin, protocol)).unwrap()
 }
 
 fn exactly(height: &HeightField, protocol: Protocol) -> Measurement {
     let variant = Variant::texts(&Optics::standard());
-    let subject = Subject { height, rotate_deg: 0.0, variant: &variant };
-    testbench::measure(&protocol, 65.0, testbench::exact(subject, protocol).unwrap()).unwrap()
+    let placement = Placement { height, rotate_deg: 0.0, variant: &variant };
+    period::measure(&protocol, 65.0, period::exact(placement, protocol).unwrap()).unwrap()
 }
 
 fn closed(grating: &Grating, variant: &Variant, protocol: Protocol) -> Measurement {
     let height = height(grating);
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant };
-    testbench::yardstick(grating, subject, &protocol).unwrap().unwrap()
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant };
+    period::yardstick(grating, placement, &protocol).unwrap().unwrap()
 }
 
 /// Greater of the differences of mean and standard deviation, nm.
@@ -143,13 +144,12 @@ fn the_grid_need_not_be_filled() {
         let protocol = Protocol { wavelengths: sparse, ..protocol(period_um) };
         for keys in ["mode = \"full\"\nwindow_radius = 3", "mode = \"pq\""] {
             let variant = variant(keys);
-            let subject = Subject { height: &surface, rotate_deg: 0.0, variant: &variant };
-            let twin = TwinRunner::new(subject, true).unwrap();
+            let placement = Placement { height: &surface, rotate_deg: 0.0, variant: &variant };
+            let twin = TwinRunner::new(placement, true).unwrap();
             let with = |extent_um: f64| {
-                testbench::measure(&protocol, extent_um, testbench::runner(&twin, protocol))
-                    .unwrap()
+                period::measure(&protocol, extent_um, period::runner(&twin, protocol)).unwrap()
             };
-            let few = with(testbench::extent_um(subject, 780.0).unwrap());
+            let few = with(period::extent_um(placement, 780.0).unwrap());
             let all = with(1e9);
             assert!(4 * few.evaluations < all.evaluations, "{keys}: {}", few.evaluations);
             for (few, all) in few.rows.iter().zip(&all.rows) {
@@ -186,7 +186,7 @@ fn the_plane_of_incidence_turns_with_the_light() {
     let straight = by_twin(&height, &full, protocol(2.5));
     let oblique = turned(&height, 30.0, &full, Protocol { phi_i_deg: 30.0, ..protocol(2.5) });
     assert!(apart(&straight, &oblique) < 1e-6);
-    let expected = |along_deg| testbench::expected_um(&height, [true; 2], along_deg, "surface a");
+    let expected = |along_deg| period::expected_um(&height, [true; 2], along_deg, "surface a");
     assert!((expected(0.0).unwrap() - 2.5).abs() < 1e-9);
     assert!((expected(-180.0).unwrap() - 2.5).abs() < 1e-9);
     let error = expected(90.0).unwrap_err().to_string();
@@ -203,7 +203,7 @@ fn evanescent_orders_are_left_out_and_counted() {
     let flat = Grating::Flat { period_um: 2.5, pixels: 100 };
     let none = exactly(&height(&flat), protocol(2.5));
     assert_eq!((none.points, none.flat), (0, 81));
-    assert_eq!(testbench::spread([&none]), None);
+    assert_eq!(period::spread([&none]), None);
 }
 
 #[test]
@@ -211,14 +211,14 @@ fn a_mode_without_wavelengths_and_no_number_are_refused() {
     let height = height(&blazed(0.3, 100));
     let gems = variant("mode = \"gems\"");
     assert_eq!(gems.mode, Mode::Gems);
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &gems };
-    let twin = TwinRunner::new(subject, true).unwrap();
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &gems };
+    let twin = TwinRunner::new(placement, true).unwrap();
     let (protocol, runner) = (protocol(2.5), &twin as &dyn Runner);
-    let refused = testbench::measure(&protocol, 65.0, testbench::runner(runner, protocol));
+    let refused = period::measure(&protocol, 65.0, period::runner(runner, protocol));
     assert!(refused.unwrap_err().to_string().contains("no wavelength axis"));
     for wrong in [vec![], vec![f64::NAN; 100_000]] {
         let answer = |_: f64, angles: &[f64]| Ok(wrong[..angles.len().min(wrong.len())].to_vec());
-        let error = testbench::measure(&protocol, 65.0, answer).unwrap_err().to_string();
+        let error = period::measure(&protocol, 65.0, answer).unwrap_err().to_string();
         assert!(error.contains("380 nm"), "{error}");
     }
 }
@@ -227,12 +227,12 @@ fn a_mode_without_wavelengths_and_no_number_are_refused() {
 fn the_picture_names_its_axes_and_the_table_reads_back() {
     let grating = blazed(0.3, 100);
     let protocol = Protocol { whole: true, ..protocol(2.5) };
-    let profile = Profile::new(&grating).unwrap();
+    let profile = ClosedForm::new(&grating).unwrap();
     let lobe = |nm| Lobe::Window { sigma_um: window_sigma_um(&Optics::standard(), nm) };
-    let respond = testbench::profile(&profile, protocol, 0.0, lobe);
-    let found = testbench::measure(&protocol, 65.0, respond).unwrap();
-    let picture = Picture { title: "blazed, full & half", yardstick: Some(&found) };
-    let svg = testbench::heatmap(&found, &protocol, picture).unwrap();
+    let respond = period::profile(&profile, protocol, 0.0, lobe);
+    let found = period::measure(&protocol, 65.0, respond).unwrap();
+    let picture = HeatmapText { title: "blazed, full & half", yardstick: Some(&found) };
+    let svg = period::heatmap(&found, &protocol, picture).unwrap();
     for part in [
         "viewing angle θr, degrees",
         "wavelength, nm",
@@ -246,10 +246,10 @@ fn the_picture_names_its_axes_and_the_table_reads_back() {
     }
     // a circle for each peak on the map and beside it, and one in the legend
     assert_eq!(svg.matches("<circle").count(), 2 * 81 + 1);
-    let plain = Picture { title: "blazed", yardstick: None };
-    assert!(!testbench::heatmap(&found, &protocol, plain).unwrap().contains("closed form"));
+    let plain = HeatmapText { title: "blazed", yardstick: None };
+    assert!(!period::heatmap(&found, &protocol, plain).unwrap().contains("closed form"));
 
-    let table = testbench::csv(&found);
+    let table = period::csv(&found);
     let mut lines = table.lines();
     assert_eq!(lines.next(), Some("wavelength_nm,theta_r_deg,response"));
     let read = lines.map(|line| {
@@ -274,19 +274,19 @@ fn windows_of_a_scan_agree_between_modes_and_differ_from_each_other() {
     let plan = Plan::parse(&text, Path::new("plan.toml")).unwrap();
     let scan = load(&plan.surfaces[0]).unwrap().field;
     let joins = facts(&scan, "elaphe").unwrap().joins;
-    let expected_um = testbench::expected_um(&scan, joins, 0.0, "elaphe").unwrap();
+    let expected_um = period::expected_um(&scan, joins, 0.0, "elaphe").unwrap();
     assert!((1.0..1.2).contains(&expected_um), "{expected_um}");
     let sparse = Wavelengths { min_nm: 380.0, max_nm: 780.0, step_nm: 40.0 };
     let protocol = Protocol { wavelengths: sparse, ..protocol(expected_um) };
     let full = variant("mode = \"full\"\nwindow_radius = 2");
     let mut windows = Vec::new();
-    for crop in testbench::layout(&scan, 9, 12.0, "elaphe").unwrap() {
+    for crop in period::layout(&scan, 9, 12.0, "elaphe").unwrap() {
         let height = crop.of(&scan).unwrap();
         let exact = exactly(&height, protocol);
         assert!(apart(&by_twin(&height, &full, protocol), &exact) < CLOSED_NM, "{crop:?}");
         windows.push(exact);
     }
-    let all = testbench::spread(&windows).unwrap();
+    let all = period::spread(&windows).unwrap();
     println!("{all:?}");
     assert_eq!(all.windows, 9);
     assert!((1000.0..1200.0).contains(&all.period_nm), "{all:?}");

@@ -2,19 +2,19 @@
 
 use std::path::Path;
 
-use diffraction_harness::record::{LightError, Time, Tune, Verdict};
 use diffraction_harness::report::front_picture;
+use diffraction_harness::results::{LightError, Time, Tune, Verdict};
 use diffraction_harness::tune::candidates::candidates;
 use diffraction_harness::tune::colours::Truth;
 use diffraction_harness::tune::prune::{Limits, prune};
 use diffraction_harness::tune::search::{Found, State, search, to_time};
 use diffraction_harness::tune::verdict::{Baseline, Results, Run, front, settle, winner};
 use diffraction_harness::tune::{Candidate, Lost};
-use diffraction_shaders::height;
 use diffraction_shaders::input;
 use diffraction_shaders::plan::{Auto, Mode, Plan, Variant};
-use diffraction_shaders::profile::Profile;
-use diffraction_shaders::runner::Subject;
+use diffraction_shaders::runner::Placement;
+use diffraction_shaders::shader::limits::Profile;
+use diffraction_shaders::surface;
 use diffraction_shaders::variant::Form;
 
 /// A small grating, a variant of the plan, one under another light, and one with a series cut far too short.
@@ -42,7 +42,7 @@ fn plan() -> Plan {
     Plan::parse(PLAN, Path::new("plan.toml")).expect("a plan")
 }
 
-fn surface(plan: &Plan) -> height::HeightField {
+fn surface(plan: &Plan) -> surface::HeightField {
     input::load_surface(&plan.surfaces[0]).expect("a surface").field
 }
 
@@ -120,7 +120,7 @@ fn bounds_sizes_and_profiles_prune_with_their_reasons() {
     let (_, lost) = prune(all(), &fits, 0.0);
     let unfit = lost.iter().filter(|l| l.verdict == Verdict::Unfit);
     assert!(unfit.clone().count() > 0 && unfit.clone().all(|l| l.name.contains("prefiltered")));
-    let wide = height::HeightField::new(4000, 4, 0.09, 0.09, wide_heights()).expect("valid");
+    let wide = surface::HeightField::new(4000, 4, 0.09, 0.09, wide_heights()).expect("valid");
     let (_, lost) = prune(candidates(&plan, &wide).0, &fits, 0.0);
     assert!(
         lost.iter().any(|l| l.verdict == Verdict::Unfit && l.why.contains("webgl2")),
@@ -193,7 +193,7 @@ fn a_series_cut_short_is_far_over_the_budget() {
     let truth = Truth::new(&height, 0.0, &plan.optics, &lights, &|_| ()).expect("lit");
     let measure = |name: &str| {
         let variant = plan.variant(Some(name)).expect("in the plan");
-        truth.measure(Subject { height: &height, rotate_deg: 0.0, variant: &variant }, 1.0)
+        truth.measure(Placement { height: &height, rotate_deg: 0.0, variant: &variant }, 1.0)
     };
     let Found::Errors(errors) = measure("own") else { panic!("own is far off") };
     assert_eq!(errors.iter().map(|e| e.light).collect::<Vec<_>>(), lights);
@@ -202,8 +202,8 @@ fn a_series_cut_short_is_far_over_the_budget() {
     assert!(p95 > 5.0 && light == lights[0], "{p95}");
     // a budget that nothing keeps
     let own = plan.variant(Some("own")).expect("in the plan");
-    let subject = Subject { height: &height, rotate_deg: 0.0, variant: &own };
-    assert!(matches!(truth.measure(subject, 1e-6), Found::Far(..)));
+    let placement = Placement { height: &height, rotate_deg: 0.0, variant: &own };
+    assert!(matches!(truth.measure(placement, 1e-6), Found::Far(..)));
 }
 
 fn error(p95: f64, map_p95: Option<f64>) -> LightError {

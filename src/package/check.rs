@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::error::{Error, Result, Stage};
 
-use super::{Content, MANIFEST, Package, compare, folder};
+use super::{Content, MANIFEST, Package, equality, folder};
 
 /// How a folder differs from a package. Paths are relative, sorted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -49,7 +49,7 @@ pub fn check(package: &Package, out: &Path) -> Result<Report> {
             Content::Stored(path) if same_bytes(path, &on_disk).map_err(unreadable)? => true,
             content => {
                 let disk = fs::read(&on_disk).map_err(unreadable)?;
-                compare::same(file.compare, &content.read()?, &disk)
+                equality::same(file.compare, &content.read()?, &disk)
             }
         };
         if !is_same {

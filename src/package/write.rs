@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use crate::error::{Error, Result, Stage};
 
 use super::folder::{self, Folder, sibling};
-use super::{Compare, Content, Package, compare};
+use super::{Content, Equality, Package, equality};
 
 /// What a write did.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -199,7 +199,7 @@ fn carry(package: &Package, old: &Folder, into: &Path) -> Result<Vec<PathBuf>> {
             let fresh = folder::slashed(&path).and_then(|path| package.files().get(&path));
             let fresh = fresh.filter(|file| !matches!(file.content, Content::Kept(_)));
             let is_same = fresh.and_then(|file| file.content.read().ok()).is_some_and(|fresh| {
-                fs::read(&from).is_ok_and(|disk| compare::same(Compare::Bytes, &fresh, &disk))
+                fs::read(&from).is_ok_and(|disk| equality::same(Equality::Bytes, &fresh, &disk))
             });
             if is_same || (is_folder && to.is_dir()) {
                 continue;

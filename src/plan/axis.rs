@@ -42,6 +42,8 @@ pub(super) enum Part {
     Always(fn(&Variant) -> String),
     /// Where it differs from the documented default.
     Changed(fn(&Variant) -> String),
+    /// Where it differs, as a range; with its step where the mode reads that.
+    Wavelengths,
 }
 
 impl Axis {

@@ -7,7 +7,7 @@ use crate::error::{Error, Result, Stage};
 use super::item::Table;
 use super::optics::OPTICS;
 use super::variants::{read_each, stated};
-use super::{Illuminant, Optics, Plan, Rejected, SurfaceSpec, Variant, mode};
+use super::{Illuminant, Optics, Plan, Rejected, SurfaceSpec, Variant, constraints};
 
 /// Light and material of one surface. They win over `[optics]`, and what a preset or an axis states wins over them.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,8 +80,9 @@ impl Variant {
             return Some(Ok(variant));
         }
         surface.optics.apply(&mut variant);
-        mode::normalise(&mut variant);
-        let reasons: Vec<String> = mode::broken(&variant).into_iter().map(|(_, r)| r).collect();
+        constraints::normalise(&mut variant);
+        let reasons: Vec<String> =
+            constraints::broken(&variant).into_iter().map(|(_, r)| r).collect();
         if reasons.is_empty() {
             return Some(Ok(variant));
         }

@@ -7,8 +7,10 @@ use serde_json::Value;
 use crate::hash::sha256;
 
 use super::axis::Part;
-use super::variant::axes;
-use super::{Optics, Sampling, Variant, Wavelengths, mode};
+use super::number::number;
+use super::reads::{declares, reads};
+use super::variant::{STEP_NM, axes};
+use super::{Optics, Sampling, Variant, Wavelengths};
 
 impl Variant {
     /// The configuration as one line of JSON with sorted keys: what the hash is of. The name is not in it, nor is
@@ -16,7 +18,7 @@ impl Variant {
     pub fn canonical(&self) -> String {
         let entries = axes().flat_map(|axis| axis.entries);
         let map: BTreeMap<&str, Value> = entries
-            .filter(|entry| mode::reads(self, entry.key))
+            .filter(|entry| reads(self, entry.key))
             .map(|entry| (entry.key, (entry.value)(self)))
             .collect();
         let pairs: Vec<String> =
@@ -31,12 +33,12 @@ impl Variant {
 
     /// Whether its wavelengths are those of its configuration, the same for every direction.
     pub fn has_uniform_wavelengths(&self) -> bool {
-        mode::declares(self.mode, "step_nm")
+        declares(self.mode, "step_nm")
     }
 
     /// Whether its shader reads what lies between the texels of a table, so that `sampling` means something.
     pub fn reads_between(&self) -> bool {
-        mode::reads(self, "sampling")
+        reads(self, "sampling")
     }
 
     /// Whether its shader reads a table through a linear filter.
@@ -74,18 +76,22 @@ impl Wavelengths {
 pub(super) fn name_of(variant: &Variant) -> String {
     let standard = Variant::standard(&Optics::standard());
     let parts = axes().filter_map(|axis| match axis.part {
-        Part::Always(part) => mode::reads(variant, axis.key).then(|| part(variant)),
+        Part::Always(part) => reads(variant, axis.key).then(|| part(variant)),
+        Part::Wavelengths => axis.differs(variant, &standard).then(|| range(variant)),
         Part::Changed(part) => axis.differs(variant, &standard).then(|| part(variant)),
     });
     parts.collect::<Vec<_>>().join("-")
 }
 
-/// A number in a file name: the decimal point is a `p`.
-pub(super) fn number(x: f64) -> String {
-    format!("{x}").replace('.', "p")
-}
-
-/// The same with a power of ten.
-pub(super) fn exponent(x: f64) -> String {
-    format!("{x:e}").replace('.', "p")
+/// The wavelengths in a name: the step where the mode has one and the range is no single wavelength.
+fn range(variant: &Variant) -> String {
+    let Wavelengths { min_nm, max_nm, step_nm } = variant.wavelengths;
+    let (min, max) = (number(min_nm), number(max_nm));
+    if !declares(variant.mode, STEP_NM) {
+        return format!("{min}to{max}");
+    }
+    if max_nm <= min_nm {
+        return format!("{min}nm");
+    }
+    format!("{min}to{max}by{}", number(step_nm))
 }

@@ -11,7 +11,7 @@ use crate::hash::sha256;
 
 use super::axis::{Axis, Part, valued, worded};
 use super::item::Item;
-use super::names::number;
+use super::number::number;
 use super::words;
 
 /// Light and material.

@@ -9,8 +9,8 @@ use toml::de::DeTable;
 use crate::error::{Error, Result, Stage};
 use crate::hash::sha256;
 
+use super::constraints;
 use super::item::{Item, Source, Table};
-use super::mode;
 use super::names::name_of;
 use super::target::TARGETS;
 use super::variants::{read_optics, read_preset, read_product};
@@ -176,14 +176,15 @@ fn product(
     let mut seen: BTreeMap<String, u32> = BTreeMap::new();
     let mut variants = Vec::new();
     for mut variant in combinations {
-        mode::normalise(&mut variant);
+        constraints::normalise(&mut variant);
         let name = name_of(&variant);
         let times = seen.entry(name.clone()).or_default();
         *times += 1;
         if *times > 1 {
             continue;
         }
-        let reasons: Vec<String> = mode::broken(&variant).into_iter().map(|(_, r)| r).collect();
+        let reasons: Vec<String> =
+            constraints::broken(&variant).into_iter().map(|(_, r)| r).collect();
         if reasons.is_empty() {
             variants.push(Variant { name, ..variant });
         } else {

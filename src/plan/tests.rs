@@ -5,18 +5,19 @@ use std::collections::BTreeSet;
 
 use toml::de::DeTable;
 
-use crate::emit::emit;
-use crate::height::{HeightField, synthetic};
 use crate::plan::axis::{Axis, Entry};
+use crate::plan::constraints::{broken, normalise};
 use crate::plan::item::{Source, Table};
-use crate::plan::mode::{broken, declares, normalise, reads};
 use crate::plan::names::name_of;
+use crate::plan::reads::{declares, reads};
 use crate::plan::variant::axes;
 use crate::plan::variants::read_each;
 use crate::plan::{Grating, Mode, Optics, Target, Variant};
-use crate::specialise;
+use crate::shader::emit::emit;
+use crate::shader::specialise;
+use crate::shader::template::Sources;
+use crate::surface::{HeightField, synthetic};
 use crate::tables::TableSpec;
-use crate::template::Sources;
 use crate::variant::{Form, Ground};
 
 /// One variant of every form, small enough to be laid out often.

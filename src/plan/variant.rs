@@ -3,8 +3,8 @@
 
 use super::axis::{Axis, Part, auto, entry, valued, worded};
 use super::item::Item;
-use super::mode::{self, MODES};
-use super::names::{exponent, number};
+use super::mode::MODES;
+use super::number::{exponent, number};
 use super::optics::OPTICS;
 use super::words;
 use super::{
@@ -181,7 +181,7 @@ pub(super) static AXES: [Axis; 14] = [
             wavelengths,
             "`{ min_nm, max_nm, step_nm }`, 360 to 830 nm",
             "range of the light; samples of modes that step through it",
-            Part::Changed(range)
+            Part::Wavelengths
         )
     },
     worded!(
@@ -235,23 +235,10 @@ pub(super) static AXES: [Axis; 14] = [
 pub(super) const WAVELENGTHS: [&str; 3] = [MIN_NM, MAX_NM, STEP_NM];
 const MIN_NM: &str = "min_nm";
 const MAX_NM: &str = "max_nm";
-const STEP_NM: &str = "step_nm";
+pub(super) const STEP_NM: &str = "step_nm";
 
 /// Most wavelength samples of a variant.
 const MAX_SAMPLES: f64 = 4000.0;
-
-/// The wavelengths in a name: the step where the mode has one and the range is no single wavelength.
-fn range(variant: &Variant) -> String {
-    let Wavelengths { min_nm, max_nm, step_nm } = variant.wavelengths;
-    let (min, max) = (number(min_nm), number(max_nm));
-    if !mode::declares(variant.mode, STEP_NM) {
-        return format!("{min}to{max}");
-    }
-    if max_nm <= min_nm {
-        return format!("{min}nm");
-    }
-    format!("{min}to{max}by{}", number(step_nm))
-}
 
 fn is_auto(item: &Item) -> bool {
     auto().iter().any(|word| item.as_str() == Some(word))

@@ -4,7 +4,7 @@ use super::axis::Axis;
 use super::item::{Item, Table};
 use super::optics::OPTICS;
 use super::variant::axes;
-use super::{Optics, Variant, mode};
+use super::{Optics, Variant, constraints};
 
 /// Most combinations that the axes of a plan may span.
 pub const MAX_VARIANTS: usize = 4096;
@@ -52,8 +52,8 @@ pub(super) fn read_preset(table: &Table, names: &[&str], base: &Variant) -> Opti
     table.only(&known);
     let mut variant = Variant { stated: stated(table), ..base.clone() };
     read_each(table, axes(), &mut variant);
-    mode::normalise(&mut variant);
-    let refusals = mode::broken(&variant);
+    constraints::normalise(&mut variant);
+    let refusals = constraints::broken(&variant);
     for (key, reason) in &refusals {
         match table.get(key) {
             Some(item) => item.fail(reason, "see `cargo xtask list` for what is available"),

@@ -1,20 +1,20 @@
 //! Evaluation in f64 on all cores.
 
 use crate::error::Result;
+use crate::field::reference::{Directions, Reference, evaluate_all};
 use crate::optics::path_difference;
-use crate::reference::{Directions, Reference, evaluate_all};
-use crate::specialise;
+use crate::shader::specialise;
 use crate::tables::Table;
 use crate::variant::{Form, Twin};
 
-use super::{Progress, Runner, Subject, has_wavelengths};
+use super::{Placement, Progress, Runner, has_wavelengths};
 
 /// The exact reference; of the variant, only the optics count.
-pub struct Exact<'a>(pub Subject<'a>);
+pub struct Exact<'a>(pub Placement<'a>);
 
 impl Exact<'_> {
     fn reference(&self, range_nm: (f64, f64), directions: &[Directions]) -> Result<Reference> {
-        let Subject { height, rotate_deg, variant } = self.0;
+        let Placement { height, rotate_deg, variant } = self.0;
         Reference::new(height, rotate_deg, &variant.optics, range_nm, directions.iter().copied())
     }
 }
@@ -41,24 +41,24 @@ impl Runner for Exact<'_> {
 
 /// The f64 copy of the variant's template, on its tables.
 pub struct TwinRunner<'a> {
-    subject: Subject<'a>,
+    placement: Placement<'a>,
     form: Form,
     tables: Vec<Table>,
 }
 
 impl<'a> TwinRunner<'a> {
     /// Computes the tables; `packed`: rounded as the shader reads them.
-    pub fn new(subject: Subject<'a>, packed: bool) -> Result<TwinRunner<'a>> {
-        let Subject { height, rotate_deg, variant } = subject;
+    pub fn new(placement: Placement<'a>, packed: bool) -> Result<TwinRunner<'a>> {
+        let Placement { height, rotate_deg, variant } = placement;
         let form = Form::new(variant, height)?;
         let round = |table: Table| if packed { table.rounded() } else { table };
         let tables = specialise::tables(&form, height, rotate_deg)?;
         let tables = tables.into_iter().map(round).collect();
-        Ok(TwinRunner { subject, form, tables })
+        Ok(TwinRunner { placement, form, tables })
     }
 
     fn twin(&self) -> Twin<'_> {
-        let Subject { rotate_deg, variant, .. } = self.subject;
+        let Placement { rotate_deg, variant, .. } = self.placement;
         Twin::new(&self.form, &self.tables, &variant.optics, rotate_deg)
     }
 }
@@ -78,10 +78,10 @@ impl Runner for TwinRunner<'_> {
     }
 
     fn response(&self, directions: &[Directions], lambda_nm: f64) -> Result<Vec<f64>> {
-        has_wavelengths(&self.subject.variant.name, &self.form)?;
+        has_wavelengths(&self.placement.variant.name, &self.form)?;
         let twin = self.twin();
         let response = |d: Directions, (): &mut ()| {
-            let path = path_difference(d.wi, d.wr, self.subject.rotate_deg);
+            let path = path_difference(d.wi, d.wr, self.placement.rotate_deg);
             [twin.response(path, lambda_nm * 1e-3).unwrap_or(0.0), 0.0, 0.0]
         };
         Ok(evaluate_all(directions, &|_| (), response).into_iter().map(|r| r[0]).collect())

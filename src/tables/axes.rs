@@ -25,7 +25,7 @@ pub struct Aim {
 
 /// Sizes of a table of colours.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Axes {
+pub struct BakedAxes {
     /// Columns of a full turn.
     pub columns: u32,
     /// Pages that the turn is cut into; each repeats the first column of the next.
@@ -40,13 +40,13 @@ pub struct Axes {
     pub pace: f64,
 }
 
-impl Axes {
+impl BakedAxes {
     /// Chooses sizes from the widths of what is on the axes, the error aimed at, and the most bytes. `height_um`: range of
     /// the heights.
     ///
     /// A lobe's intensity has the deviation `λσf/√2` in `|(u, v)|`, taken at 500 nm; along w the phase turns by `4πH/λ`. Errors of
     /// linear interpolation go with the square of the steps. The shares of the axes are those that measured best.
-    pub fn new(window: Window, format: TableFormat, aim: Aim, height_um: f64) -> Axes {
+    pub fn new(window: Window, format: TableFormat, aim: Aim, height_um: f64) -> BakedAxes {
         let sigma_um = window_sigma_um(window, REFERENCE_NM);
         let lobe = WAVELENGTH_UM / (TAU * sigma_um * SQRT_2);
         let turns = 2.0 * height_um / WAVELENGTH_UM;
@@ -56,7 +56,7 @@ impl Axes {
             let pages = (columns / f64::from(MOST_COLUMNS)).ceil().max(1.0) as u32;
             let page = (columns / f64::from(8 * pages)).ceil().clamp(2.0, 1e6) as u32 * 8;
             let pace = (fineness * PACE).round().max(4.0);
-            Axes {
+            BakedAxes {
                 columns: pages * page.min(MOST_COLUMNS),
                 pages,
                 rows: (pace * (2.0 * stretch).asinh()).ceil() as u32 + 1,
@@ -70,7 +70,7 @@ impl Axes {
             TableFormat::F16 => 8.0,
             TableFormat::Rgb9e5 => 4.0,
         };
-        let fits = |axes: &Axes| {
+        let fits = |axes: &BakedAxes| {
             axes.texels() as f64 * texel <= aim.mib * f64::from(1 << 20)
                 && axes.pages * axes.levels <= MOST_LAYERS
                 && axes.rows <= MOST_COLUMNS

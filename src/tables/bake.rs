@@ -1,7 +1,7 @@
 //! The wavelength integral done beforehand: colours over `(u, v, w)`, gain apart.
 //!
 //! `XYZ(u, v, w) = ∫ |P((u, v)/λ; 2πw/λ)|² S(λ) (x̄, ȳ, z̄)(λ) dλ / ∫ S ȳ dλ`, or with the ensemble mean of `|P|²`, on the
-//! axes of [`super::Axes`]. As λ runs over its range, `(u, v)/λ` walks along the radius, so that all rows of a column
+//! axes of [`super::BakedAxes`]. As λ runs over its range, `(u, v)/λ` walks along the radius, so that all rows of a column
 //! share the amplitudes on one line of the frequency plane: the terms of the phase function, each under the coherence
 //! window, at equal steps of frequency. A row takes the wavelengths that fall on those steps, and combines the terms there for
 //! all `w` at once.
@@ -13,13 +13,13 @@ mod table;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::height::HeightField;
+use crate::optics::spectrum::Spectrum;
 use crate::plan::{Illuminant, Wavelengths, Window};
-use crate::spectrum::Spectrum;
+use crate::surface::HeightField;
 
-use super::Axes;
+use super::BakedAxes;
 
-use line::{LANES, Lines, Row};
+use line::{LANES, Lines, RadiusRow};
 
 pub use sharpen::sharpen;
 pub use table::{COLOUR_SCALE, shape, table};
@@ -28,7 +28,7 @@ pub use table::{COLOUR_SCALE, shape, table};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Colours {
     /// The axes.
-    pub axes: Axes,
+    pub axes: BakedAxes,
     /// Numbers.
     pub xyz: Vec<[f32; 3]>,
 }
@@ -40,7 +40,7 @@ pub fn bake(
     window: Window,
     illuminant: &Illuminant,
     range: &Wavelengths,
-    axes: Axes,
+    axes: BakedAxes,
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<Colours> {
     let spectrum = Spectrum::new(illuminant)?;
@@ -71,6 +71,6 @@ pub fn bake(
 }
 
 /// The rows of a table with their wavelengths.
-fn rows(axes: &Axes) -> impl Iterator<Item = Row> + '_ {
-    (0..axes.rows).map(|index| Row { radius: axes.radius(index) })
+fn rows(axes: &BakedAxes) -> impl Iterator<Item = RadiusRow> + '_ {
+    (0..axes.rows).map(|index| RadiusRow { radius: axes.radius(index) })
 }

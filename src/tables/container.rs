@@ -123,7 +123,7 @@ pub fn encode(container: Container, shape: &Shape, texels: &[u8]) -> Result<Vec<
     }
     match container {
         Container::Ktx2 => ktx2::encode(shape, texels),
-        Container::Exr => openexr::encode(shape, texels),
+        Container::Exr => openexr::file(shape, texels),
     }
 }
 

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, SQRT_2};
 
 use rayon::prelude::*;
 
-use crate::spectrum::Sample;
+use crate::optics::spectrum::Sample;
 
 use super::corridor::{BROADEST, LobeGeometry, REACH_SIGMAS};
 use super::{Settings, Table, lobe_table};

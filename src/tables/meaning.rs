@@ -6,7 +6,7 @@ use crate::plan::Packing;
 
 use super::bake::COLOUR_SCALE;
 use super::spec::{CoefficientsSpec, LobesSpec};
-use super::{Axes, Scale, Series, TableSpec};
+use super::{BakedAxes, Series, TableSpec, TermScale};
 
 /// Levels of `|(u, v)|`, from 0 to 2, each with wavelength nodes of its own.
 pub const NODE_LEVELS: u32 = 64;
@@ -44,7 +44,7 @@ impl TableSpec {
             _ => 1.0,
         };
         let term_scales = match self {
-            TableSpec::Terms(spec) if spec.series.scale() != Scale::NONE => {
+            TableSpec::Terms(spec) if spec.series.scale() != TermScale::NONE => {
                 (0..spec.series.terms() as usize).map(|n| spec.series.scale().of(n)).collect()
             }
             _ => Vec::new(),
@@ -134,10 +134,10 @@ fn levels([min_nm, max_nm]: [f64; 2]) -> Words {
     (channels.map(str::to_owned).into(), axes)
 }
 
-fn colours(channels: usize, axes: &Axes) -> Words {
+fn colours(channels: usize, axes: &BakedAxes) -> Words {
     let names = ["X", "Y", "Z", "unused"];
     let names = names[..channels].iter().map(|s| (*s).to_owned()).collect();
-    let Axes { columns, pages, levels, stretch, pace, .. } = axes;
+    let BakedAxes { columns, pages, levels, stretch, pace, .. } = axes;
     let page = axes.page_columns();
     let axes = BTreeMap::from([
         (

@@ -2,8 +2,8 @@
 
 use rustfft::num_complex::Complex64;
 
-use crate::height::HeightField;
-use crate::transform::{Bins, axes, heights_upwards_um, ifft2};
+use crate::field::transform::{Bins, axes, heights_upwards_um, ifft2};
+use crate::surface::HeightField;
 
 /// Longest frequency of a period that visible light resolves: `2/λmin` at 360 nm, cycles per µm.
 const REACH_CPUM: f64 = 5.6;
@@ -45,8 +45,8 @@ pub fn strongest_period_um(height: &HeightField) -> Option<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::height::synthetic::synthesise;
     use crate::plan::Grating;
+    use crate::surface::synthetic::synthesise;
 
     fn period(grating: Grating) -> Option<[f64; 2]> {
         strongest_period_um(&synthesise(&grating, "grating").expect("valid").field)

@@ -1,8 +1,8 @@
 //! Scales of the terms in tables of 16-bit floats.
 
-use crate::basis::Expansion;
+use crate::tables::basis::Expansion;
 
-use super::Scale;
+use super::TermScale;
 
 /// Largest number that is stored: the format's largest is 65504, and rounding and the extremes of the ratio's own
 /// rounding need room.
@@ -13,7 +13,7 @@ const RELEVANT: f64 = 1e-6;
 /// The geometric sequence through the bounds `x^n/n!`, `x = z_max·reach`, of the first and the last relevant term,
 /// raised so that no term exceeds the format. The bounds are on every bin of a term's transform, since `|x^n/n!|` is one
 /// on the term itself.
-pub(super) fn scale(expansion: &Expansion) -> Scale {
+pub(super) fn scale(expansion: &Expansion) -> TermScale {
     let x = expansion.z_max * expansion.reach_um;
     let mut bounds = vec![1.0];
     for n in 1..expansion.terms {
@@ -35,7 +35,7 @@ pub(super) fn scale(expansion: &Expansion) -> Scale {
         raise = raise.max(bound / sequence);
         sequence *= ratio;
     }
-    Scale { first: single(raise / LARGEST), ratio }
+    TermScale { first: single(raise / LARGEST), ratio }
 }
 
 fn single(x: f64) -> f64 {
@@ -45,8 +45,8 @@ fn single(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::height::HeightField;
     use crate::plan::Basis;
+    use crate::surface::HeightField;
 
     #[test]
     fn no_term_overflows_and_the_relevant_ones_are_normal_numbers() {

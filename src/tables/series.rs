@@ -4,17 +4,17 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use crate::basis::Expansion;
 use crate::defines::Defines;
 use crate::error::Result;
-use crate::height::HeightField;
+use crate::field::transform::Bins;
+use crate::optics::spectrum::Spectrum;
 use crate::plan::{Basis, CoherenceScaling, Illuminant, Packing, TableFormat, Wavelengths};
-use crate::spectrum::Spectrum;
-use crate::terms::Grid;
-use crate::transform::Bins;
+use crate::surface::HeightField;
+use crate::tables::basis::Expansion;
+use crate::tables::terms::Grid;
 
 use super::scale::scale;
-use super::{Scale, Settings, terms_shape};
+use super::{Settings, TermScale, terms_shape};
 
 /// How the number of terms was chosen.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -132,7 +132,7 @@ pub struct Series {
     /// Number format.
     pub format: TableFormat,
     #[serde(skip)]
-    scale: Scale,
+    scale: TermScale,
 }
 
 /// Columns of coefficients that are taken from the nearest one: half a step of `z` turns the phase of a height of 0.2 µm by
@@ -151,7 +151,7 @@ impl Series {
     ) -> Series {
         let scale = match format {
             TableFormat::F16 => scale(expansion.get()),
-            TableFormat::F32 | TableFormat::Rgb9e5 => Scale::NONE,
+            TableFormat::F32 | TableFormat::Rgb9e5 => TermScale::NONE,
         };
         let size_um = grid.map_or(patch_um, |grid| grid.size_um);
         Series { expansion, reach, bins, grid, size_um, packing, format, scale }
@@ -191,7 +191,7 @@ impl Series {
     }
 
     /// Scales of the terms.
-    pub fn scale(&self) -> Scale {
+    pub fn scale(&self) -> TermScale {
         self.scale
     }
 

@@ -8,14 +8,14 @@ use serde::Serialize;
 
 use crate::error::Result;
 use crate::hash::{TOOL_VERSION, of_value};
-use crate::height::HeightField;
+use crate::optics::spectrum::Spectrum;
 use crate::plan::{Coherence, CoherenceScaling, Illuminant, TableFormat, Wavelengths, Window};
-use crate::spectrum::Spectrum;
-use crate::terms::Terms;
+use crate::surface::HeightField;
+use crate::tables::terms::Terms;
 
 use super::lobes::lobes_table;
 use super::{
-    Aim, Axes, LaidExpansion, LobeGeometry, Scale, Series, Settings, Table, bake,
+    Aim, BakedAxes, LaidExpansion, LobeGeometry, Series, Settings, Table, TermScale, bake,
     coefficients_shape, coefficients_table, grating_table, levels_table, rotation_table,
     spectrum_shape, spectrum_table, strongest_period_um, terms_shape, terms_table,
 };
@@ -106,7 +106,7 @@ pub struct ColoursSpec {
     /// What the sizes aim at.
     pub aim: Aim,
     /// Sizes.
-    pub axes: Axes,
+    pub axes: BakedAxes,
     /// Number format.
     pub format: TableFormat,
     /// As in [`TermsSpec::filtered`].
@@ -131,7 +131,7 @@ impl SettingsSpec {
     }
 
     fn settings(&self) -> Settings {
-        let scale = self.scaled.as_ref().map_or(Scale::NONE, |terms| terms.series.scale());
+        let scale = self.scaled.as_ref().map_or(TermScale::NONE, |terms| terms.series.scale());
         Settings { rotate_deg: self.rotate_deg, scale }
     }
 }

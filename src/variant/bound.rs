@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 
 use serde::Serialize;
 
+use crate::field::replicas::{replica_factor, sinc};
 use crate::optics;
 use crate::plan::{TableFormat, Window};
-use crate::replicas::{replica_factor, sinc};
 use crate::tables::Series;
 
 /// Share of the window's energy that `window_radius = "auto"` may leave out.

@@ -12,11 +12,11 @@ use std::ops::Deref;
 
 use crate::defines::Defines;
 use crate::error::Result;
-use crate::height::HeightField;
 use crate::optics::REFERENCE_NM;
 use crate::plan::{
     Coherence, CoherenceScaling, Illuminant, Mode, Reconstruction, Variant, Wavelengths, Window,
 };
+use crate::surface::HeightField;
 use crate::tables::{CoefficientsSpec, NodesSpec, Series, SettingsSpec, TableSpec, TermsSpec};
 
 use super::{Computation, Ground};

@@ -4,9 +4,9 @@
 mod directional;
 
 use crate::error::Result;
-use crate::height::HeightField;
+use crate::field::reference::Directions;
 use crate::plan::Optics;
-use crate::reference::Directions;
+use crate::surface::HeightField;
 
 use super::{Cost, Form, Twin};
 

@@ -1,10 +1,10 @@
 //! What several forms have in common when they are laid on a surface.
 
 use crate::error::{Error, Result, Stage};
-use crate::height::HeightField;
+use crate::field::transform::Bins;
 use crate::plan::{Auto, Basis, Variant};
+use crate::surface::HeightField;
 use crate::tables::{Choice, LaidExpansion};
-use crate::transform::Bins;
 
 /// The configured basis on a surface.
 pub(super) fn expansion(variant: &Variant, height: &HeightField) -> Result<LaidExpansion> {

@@ -3,11 +3,11 @@
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 use crate::error::{Error, Result, Stage};
-use crate::height::HeightField;
 use crate::optics;
 use crate::plan::Variant;
+use crate::surface::HeightField;
+use crate::tables::terms::Grid;
 use crate::tables::{NODE_LEVELS, Reach, Series};
-use crate::terms::Grid;
 
 use super::{ErrorBound, lay};
 

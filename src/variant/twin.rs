@@ -1,7 +1,7 @@
 //! The algorithms of the templates in f64, function by function.
 //!
 //! `twin/x.rs` stands beside `templates/x.wgsl` with the same function names. What all forms share is not written twice: the
-//! f64 form of `gain.wgsl` is [`crate::optics`], that of the map's geometry [`crate::frame`]. `full.wgsl` and `thesis.wgsl`
+//! f64 form of `gain.wgsl` is [`crate::optics`], that of the map's geometry [`crate::optics::brdf_map`]. `full.wgsl` and `thesis.wgsl`
 //! compute one sum in two orders; `twin/full.rs` is the twin of both.
 
 mod adaptive;
@@ -19,8 +19,8 @@ mod window;
 
 use glam::DVec3;
 
+use crate::field::reference::Directions;
 use crate::plan::Optics;
-use crate::reference::Directions;
 use crate::tables::{TERMS, Table, single_wavelength};
 
 use super::Form;

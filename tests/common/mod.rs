@@ -4,16 +4,14 @@
 use std::collections::BTreeSet;
 use std::fs;
 
-use diffraction_shaders::{
-    diagnostic::Diagnostic,
-    emit::{EmittedFile, emit},
-    generate::{Request, generate, index},
-    input,
-    module::{Module, compile},
-    package::Package,
-    plan::Target,
-    template::{Defines, Sources, Specialised, specialise},
-};
+use diffraction_shaders::diagnostic::Diagnostic;
+use diffraction_shaders::input;
+use diffraction_shaders::package::Package;
+use diffraction_shaders::package::compile::{Request, generate, index};
+use diffraction_shaders::plan::Target;
+use diffraction_shaders::shader::emit::{EmittedFile, emit};
+use diffraction_shaders::shader::module::{Module, compile};
+use diffraction_shaders::shader::template::{Defines, Sources, Specialised, specialise};
 
 /// Every target.
 pub const TARGETS: [Target; 6] =

@@ -1,8 +1,8 @@
 //! The facts of a surface for people.
 
-use diffraction_shaders::height::inspect::{Axis, Facts, TRIM_PERCENT};
-use diffraction_shaders::inspect::{Inspection, TERM_ERRORS};
 use diffraction_shaders::plan::{SurfaceSource, SurfaceSpec};
+use diffraction_shaders::surface::facts::{AxisPeriods, Facts, TRIM_PERCENT};
+use diffraction_shaders::survey::{Survey, TERM_ERRORS};
 
 use crate::list::{or_dash, source, table};
 
@@ -12,7 +12,7 @@ const WIDTH: usize = 100;
 /// Column at which values begin.
 const INDENT: usize = 16;
 
-pub(super) fn human(spec: &SurfaceSpec, found: &Inspection, written: &[String]) -> String {
+pub(super) fn human(spec: &SurfaceSpec, found: &Survey, written: &[String]) -> String {
     let is_file = matches!(spec.source, SurfaceSource::File(_));
     let mut lines = vec![("surface", vec![format!("{}: {}", spec.name, source(spec))])];
     lines.extend(size(found));
@@ -32,7 +32,7 @@ pub(super) fn human(spec: &SurfaceSpec, found: &Inspection, written: &[String]) 
 
 type Lines = Vec<(&'static str, Vec<String>)>;
 
-fn size(found: &Inspection) -> Lines {
+fn size(found: &Survey) -> Lines {
     let Facts { pixels, size_um, pitch_um, shortest_nm, .. } = &found.facts;
     let pitch = if (pitch_um[0] - pitch_um[1]).abs() < 1e-9 * pitch_um[0] {
         format!("{} nm", short(pitch_um[0] * 1e3))
@@ -70,7 +70,7 @@ fn size(found: &Inspection) -> Lines {
     lines
 }
 
-fn relief(found: &Inspection, is_file: bool) -> Lines {
+fn relief(found: &Survey, is_file: bool) -> Lines {
     let facts = &found.facts;
     let nm = |um: f64| format!("{} nm", short(um * 1e3));
     let mut lines = vec![
@@ -136,7 +136,7 @@ fn tilt(facts: &Facts) -> String {
     )
 }
 
-fn periods(found: &Inspection) -> String {
+fn periods(found: &Survey) -> String {
     let periods = &found.periods;
     let mut text = String::from("dominant periods of the heights\n");
     let percent = |share: f64| format!("{:.1}", share * 100.0);
@@ -153,7 +153,8 @@ fn periods(found: &Inspection) -> String {
     } else {
         text += &indented(&table::text(&["period, µm", "direction, °", "power, %"], rows));
     }
-    let along = |axis: &Axis| match (axis.peaks.as_slice(), axis.mean_um, axis.deviation_um) {
+    let along = |axis: &AxisPeriods| match (axis.peaks.as_slice(), axis.mean_um, axis.deviation_um)
+    {
         ([], _, _) | (_, None, _) => "no period has a hundredth of the power".to_owned(),
         (peaks, Some(mean), deviation) => {
             let listed: Vec<String> = peaks
@@ -185,7 +186,7 @@ fn periods(found: &Inspection) -> String {
     ])
 }
 
-fn terms(found: &Inspection, is_file: bool) -> String {
+fn terms(found: &Survey, is_file: bool) -> String {
     let numbers = |name: String, terms: &[u32; 3]| -> Vec<String> {
         std::iter::once(name).chain(terms.iter().map(ToString::to_string)).collect()
     };
@@ -209,7 +210,7 @@ fn terms(found: &Inspection, is_file: bool) -> String {
     )
 }
 
-fn window(found: &Inspection) -> Lines {
+fn window(found: &Survey) -> Lines {
     let window = &found.window;
     let [x, y] = window.sigma_bins;
     let mut sentences = vec![format!(
@@ -228,7 +229,7 @@ fn window(found: &Inspection) -> Lines {
     vec![("coherence", sentences)]
 }
 
-fn cost(found: &Inspection) -> String {
+fn cost(found: &Survey) -> String {
     if found.variants.is_empty() {
         return String::new();
     }

@@ -1,10 +1,10 @@
 //! Groups of variants on one adapter.
 
 use diffraction_shaders::error::Result;
-use diffraction_shaders::height::HeightField;
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{Optics, Variant};
-use diffraction_shaders::runner::Subject;
+use diffraction_shaders::runner::Placement;
+use diffraction_shaders::surface::HeightField;
 use glam::DVec3;
 use serde_json::Value;
 
@@ -29,7 +29,7 @@ pub struct Scene<'a> {
     pub light: [f64; 2],
 }
 
-/// A subject of a group.
+/// A placement of a group.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Case {
     /// A variant's map.
@@ -132,8 +132,8 @@ fn build(gpu: &Gpu, scene: &Scene<'_>, case: &Case, clock: &dyn Clock) -> Result
     match case {
         Case::Map { variant, height, frame } => {
             let height = height.as_deref().unwrap_or(scene.height);
-            let subject = Subject { height, rotate_deg: scene.rotate_deg, variant };
-            let prepared = Prepared::new(subject)?;
+            let placement = Placement { height, rotate_deg: scene.rotate_deg, variant };
+            let prepared = Prepared::new(placement)?;
             let cost = prepared.form.cost();
             let timed = Timed {
                 table_bytes: cost.table_bytes,

@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use super::rounds::{Samples, Timing, ratios};
 use super::stats::{interval, median, summary};
-use crate::record::{Bench, Scaling};
+use crate::results::{Bench, Scaling};
 
 /// Where something was measured.
 #[derive(Clone, Debug, PartialEq)]

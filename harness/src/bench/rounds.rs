@@ -176,12 +176,12 @@ fn warm_up(
         if stop() {
             return Ok(Samples { frames, ..Samples::default() });
         }
-        let mut seen = compare(subject.draw(frames)?);
+        let mut seen = paired(subject.draw(frames)?);
         for _ in 0..RETRIES {
             if seen.is_none_or(|seen| seen.agree || seen.wall_ms > CHEAP_MS) || stop() {
                 break;
             }
-            seen = compare(subject.draw(frames)?);
+            seen = paired(subject.draw(frames)?);
         }
         agree &= seen.is_some_and(|seen| seen.agree);
         let disagreement = seen.map(|seen| seen.relative);
@@ -194,18 +194,18 @@ fn warm_up(
 
 /// What the two clocks say of the same frames.
 #[derive(Clone, Copy)]
-struct Comparison {
+struct Paired {
     wall_ms: f64,
     relative: f64,
     agree: bool,
 }
 
 /// None where there are no stamps.
-fn compare(drawn: Drawn) -> Option<Comparison> {
+fn paired(drawn: Drawn) -> Option<Paired> {
     let wall_ms = ms(drawn.wall);
     let apart = (ms(drawn.stamps?) - wall_ms).abs();
     let agree = apart <= (AGREEMENT * wall_ms).max(SUBMISSION_MS);
-    Some(Comparison { wall_ms, relative: apart / wall_ms.max(1e-6), agree })
+    Some(Paired { wall_ms, relative: apart / wall_ms.max(1e-6), agree })
 }
 
 /// How long a frame takes, ms. A first frame may be slow: where frames are cheap, later ones are asked.

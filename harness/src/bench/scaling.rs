@@ -1,15 +1,15 @@
 //! Which numbers of a variant are varied, one at a time, to see what a frame's time depends on.
 
 use diffraction_shaders::error::Result;
-use diffraction_shaders::height::HeightField;
 use diffraction_shaders::plan::{Auto, Mode, Variant, Wavelengths};
+use diffraction_shaders::surface::HeightField;
 
 use super::result::disc_pixels;
 use super::surface::{higher, middle};
 
 /// A number that is varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Axis {
+pub enum Swept {
     /// Pixels of the disc.
     Pixels,
     /// Terms of the series.
@@ -41,35 +41,35 @@ pub struct Point {
     pub frame: [usize; 2],
 }
 
-impl Axis {
+impl Swept {
     /// All of them.
-    pub const ALL: [Axis; 7] = [
-        Axis::Pixels,
-        Axis::Terms,
-        Axis::Radius,
-        Axis::Wavelengths,
-        Axis::Range,
-        Axis::Patch,
-        Axis::Height,
+    pub const ALL: [Swept; 7] = [
+        Swept::Pixels,
+        Swept::Terms,
+        Swept::Radius,
+        Swept::Wavelengths,
+        Swept::Range,
+        Swept::Patch,
+        Swept::Height,
     ];
 
     /// The name in records.
     pub fn name(self) -> &'static str {
         match self {
-            Axis::Pixels => "pixels",
-            Axis::Terms => "terms",
-            Axis::Radius => "radius",
-            Axis::Wavelengths => "wavelengths",
-            Axis::Range => "range",
-            Axis::Patch => "patch",
-            Axis::Height => "height",
+            Swept::Pixels => "pixels",
+            Swept::Terms => "terms",
+            Swept::Radius => "radius",
+            Swept::Wavelengths => "wavelengths",
+            Swept::Range => "range",
+            Swept::Patch => "patch",
+            Swept::Height => "height",
         }
     }
 
     /// What [`Point::work`] counts.
     pub fn work(self) -> &'static str {
         match self {
-            Axis::Radius => "bins",
+            Swept::Radius => "bins",
             other => other.name(),
         }
     }
@@ -82,17 +82,17 @@ impl Axis {
         height: &HeightField,
     ) -> Result<Vec<Point>> {
         let values: [u32; 4] = match self {
-            Axis::Pixels | Axis::Patch => [1, 2, 3, 4],
-            Axis::Terms => [4, 8, 16, 32],
+            Swept::Pixels | Swept::Patch => [1, 2, 3, 4],
+            Swept::Terms => [4, 8, 16, 32],
             // the kernel of `pq` is no kernel without a neighbour
-            Axis::Radius if variant.mode == Mode::Pq => [1, 2, 3, 4],
-            Axis::Radius => [0, 1, 2, 3],
-            Axis::Wavelengths => [11, 21, 41, 81],
-            Axis::Range => [100, 200, 300, 400],
-            Axis::Height => [1, 2, 4, 8],
+            Swept::Radius if variant.mode == Mode::Pq => [1, 2, 3, 4],
+            Swept::Radius => [0, 1, 2, 3],
+            Swept::Wavelengths => [11, 21, 41, 81],
+            Swept::Range => [100, 200, 300, 400],
+            Swept::Height => [1, 2, 4, 8],
         };
         let read = |value: u32| self.varied(variant, value).canonical();
-        let of_variant = !matches!(self, Axis::Pixels | Axis::Patch | Axis::Height);
+        let of_variant = !matches!(self, Swept::Pixels | Swept::Patch | Swept::Height);
         if of_variant && read(values[0]) == read(values[1]) {
             return Ok(Vec::new());
         }
@@ -102,11 +102,11 @@ impl Axis {
     fn varied(self, variant: &Variant, value: u32) -> Variant {
         let mut variant = variant.clone();
         match self {
-            Axis::Pixels | Axis::Patch | Axis::Height => {}
-            Axis::Terms => variant.terms = Auto::Value(value),
-            Axis::Radius => variant.window_radius = Auto::Value(value),
-            Axis::Wavelengths => variant.wavelengths = samples(&variant.wavelengths, value),
-            Axis::Range => {
+            Swept::Pixels | Swept::Patch | Swept::Height => {}
+            Swept::Terms => variant.terms = Auto::Value(value),
+            Swept::Radius => variant.window_radius = Auto::Value(value),
+            Swept::Wavelengths => variant.wavelengths = samples(&variant.wavelengths, value),
+            Swept::Range => {
                 variant.wavelengths.min_nm = MIDDLE_NM - 0.5 * f64::from(value);
                 variant.wavelengths.max_nm = MIDDLE_NM + 0.5 * f64::from(value);
             }
@@ -122,24 +122,24 @@ impl Axis {
         height: &HeightField,
     ) -> Result<Point> {
         let quarter = |side: usize| (number as usize * side / 4).max(1);
-        let frame = if self == Axis::Pixels { frame.map(quarter) } else { frame };
+        let frame = if self == Swept::Pixels { frame.map(quarter) } else { frame };
         let field = match self {
-            Axis::Patch => Some(middle(height, number)?),
-            Axis::Height => Some(higher(height, f64::from(number) / 4.0)?),
+            Swept::Patch => Some(middle(height, number)?),
+            Swept::Height => Some(higher(height, f64::from(number) / 4.0)?),
             _ => None,
         };
         let shown = field.as_ref().unwrap_or(height);
         let value = match self {
-            Axis::Pixels => disc_pixels(frame) as f64,
-            Axis::Patch => shown.size_x_um(),
-            Axis::Height => {
+            Swept::Pixels => disc_pixels(frame) as f64,
+            Swept::Patch => shown.size_x_um(),
+            Swept::Height => {
                 let (low_um, high_um) = shown.range_um();
                 1e3 * (high_um - low_um)
             }
             _ => f64::from(number),
         };
         let work = match self {
-            Axis::Radius => (2.0 * value + 1.0).powi(2),
+            Swept::Radius => (2.0 * value + 1.0).powi(2),
             _ => value,
         };
         Ok(Point { value, work, variant: self.varied(variant, number), height: field, frame })
@@ -164,34 +164,34 @@ mod tests {
         let heights = (0..64).map(|i| f64::from(i % 7) * 0.05).collect();
         let height = HeightField::new(8, 8, 0.05, 0.05, heights).expect("valid");
         let points =
-            |axis: Axis, variant: &Variant| axis.points(variant, [64; 2], &height).expect("valid");
+            |axis: Swept, variant: &Variant| axis.points(variant, [64; 2], &height).expect("valid");
         let texts = Variant::texts(&Optics::standard());
-        let values = |axis: Axis, variant: &Variant| -> Vec<f64> {
+        let values = |axis: Swept, variant: &Variant| -> Vec<f64> {
             points(axis, variant).iter().map(|p| p.value).collect()
         };
-        assert_eq!(values(Axis::Terms, &texts), [4.0, 8.0, 16.0, 32.0]);
-        let waves = points(Axis::Wavelengths, &texts);
+        assert_eq!(values(Swept::Terms, &texts), [4.0, 8.0, 16.0, 32.0]);
+        let waves = points(Swept::Wavelengths, &texts);
         let counts: Vec<usize> =
             waves.iter().map(|p| p.variant.wavelengths.nodes_nm().len()).collect();
         assert_eq!(counts, [11, 21, 41, 81]);
-        let pixels = points(Axis::Pixels, &texts);
+        let pixels = points(Swept::Pixels, &texts);
         assert!(pixels.iter().all(|p| p.variant == texts), "only the size differs");
         assert_eq!(pixels[3].value, disc_pixels([64; 2]) as f64);
-        let radius = points(Axis::Radius, &texts);
+        let radius = points(Swept::Radius, &texts);
         assert_eq!(radius.iter().map(|p| p.work).collect::<Vec<_>>(), [1.0, 9.0, 25.0, 49.0]);
-        let range = points(Axis::Range, &texts).remove(0).variant.wavelengths;
+        let range = points(Swept::Range, &texts).remove(0).variant.wavelengths;
         assert_eq!([range.min_nm, range.max_nm], [530.0, 630.0]);
-        let close = |axis: Axis, want: [f64; 4]| {
+        let close = |axis: Swept, want: [f64; 4]| {
             let got = values(axis, &texts);
             assert!(got.iter().zip(want).all(|(a, b)| (a - b).abs() < 1e-9), "{got:?}");
         };
-        close(Axis::Patch, [0.1, 0.2, 0.3, 0.4]);
-        close(Axis::Height, [75.0, 150.0, 300.0, 600.0]);
+        close(Swept::Patch, [0.1, 0.2, 0.3, 0.4]);
+        close(Swept::Height, [75.0, 150.0, 300.0, 600.0]);
         let adaptive = Variant { mode: Mode::Adaptive, ..texts.clone() };
-        assert!(values(Axis::Wavelengths, &adaptive).is_empty());
-        assert_eq!(values(Axis::Range, &adaptive).len(), 4);
+        assert!(values(Swept::Wavelengths, &adaptive).is_empty());
+        assert_eq!(values(Swept::Range, &adaptive).len(), 4);
         let gems = Variant { mode: Mode::Gems, ..texts };
-        assert!(Axis::ALL[1..5].iter().all(|axis| values(*axis, &gems).is_empty()));
-        assert_eq!(values(Axis::Pixels, &gems).len(), 4);
+        assert!(Swept::ALL[1..5].iter().all(|axis| values(*axis, &gems).is_empty()));
+        assert_eq!(values(Swept::Pixels, &gems).len(), 4);
     }
 }

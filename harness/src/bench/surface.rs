@@ -1,7 +1,7 @@
 //! Surfaces of other sizes and heights, to see what a frame's time depends on.
 
 use diffraction_shaders::error::Result;
-use diffraction_shaders::height::HeightField;
+use diffraction_shaders::surface::HeightField;
 
 /// The middle of a surface: `quarters` of four parts of its columns and rows, at least two pixels each way.
 pub fn middle(height: &HeightField, quarters: u32) -> Result<HeightField> {

@@ -1,11 +1,11 @@
 //! Frames of something else, which say what a variant's time means.
 
 use diffraction_shaders::error::Result;
-use diffraction_shaders::height::HeightField;
 use diffraction_shaders::plan::{Mode, Optics, Variant};
-use diffraction_shaders::runner::Subject;
+use diffraction_shaders::runner::Placement;
+use diffraction_shaders::shader::template::Sources;
+use diffraction_shaders::surface::HeightField;
 use diffraction_shaders::tables::{SPECTRUM, Table, TexelFormat};
-use diffraction_shaders::template::Sources;
 use diffraction_shaders::variant::{Form, Gems};
 
 use crate::drivers::Prepared;
@@ -92,7 +92,7 @@ pub fn prepared<'a>(
     sources.0.insert("gems".to_owned(), what.template().to_owned());
     Ok(Prepared {
         // turning a surface that is not read takes its table
-        subject: Subject { height, rotate_deg: 0.0, variant },
+        placement: Placement { height, rotate_deg: 0.0, variant },
         sources,
         form: Form::Gems(Gems),
         terms: Table::ABSENT,

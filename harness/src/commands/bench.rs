@@ -3,6 +3,7 @@
 mod adapters;
 mod output;
 mod tables;
+mod timed;
 mod work;
 
 use std::path::PathBuf;

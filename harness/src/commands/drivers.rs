@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use diffraction_cli::args::{Runner as Kind, RunnerArgs};
-use diffraction_shaders::runner::{Runner, Subject};
+use diffraction_shaders::runner::{Placement, Runner};
 
 use crate::drivers::browser::{Api, Web};
 use crate::drivers::egl::{Dialect, Egl};
@@ -11,19 +11,22 @@ use crate::drivers::passthrough::{Language, Passthrough};
 use crate::drivers::{DriverRunner, Prepared, ShaderRunner};
 
 /// Opens a runner on the driver that the flags name.
-pub(super) fn open<'a>(subject: Subject<'a>, args: &RunnerArgs) -> Result<Box<dyn Runner + 'a>> {
+pub(super) fn open<'a>(
+    placement: Placement<'a>,
+    args: &RunnerArgs,
+) -> Result<Box<dyn Runner + 'a>> {
     let adapter = args.adapter.as_deref();
     let egl = |dialect| -> Result<Box<dyn Runner + 'a>> {
         let driver = Egl::open(dialect, adapter)?;
-        Ok(Box::new(DriverRunner::with(Prepared::new(subject)?, driver)))
+        Ok(Box::new(DriverRunner::with(Prepared::new(placement)?, driver)))
     };
     let passthrough = |language| -> Result<Box<dyn Runner + 'a>> {
         let driver = Passthrough::open(language, adapter)?;
-        Ok(Box::new(DriverRunner::with(Prepared::new(subject)?, driver)))
+        Ok(Box::new(DriverRunner::with(Prepared::new(placement)?, driver)))
     };
     let web = |api| -> Result<Box<dyn Runner + 'a>> {
         let driver = Web::open(api, adapter)?;
-        Ok(Box::new(DriverRunner::with(Prepared::new(subject)?, driver)))
+        Ok(Box::new(DriverRunner::with(Prepared::new(placement)?, driver)))
     };
     match args.runner {
         Kind::Spirv => passthrough(Language::Spirv),
@@ -34,7 +37,7 @@ pub(super) fn open<'a>(subject: Subject<'a>, args: &RunnerArgs) -> Result<Box<dy
         Kind::GlslEs300 => egl(Dialect::GlslEs300),
         kind => {
             let backend = if kind == Kind::Gl { Backend::Gl } else { Backend::Vulkan };
-            Ok(Box::new(ShaderRunner::new(subject, Gpu::open(backend, adapter)?)?))
+            Ok(Box::new(ShaderRunner::new(placement, Gpu::open(backend, adapter)?)?))
         }
     }
 }

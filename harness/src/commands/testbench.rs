@@ -12,13 +12,13 @@ use diffraction_cli::Outcome;
 use diffraction_cli::console::Console;
 use diffraction_cli::files::write_whole;
 use diffraction_cli::progress;
-use diffraction_shaders::height::{self, Surface};
 use diffraction_shaders::input;
 use diffraction_shaders::plan::{Plan, SurfaceSpec};
+use diffraction_shaders::surface::{self, Surface};
 
 use crate::commands::restart;
-use crate::record::{self, Gap, Log, Record, Testbench};
-use crate::testbench::{Crop, Picture, Protocol, csv, expected_um, heatmap, layout, spread};
+use crate::period::{Crop, HeatmapText, Protocol, csv, expected_um, heatmap, layout, spread};
+use crate::results::{self, Gap, Log, Record, Testbench};
 
 pub(crate) use args::Args;
 use task::{Found, Task, gap};
@@ -92,7 +92,7 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     if results.is_empty() {
         bail!(
             "{}: no period was found (say where to search with --period-nm)",
-            height::subject(spec)
+            surface::subject(spec)
         );
     }
     Ok(Outcome::Done)
@@ -103,7 +103,7 @@ fn log(args: &Args) -> Result<Option<Log>> {
     let Some(folder) = &args.out else { return Ok(None) };
     let pictures = folder.join(PICTURES);
     fs::create_dir_all(&pictures).with_context(|| pictures.display().to_string())?;
-    Ok(Some(Log::open(&folder.join(record::FILE))?))
+    Ok(Some(Log::open(&folder.join(results::FILE))?))
 }
 
 /// Appends a result at once, so that an interrupted command loses none.
@@ -112,7 +112,7 @@ fn keep(log: &mut Option<Log>, record: &Record) -> Result<()> {
 }
 
 fn protocol(args: &Args, spec: &SurfaceSpec, surface: &Surface) -> Result<Protocol> {
-    let (field, subject) = (&surface.field, height::subject(spec));
+    let (field, subject) = (&surface.field, surface::subject(spec));
     field.check_pitch(&subject, args.wavelengths.0.min_nm)?;
     let along_deg = args.phi_i - spec.rotate_deg;
     let expected_um = match args.period_nm {
@@ -131,7 +131,7 @@ fn protocol(args: &Args, spec: &SurfaceSpec, surface: &Surface) -> Result<Protoc
 
 fn crops(args: &Args, spec: &SurfaceSpec, surface: &Surface) -> Result<Vec<Option<Crop>>> {
     let Some((count, side_um)) = args.windows(&surface.field) else { return Ok(vec![None]) };
-    let found = layout(&surface.field, count, side_um, &height::subject(spec))?;
+    let found = layout(&surface.field, count, side_um, &surface::subject(spec))?;
     Ok(found.into_iter().map(Some).collect())
 }
 
@@ -156,7 +156,7 @@ fn write(args: &Args, spec: &SurfaceSpec, one: &Found, suffix: &str) -> Result<O
         one.measurement.period_nm,
         one.measurement.sd_nm
     );
-    let picture = Picture { title: &title, yardstick: one.yardstick.as_ref() };
+    let picture = HeatmapText { title: &title, yardstick: one.yardstick.as_ref() };
     write_whole(&path, heatmap(&one.measurement, &one.protocol, picture)?.as_bytes())?;
     Ok(named.or_else(|| path.file_name().map(|name| name.to_string_lossy().into_owned())))
 }
@@ -200,5 +200,5 @@ fn nothing(one: &Found) -> String {
 
 fn lines(results: &[Testbench], gaps: &[Gap]) -> String {
     let results = results.iter().cloned().map(Record::Testbench);
-    results.chain(gaps.iter().cloned().map(Record::Gap)).map(|r| record::line(&r)).collect()
+    results.chain(gaps.iter().cloned().map(Record::Gap)).map(|r| results::line(&r)).collect()
 }

@@ -7,22 +7,23 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
 use diffraction_shaders::error::Result;
-use diffraction_shaders::frame::view_directions;
-use diffraction_shaders::height::HeightField;
-use diffraction_shaders::height::synthetic::synthesise;
-use diffraction_shaders::measure::{auto_exposure, compare, on_orders};
+use diffraction_shaders::field::comparison_directions::on_orders;
+use diffraction_shaders::field::reference::Directions;
+use diffraction_shaders::optics::brdf_map::view_directions;
+use diffraction_shaders::optics::colour_difference::{auto_exposure, colour_difference};
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{
     Auto, Basis, Grating, Mode, Optics, Packing, Reconstruction, Sampling, TableFormat, Variant,
 };
-use diffraction_shaders::reference::Directions;
-use diffraction_shaders::runner::{Subject, TwinRunner, rounded};
+use diffraction_shaders::runner::{Placement, TwinRunner, rounded};
+use diffraction_shaders::surface::HeightField;
+use diffraction_shaders::surface::synthetic::synthesise;
 use diffraction_shaders::tables::Table;
 use diffraction_shaders::variant::{Part, Tolerance};
 
 use crate::drivers::Prepared;
 use crate::drivers::routes::Route;
-use crate::record::{self, Record};
+use crate::results::{self, Record};
 
 use super::{PATIENCE, Sink, Truth, failed};
 
@@ -50,11 +51,11 @@ impl Control {
     /// The spoilt shader by a route against the twin of the right one.
     fn record(
         &self,
-        subject: Subject<'_>,
+        placement: Placement<'_>,
         route: &dyn Route,
         rights: &mut BTreeMap<(Mode, bool), Right>,
-    ) -> Result<record::Control> {
-        let mut prepared = Prepared::new(subject)?;
+    ) -> Result<results::Control> {
+        let mut prepared = Prepared::new(placement)?;
         let right = match rights.entry((self.mode, self.filtered)) {
             Entry::Occupied(known) => known.into_mut(),
             Entry::Vacant(place) => place.insert(Right::new(&prepared, route)?),
@@ -62,11 +63,11 @@ impl Control {
         (self.spoil)(&mut prepared, right.mean());
         let Right { truth, allowed, max_abs } = right;
         let wrong = truth.ask(route.runner(prepared).as_ref(), SIZE)?;
-        let wrong = compare(self.name, &truth.colours, &wrong, Some(truth.exposure))?;
+        let wrong = colour_difference(self.name, &truth.colours, &wrong, Some(truth.exposure))?;
         let inside = |max_abs| allowed.contains(max_abs, [0.0; 2]);
-        Ok(record::Control {
+        Ok(results::Control {
             surface: SURFACE.to_owned(),
-            variant: subject.variant.name.clone(),
+            variant: placement.variant.name.clone(),
             route: route.name(),
             control: self.name.to_owned(),
             light: LIGHT,
@@ -176,8 +177,8 @@ pub(super) fn run(route: &dyn Route, sink: &mut dyn Sink) -> Result<u32> {
             continue;
         }
         let variant = variant(control.mode, control.filtered);
-        let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
-        match control.record(subject, route, &mut rights) {
+        let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
+        match control.record(placement, route, &mut rights) {
             Ok(record) => sink.record(Record::Control(record))?,
             Err(error) => {
                 failures += 1;
@@ -198,7 +199,7 @@ struct Right {
 
 impl Right {
     fn new(prepared: &Prepared<'_>, route: &dyn Route) -> Result<Right> {
-        let Subject { height, variant, .. } = prepared.subject;
+        let Placement { height, variant, .. } = prepared.placement;
         let light = rounded(direction(LIGHT[0], LIGHT[1]));
         let map: Vec<Directions> =
             view_directions(SIZE).into_iter().map(|wr| Directions { wi: light, wr }).collect();
@@ -212,7 +213,7 @@ impl Right {
             map_exposure: None,
             picture: String::new(),
         };
-        truth.colours = truth.ask(&TwinRunner::new(prepared.subject, true)?, SIZE)?;
+        truth.colours = truth.ask(&TwinRunner::new(prepared.placement, true)?, SIZE)?;
         truth.exposure = auto_exposure(&truth.colours).unwrap_or(1.0);
         let allowed = prepared.form.promise().tolerance(Part::Arithmetic).unwrap_or(Tolerance {
             max_abs: Some(0.0),
@@ -220,7 +221,8 @@ impl Right {
             map_p95: None,
         });
         let found = truth.ask(route.runner(prepared.clone()).as_ref(), SIZE)?;
-        let max_abs = compare("right", &truth.colours, &found, Some(truth.exposure))?.max_abs;
+        let max_abs =
+            colour_difference("right", &truth.colours, &found, Some(truth.exposure))?.max_abs;
         Ok(Right { truth, allowed, max_abs })
     }
 
@@ -313,8 +315,8 @@ mod tests {
         let height = surface().expect("valid");
         for control in &CONTROLS {
             let variant = variant(control.mode, control.filtered);
-            let subject = Subject { height: &height, rotate_deg: 0.0, variant: &variant };
-            let right = Prepared::new(subject).expect("resolves");
+            let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
+            let right = Prepared::new(placement).expect("resolves");
             let mut wrong = right.clone();
             (control.spoil)(&mut wrong, [0.1; 3]);
             let same = right.sources == wrong.sources

@@ -1,19 +1,22 @@
 //! One variant on one surface under one light: truth, twins, routes, and routes against each other.
 
 use diffraction_shaders::error::Result;
-use diffraction_shaders::measure::{Comparison, auto_exposure, compare, compare_map, standard};
+use diffraction_shaders::field::comparison_directions::standard;
+use diffraction_shaders::optics::brdf_map::BrdfMap;
+use diffraction_shaders::optics::colour_difference::{
+    ColourDifference, auto_exposure, colour_difference, map_difference,
+};
 use diffraction_shaders::optics::direction;
-use diffraction_shaders::picture;
 use diffraction_shaders::plan::Colour;
-use diffraction_shaders::runner::{Exact, Runner, Subject, TwinRunner, rounded};
+use diffraction_shaders::runner::{Exact, Placement, Runner, TwinRunner, rounded};
 use glam::DVec3;
 use serde_json::Value;
 
 use crate::drivers::Prepared;
 use crate::drivers::routes::Route;
-use crate::record::{Compare, MapColours, Part, Record};
+use crate::results::{Compare, MapColours, Part, Record};
 
-use super::{Request, Sink, Truth, Unit, difference, failed, mean_flip};
+use super::{Job, Sink, Truth, Unit, difference, failed, mean_flip};
 
 /// Routes of the two twins in records.
 const TWIN: &str = "twin";
@@ -21,16 +24,16 @@ const UNPACKED: &str = "twin:unpacked";
 
 /// Computes the exact colours and draws their map.
 pub(super) fn truth(
-    request: &Request<'_>,
+    request: &Job<'_>,
     unit: &Unit<'_>,
-    subject: Subject<'_>,
+    subject: Placement<'_>,
     number: usize,
     sink: &mut dyn Sink,
 ) -> Result<Truth> {
-    let Subject { height, rotate_deg, variant } = subject;
+    let Placement { height, rotate_deg, variant } = subject;
     let light: DVec3 = rounded(direction(unit.light[0], unit.light[1]));
     let directions = standard(height, &variant.optics, rotate_deg, light, unit.size);
-    let map = diffraction_shaders::frame::view_directions(unit.size).len();
+    let map = diffraction_shaders::optics::brdf_map::view_directions(unit.size).len();
     let colours = Exact(subject).tristimulus(&directions, &|_| ())?;
     // a black surface has no exposure: comparing it tells so
     let exposure = request.exposure.or_else(|| auto_exposure(&colours)).unwrap_or(1.0);
@@ -38,7 +41,7 @@ pub(super) fn truth(
     let picture = format!("pictures/{}/exact-{number}-{}.png", unit.surface, place(unit.light));
     let truth = Truth { light, directions, map, colours, exposure, map_exposure, picture };
     let frame = truth.frame(&truth.colours, unit.size);
-    let drawn = picture::png(&frame, Colour::Srgb, map_exposure.unwrap_or(exposure))?;
+    let drawn = frame.png(Colour::Srgb, map_exposure.unwrap_or(exposure))?;
     sink.picture(&truth.picture, drawn)?;
     Ok(truth)
 }
@@ -54,7 +57,7 @@ pub(super) fn run(
 ) -> Result<()> {
     let mut unit = Judged { unit, prepared, truth, sink };
     let ask = |packed| -> Result<Vec<[f64; 3]>> {
-        truth.ask(&TwinRunner::new(prepared.subject, packed)?, unit.unit.size)
+        truth.ask(&TwinRunner::new(prepared.placement, packed)?, unit.unit.size)
     };
     let (unpacked, twin) = (ask(false)?, ask(true)?);
     unit.judge(Part::Model, (UNPACKED, &unpacked), ("exact", &truth.colours), None)?;
@@ -115,13 +118,14 @@ impl Judged<'_, '_> {
     ) -> Result<()> {
         let Unit { surface, variant, light, size } = *self.unit;
         let subject = format!("{surface}: {}: {route}", variant.name);
-        let measured = match compare(&subject, expected, colours, Some(self.truth.exposure)) {
-            Ok(measured) => measured,
-            Err(error) => {
-                let gap = failed(route, Some((surface, &variant.name)), &error.to_string());
-                return self.sink.record(gap);
-            }
-        };
+        let measured =
+            match colour_difference(&subject, expected, colours, Some(self.truth.exposure)) {
+                Ok(measured) => measured,
+                Err(error) => {
+                    let gap = failed(route, Some((surface, &variant.name)), &error.to_string());
+                    return self.sink.record(gap);
+                }
+            };
         let map = self.map_colours(&subject, expected, colours);
         let tolerance = self.prepared.form.promise().tolerance(part);
         let map_p95 = map.map_or(0.0, |map| map.de2000.p95);
@@ -167,8 +171,8 @@ impl Judged<'_, '_> {
         let exposure = self.truth.map_exposure?;
         let brightest = self.truth.colours.iter().map(|c| c[1]).fold(0.0, f64::max);
         let map = self.truth.map;
-        let Comparison { lit, de2000, .. } =
-            compare_map(subject, &expected[..map], &colours[..map], brightest, exposure)?;
+        let ColourDifference { lit, de2000, .. } =
+            map_difference(subject, &expected[..map], &colours[..map], brightest, exposure)?;
         Some(MapColours { exposure, lit, de2000 })
     }
 
@@ -185,7 +189,7 @@ impl Judged<'_, '_> {
         let dash = if suffix.is_empty() { "" } else { "-" };
         let stem = format!("pictures/{surface}/{}/{}{dash}{suffix}", variant.name, place(light));
         let exposure = self.truth.map_exposure.unwrap_or(self.truth.exposure);
-        let png = |frame| picture::png(frame, Colour::Srgb, exposure);
+        let png = |map: &BrdfMap| map.png(Colour::Srgb, exposure);
         let reference = match reference {
             "" => {
                 let place = format!("{stem}-reference.png");

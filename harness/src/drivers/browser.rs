@@ -18,21 +18,22 @@ mod folder;
 mod link;
 mod page_check;
 mod pipeline;
-mod profile;
+mod failure;
+mod user_folder;
 mod server;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use diffraction_shaders::emit::{EmittedFile, emit};
 use diffraction_shaders::error::{Error, Result, Stage};
-use diffraction_shaders::module::Module;
 use diffraction_shaders::plan::Target;
-use diffraction_shaders::runner::{Progress, Subject};
+use diffraction_shaders::runner::{Placement, Progress};
+use diffraction_shaders::shader::emit::{EmittedFile, emit};
+use diffraction_shaders::shader::module::Module;
 use serde_json::{Value, json};
 
-use super::pictures::{BAND_ROWS, BoundTable, Driver, DriverRunner, Prepared};
+use super::driver::{BAND_ROWS, BoundTable, Driver, DriverRunner, Prepared};
 use super::stages::stages;
 
 pub use drive::{Driven, drive_page};
@@ -46,7 +47,7 @@ pub type BrowserRunner<'a> = DriverRunner<'a, Web>;
 
 impl<'a> BrowserRunner<'a> {
     /// Computes the tables and compiles nothing yet.
-    pub fn new(subject: Subject<'a>, web: Web) -> Result<BrowserRunner<'a>> {
+    pub fn new(subject: Placement<'a>, web: Web) -> Result<BrowserRunner<'a>> {
         Ok(DriverRunner::with(Prepared::new(subject)?, web))
     }
 }

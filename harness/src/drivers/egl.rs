@@ -3,7 +3,7 @@
 //! No window and no graphics card are needed: `libegl1 libgles2 libgl1-mesa-dri` bring Mesa's llvmpipe. The library is
 //! loaded at run time, so that building needs none of them.
 //!
-//! * Textures and the uniform block are found by the names, or the bindings, that [`emit`](diffraction_shaders::emit) reports; a name
+//! * Textures and the uniform block are found by the names, or the bindings, that [`emit`](diffraction_shaders::shader::emit) reports; a name
 //!   that the driver does not know is an error.
 //! * Clip space is GL's own, y up. Pictures are handed out row by row from the top: row 0 is next to y = +1.
 //! * Every pipeline has a context of its own, which is current only inside calls, on the calling thread, and which takes
@@ -16,13 +16,13 @@ mod pipeline;
 
 use std::fmt;
 
-use diffraction_shaders::emit::{EmittedFile, emit};
 use diffraction_shaders::error::Result;
-use diffraction_shaders::module::Module;
 use diffraction_shaders::plan::Target;
-use diffraction_shaders::runner::{Progress, Subject};
+use diffraction_shaders::runner::{Placement, Progress};
+use diffraction_shaders::shader::emit::{EmittedFile, emit};
+use diffraction_shaders::shader::module::Module;
 
-use super::pictures::{BAND_ROWS, BoundTable, Driver, DriverRunner, Prepared};
+use super::driver::{BAND_ROWS, BoundTable, Driver, DriverRunner, Prepared};
 use super::stages::stages;
 
 use device::Device;
@@ -36,9 +36,9 @@ pub type EglRunner<'a> = DriverRunner<'a, Egl>;
 
 impl<'a> EglRunner<'a> {
     /// Opens the first driver of the machine, computes the tables, and compiles nothing yet.
-    pub fn new(subject: Subject<'a>, dialect: Dialect) -> Result<EglRunner<'a>> {
+    pub fn new(placement: Placement<'a>, dialect: Dialect) -> Result<EglRunner<'a>> {
         let egl = Egl::open(dialect, None)?;
-        Ok(DriverRunner::with(Prepared::new(subject)?, egl))
+        Ok(DriverRunner::with(Prepared::new(placement)?, egl))
     }
 }
 

@@ -15,6 +15,7 @@
 //! Calls on one [`Gpu`] and its pipelines, from any number of threads, take turns.
 
 mod adapter;
+mod backend;
 mod guard;
 mod mesh;
 mod program;
@@ -23,7 +24,8 @@ mod render;
 mod spirv;
 mod time;
 
-pub use self::adapter::{AdapterInfo, Backend, MESA_FLOAT_TARGETS};
+pub use self::adapter::MESA_FLOAT_TARGETS;
+pub use self::backend::{AdapterInfo, Backend};
 pub use self::mesh::{
     Colours, MeshBuffers, MeshPass, MeshPipeline, MeshProgram, Targets, VERTEX_NUMBERS,
 };

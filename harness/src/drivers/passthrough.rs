@@ -11,17 +11,17 @@ mod compile;
 use std::fmt;
 use std::path::PathBuf;
 
-use diffraction_shaders::emit::{BindingKind, EmittedFile, emit};
 use diffraction_shaders::error::{Error, Result, Stage};
-use diffraction_shaders::module::{self, Module};
 use diffraction_shaders::plan::Target;
 use diffraction_shaders::runner::Progress;
+use diffraction_shaders::shader::emit::{BindingKind, EmittedFile, emit};
+use diffraction_shaders::shader::module::{self, Module};
 
 use crate::process::{GLSLANG, GLSLANG_PACKAGE, on_path};
 
+use super::driver::PARAMS;
+use super::driver::{BoundTable, Driver, DriverRunner};
 use super::gpu::{Backend, Gpu, Pipeline, Program, Shader, Texture, Uniform};
-use super::pictures::PARAMS;
-use super::pictures::{BoundTable, Driver, DriverRunner};
 use super::shader;
 
 /// A variant's emitted SPIR-V or HLSL on one adapter.

@@ -4,20 +4,20 @@ use std::borrow::Cow;
 use std::ops::ControlFlow;
 
 use diffraction_shaders::error::Result;
-use diffraction_shaders::module::Module;
-use diffraction_shaders::runner::{Progress, Subject};
+use diffraction_shaders::runner::{Placement, Progress};
+use diffraction_shaders::shader::module::Module;
 use diffraction_shaders::tables::{SAMPLER, Table, TexelFormat};
 
+use super::driver::{BAND_ROWS, BoundTable, Driver, DriverRunner, Prepared};
 use super::gpu::{Gpu, Pipeline, Program, Shader, Texture, TextureFormat, TextureLayout, Uniform};
-use super::pictures::{BAND_ROWS, BoundTable, Driver, DriverRunner, Prepared};
 
 /// A variant's shader on one adapter.
 pub type ShaderRunner<'a> = DriverRunner<'a, Gpu>;
 
 impl<'a> ShaderRunner<'a> {
     /// Computes the tables and compiles nothing yet.
-    pub fn new(subject: Subject<'a>, gpu: Gpu) -> Result<ShaderRunner<'a>> {
-        Ok(DriverRunner::with(Prepared::new(subject)?, gpu))
+    pub fn new(placement: Placement<'a>, gpu: Gpu) -> Result<ShaderRunner<'a>> {
+        Ok(DriverRunner::with(Prepared::new(placement)?, gpu))
     }
 }
 

@@ -1,8 +1,8 @@
 //! Which emitted files a pipeline is made of.
 
-use diffraction_shaders::emit::EmittedFile;
 use diffraction_shaders::error::{Error, Result, Stage};
-use diffraction_shaders::module;
+use diffraction_shaders::shader::emit::EmittedFile;
+use diffraction_shaders::shader::module;
 
 /// A file and the name of one of its entry points in it.
 pub(super) type StageFile<'a> = (&'a EmittedFile, &'a str);

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-use diffraction_shaders::module::Stage;
+use diffraction_shaders::shader::module::Stage;
 
 use super::accepted;
 

@@ -8,7 +8,7 @@ use super::merge::{Results, Unit, unique};
 use super::number::{self, figure};
 use super::summary::PARTS;
 use super::table::{Cell, Head, Row, table};
-use crate::record::{Compare, Part};
+use crate::results::{Compare, Part};
 
 /// The section.
 pub(super) fn section(results: &Results<'_>) -> Markup {

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::album::{Album, Picture};
 use super::source::Folder;
-use crate::record::{Bench, Compare, Control, Gap, Part, Record, Scaling, Testbench, Tune};
+use crate::results::{Bench, Compare, Control, Gap, Part, Record, Scaling, Testbench, Tune};
 
 /// What a page is made of.
 #[derive(Debug, Default)]

@@ -6,7 +6,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use sha2::{Digest, Sha256};
 
 use super::source::Folder;
-use crate::record::line;
+use crate::results::line;
 
 /// How the page looks. Its colours are chosen by the reader's system or by the button in the page.
 const STYLE: &str = include_str!("page.css");

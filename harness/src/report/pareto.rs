@@ -5,9 +5,9 @@ use maud::{Markup, html};
 use super::gap::nothing;
 use super::merge::{Results, unique};
 use super::number::{self, figure};
-use super::plot::{Axis, Plot, Point, Scale, Series, draw, front};
+use super::plot::{Plot, PlotAxis, Point, Scale, Series, draw, front};
 use super::table::{self, Cell, Row, heads, table};
-use crate::record::{Bench, Part};
+use crate::results::{Bench, Part};
 
 /// The section.
 pub(super) fn section(results: &Results<'_>) -> Markup {
@@ -127,8 +127,8 @@ fn chart(title: &str, timed: &[Timed<'_>]) -> Plot {
         both.iter().map(|(_, t, error)| [t.bench.median_ms, *error]).collect();
     Plot {
         title: format!("Error against time: {title}"),
-        x: Axis { label: "median time of a frame, ms".into(), scale: Scale::Log },
-        y: Axis { label: "ΔE₀₀ p95".into(), scale: Scale::Log },
+        x: PlotAxis { label: "median time of a frame, ms".into(), scale: Scale::Log },
+        y: PlotAxis { label: "ΔE₀₀ p95".into(), scale: Scale::Log },
         series: series.collect(),
         front: front(&places),
     }

@@ -6,9 +6,9 @@ use super::album::{Picture, shown};
 use super::gap::nothing;
 use super::merge::{Results, unique};
 use super::number::figure;
-use super::plot::{Axis, Plot, Point, Scale, Series, draw, letter};
+use super::plot::{Plot, PlotAxis, Point, Scale, Series, draw, letter};
 use super::table::{self, Cell, Head, Row, heads, table};
-use crate::record::Testbench;
+use crate::results::Testbench;
 
 /// Mean and standard deviation in nm that the texts publish, by their surface and mode.
 const PUBLISHED: [(&str, &str, f64, f64); 7] = [
@@ -235,11 +235,11 @@ fn scatter(surface: &str, own: &[&Testbench]) -> Plot {
     });
     Plot {
         title: format!("Periods of the windows of {surface}"),
-        x: Axis {
+        x: PlotAxis {
             label: "variant".into(),
             scale: Scale::Names((0..variants.len()).map(letter).collect()),
         },
-        y: Axis { label: "period, nm".into(), scale: Scale::Linear },
+        y: PlotAxis { label: "period, nm".into(), scale: Scale::Linear },
         series: series.collect(),
         front: Vec::new(),
     }

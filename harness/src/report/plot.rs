@@ -8,7 +8,7 @@ pub(super) mod labels;
 
 use maud::{Markup, html};
 
-pub(super) use axis::{Axis, Fitted, Scale, fit};
+pub(super) use axis::{Fitted, PlotAxis, Scale, fit};
 
 /// Width and height of the drawing, in its own units.
 const SIZE: [f64; 2] = [440.0, 320.0];
@@ -21,9 +21,9 @@ pub(super) struct Plot {
     /// What is seen, for those who do not see it.
     pub(super) title: String,
     /// The axis to the right.
-    pub(super) x: Axis,
+    pub(super) x: PlotAxis,
     /// The axis upwards.
-    pub(super) y: Axis,
+    pub(super) y: PlotAxis,
     /// What is on it.
     pub(super) series: Vec<Series>,
     /// Corners of a line that steps through the points that no other beats in both directions.

@@ -6,7 +6,7 @@ use super::gap::nothing;
 use super::merge::{Results, Unit, unique};
 use super::number;
 use super::table::{Cell, Head, Row, heads, table};
-use crate::record::{Compare, Part};
+use crate::results::{Compare, Part};
 
 /// The section.
 pub(super) fn section(results: &Results<'_>) -> Markup {

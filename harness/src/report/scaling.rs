@@ -5,9 +5,9 @@ use maud::{Markup, html};
 use super::gap::nothing;
 use super::merge::{Results, unique};
 use super::number::{self, figure};
-use super::plot::{Axis, Plot, Point, Scale, Series, draw, letter};
+use super::plot::{Plot, PlotAxis, Point, Scale, Series, draw, letter};
 use super::table::{self, Cell, Row, heads, table};
-use crate::record::Scaling;
+use crate::results::Scaling;
 
 /// The section.
 pub(super) fn section(results: &Results<'_>) -> Markup {
@@ -54,8 +54,8 @@ fn one(number: usize, points: &[&Scaling]) -> Markup {
         .collect();
     let plot = Plot {
         title: title.clone(),
-        x: Axis { label: unit.into(), scale: Scale::Log },
-        y: Axis { label: "median time of a frame, ms".into(), scale: Scale::Log },
+        x: PlotAxis { label: unit.into(), scale: Scale::Log },
+        y: PlotAxis { label: "median time of a frame, ms".into(), scale: Scale::Log },
         series,
         front: Vec::new(),
     };

@@ -6,7 +6,7 @@ use std::path::{Component, Path};
 
 use diffraction_shaders::error::{Error, Result, Stage};
 
-use crate::record::{self, Record};
+use crate::results::{self, Record};
 
 /// First bytes of a PNG file (ISO/IEC 15948, 5.2).
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
@@ -24,16 +24,16 @@ pub struct Folder {
 
 /// Reads `records.jsonl` of a folder and, where they are wanted, the pictures that it names.
 pub fn read(folder: &Path, pictures: bool) -> Result<Folder> {
-    let path = folder.join(record::FILE);
+    let path = folder.join(results::FILE);
     if !path.is_file() {
         return Err(Error::new(
             Stage::Record,
             folder.display(),
-            format!("has no {}", record::FILE),
+            format!("has no {}", results::FILE),
         )
         .remedy("name a folder that compare, bench or testbench wrote with --out"));
     }
-    let records = record::read(&path)?;
+    let records = results::read(&path)?;
     let mut found = BTreeMap::new();
     for place in records.iter().flat_map(places).filter(|_| pictures) {
         if !found.contains_key(place) {

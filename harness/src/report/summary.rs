@@ -8,7 +8,7 @@ use super::gap::nothing;
 use super::merge::{Results, unique};
 use super::number::{self, figure};
 use super::table::{Cell, Row, heads, table};
-use crate::record::{Compare, Part};
+use crate::results::{Compare, Part};
 
 /// How many comparisons are listed as the nearest to their tolerance.
 const NEAREST: usize = 12;

@@ -8,7 +8,7 @@ use super::album::{Picture, map};
 use super::gap::nothing;
 use super::merge::{Results, Unit, unique};
 use super::number::{self, figure};
-use super::plot::{Axis, Plot, Point, Scale, Series, draw};
+use super::plot::{Plot, PlotAxis, Point, Scale, Series, draw};
 use super::table::{self, Cell, Head, Row, table};
 
 use group::{Group, Value, groups};
@@ -147,8 +147,8 @@ fn chart(title: &str, group: &Group<'_>) -> Plot {
     };
     Plot {
         title: format!("ΔE₀₀ p95 against {title}"),
-        x: Axis { label: called(&group.key).to_owned(), scale },
-        y: Axis { label: "ΔE₀₀ p95".into(), scale: Scale::Log },
+        x: PlotAxis { label: called(&group.key).to_owned(), scale },
+        y: PlotAxis { label: "ΔE₀₀ p95".into(), scale: Scale::Log },
         series: vec![Series {
             name: String::new(),
             joined: all.is_some(),

@@ -9,9 +9,9 @@ use maud::{Markup, html};
 use super::gap::nothing;
 use super::merge::{Results, unique};
 use super::number::{self, figure};
-use super::plot::{Axis, Plot, Point, Scale, Series, draw, front};
+use super::plot::{Plot, PlotAxis, Point, Scale, Series, draw, front};
 use super::table::{self, Cell, Row, heads, table};
-use crate::record::{Tune, Verdict};
+use crate::results::{Tune, Verdict};
 
 pub use picture::front_picture;
 
@@ -126,8 +126,8 @@ fn chart(title: &str, measured: &[Numbered<'_>]) -> Plot {
     });
     Plot {
         title: format!("Error against time of candidates: {title}"),
-        x: Axis { label: "time of a pixel, ns".into(), scale: Scale::Log },
-        y: Axis { label: "ΔE₀₀ p95, worst light".into(), scale: Scale::Log },
+        x: PlotAxis { label: "time of a pixel, ns".into(), scale: Scale::Log },
+        y: PlotAxis { label: "ΔE₀₀ p95, worst light".into(), scale: Scale::Log },
         series: series.collect(),
         front: front(&placed.iter().map(|(_, at)| *at).collect::<Vec<_>>()),
     }

@@ -8,8 +8,8 @@ use gltf::accessor::{DataType, Dimensions};
 use gltf::mesh::{Mode, Semantic};
 use gltf::{Accessor, Document, Primitive};
 
-use super::ColourMap;
-use super::mesh::Raw;
+use super::raw::Raw;
+use crate::drivers::ColourMap;
 
 /// Attribute of the orientation field, radians; the reader takes the underscore of such names off.
 const ORIENTATION: &str = "ORIENTATION";
@@ -176,8 +176,9 @@ fn colour(
 ) -> ColourMap {
     let material = primitive.material().pbr_metallic_roughness();
     let [r, g, b, _] = material.base_color_factor();
-    let code =
-        |c: f32| (255.0 * diffraction_shaders::spectrum::srgb_encode(f64::from(c))).round() as u8;
+    let code = |c: f32| {
+        (255.0 * diffraction_shaders::optics::colour::srgb_encode(f64::from(c))).round() as u8
+    };
     let plain = ColourMap::plain([r, g, b].map(code));
     let Some(texture) = material.base_color_texture() else { return plain };
     let source = texture.texture().source();

@@ -5,8 +5,8 @@ use std::path::Path;
 use diffraction_shaders::error::{Error, Result, Stage};
 use glam::{DVec2, DVec3};
 
-use super::ColourMap;
-use super::mesh::Raw;
+use super::raw::Raw;
+use crate::drivers::ColourMap;
 
 /// All objects of a file in one mesh; the colour is the first material's picture or plain colour.
 pub(super) fn read(path: &Path) -> Result<Raw> {
@@ -59,8 +59,9 @@ pub(super) fn read(path: &Path) -> Result<Raw> {
 
 fn colour(path: &Path, material: &tobj::Material, notes: &mut Vec<String>) -> ColourMap {
     let plain = material.diffuse.unwrap_or([0.5; 3]);
-    let code =
-        |c: f32| (255.0 * diffraction_shaders::spectrum::srgb_encode(f64::from(c))).round() as u8;
+    let code = |c: f32| {
+        (255.0 * diffraction_shaders::optics::colour::srgb_encode(f64::from(c))).round() as u8
+    };
     let plain = ColourMap::plain(plain.map(code));
     let Some(file) = &material.diffuse_texture else { return plain };
     let file = path.parent().unwrap_or(Path::new(".")).join(file);

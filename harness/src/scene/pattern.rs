@@ -1,6 +1,6 @@
 //! The colours of a snake in the manner of a corn snake (Pantherophis guttatus): saddles with dark edges on orange.
 
-use super::ColourMap;
+use crate::drivers::ColourMap;
 
 /// Red saddles, their edges, the ground between them, and the belly, linear sRGB.
 const SADDLE: [f64; 3] = [0.36, 0.05, 0.018];
@@ -15,7 +15,8 @@ pub fn corn_snake(width: u32, height: u32, length: f64) -> ColourMap {
         let along = (f64::from(i % width) + 0.5) / f64::from(width) * length;
         // 0 on the back, ±1 on the middle of the belly
         let around = 2.0 * (f64::from(i / width) + 0.5) / f64::from(height) - 1.0;
-        let code = |c: f64| (255.0 * diffraction_shaders::spectrum::srgb_encode(c)).round() as u8;
+        let code =
+            |c: f64| (255.0 * diffraction_shaders::optics::colour::srgb_encode(c)).round() as u8;
         let [r, g, b] = colour(along, around).map(code);
         [r, g, b, 255]
     };

@@ -2,15 +2,15 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use diffraction_shaders::basis::Expansion;
 use diffraction_shaders::error::Error;
-use diffraction_shaders::height::HeightField;
 use diffraction_shaders::plan::{Auto, Basis, Plan, Variant};
+use diffraction_shaders::surface::HeightField;
 use diffraction_shaders::tables::Series;
+use diffraction_shaders::tables::basis::Expansion;
 use diffraction_shaders::variant::Form;
 use rayon::prelude::*;
 
-use crate::record::Verdict;
+use crate::results::Verdict;
 
 use super::grid::{GRIDS, name, product};
 use super::preset::of_grid;

@@ -1,16 +1,19 @@
 //! Errors of candidates: their twins, on tables rounded as a shader reads them, against the exact colours.
 
 use diffraction_shaders::error::{Error, Result, Stage};
-use diffraction_shaders::frame::view_directions;
-use diffraction_shaders::height::HeightField;
-use diffraction_shaders::measure::{auto_exposure, compare, compare_map, on_orders};
+use diffraction_shaders::field::comparison_directions::on_orders;
+use diffraction_shaders::field::reference::Directions;
+use diffraction_shaders::optics::brdf_map::view_directions;
+use diffraction_shaders::optics::colour_difference::{
+    auto_exposure, colour_difference, map_difference,
+};
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{Optics, Variant};
-use diffraction_shaders::reference::Directions;
-use diffraction_shaders::runner::{Exact, Runner, Subject, TwinRunner, rounded};
+use diffraction_shaders::runner::{Exact, Placement, Runner, TwinRunner, rounded};
+use diffraction_shaders::surface::HeightField;
 use glam::DVec3;
 
-use crate::record::LightError;
+use crate::results::LightError;
 
 use super::search::Found;
 
@@ -57,7 +60,7 @@ impl Truth {
     ) -> Result<Truth> {
         // of the variant only the optics count
         let variant = Variant::texts(optics);
-        let exact = Exact(Subject { height, rotate_deg, variant: &variant });
+        let exact = Exact(Placement { height, rotate_deg, variant: &variant });
         let lit = |light: &[f64; 2]| {
             let wi: DVec3 = rounded(direction(light[0], light[1]));
             let mut directions: Vec<Directions> =
@@ -83,7 +86,7 @@ impl Truth {
     }
 
     /// A first look under the first light, and errors under all of them where that is not far over the budget.
-    pub fn measure(&self, subject: Subject<'_>, budget_de: f64) -> Found {
+    pub fn measure(&self, subject: Placement<'_>, budget_de: f64) -> Found {
         let measured = TwinRunner::new(subject, true).and_then(|twin| {
             let mut errors = Vec::new();
             if let Some(first) = self.lights.first() {
@@ -105,7 +108,7 @@ impl Truth {
     }
 
     /// The errors under all lights, however large.
-    pub fn of(&self, subject: Subject<'_>) -> Result<Vec<LightError>> {
+    pub fn of(&self, subject: Placement<'_>) -> Result<Vec<LightError>> {
         let twin = TwinRunner::new(subject, true)?;
         self.lights.iter().map(|lit| lit.error(&subject.variant.name, &twin)).collect()
     }
@@ -117,15 +120,15 @@ impl Lit {
         let directions: Vec<Directions> = places().map(|i| self.directions[i]).collect();
         let expected: Vec<[f64; 3]> = places().map(|i| self.colours[i]).collect();
         let colours = twin.tristimulus(&directions, &|_| ())?;
-        Ok(compare(name, &expected, &colours, Some(self.exposure))?.de2000.p95)
+        Ok(colour_difference(name, &expected, &colours, Some(self.exposure))?.de2000.p95)
     }
 
     fn error(&self, name: &str, twin: &TwinRunner<'_>) -> Result<LightError> {
         let colours = twin.tristimulus(&self.directions, &|_| ())?;
-        let all = compare(name, &self.colours, &colours, Some(self.exposure))?;
+        let all = colour_difference(name, &self.colours, &colours, Some(self.exposure))?;
         let map = self.map_exposure.and_then(|exposure| {
             let [expected, colours] = [&self.colours, &colours].map(|c| &c[..self.map]);
-            compare_map(name, expected, colours, self.brightest, exposure)
+            map_difference(name, expected, colours, self.brightest, exposure)
         });
         let map_p95 = map.map(|map| map.de2000.p95);
         let max = map.map_or(0.0, |map| map.de2000.max).max(all.de2000.max);

@@ -1,10 +1,10 @@
 //! What is tried: keys of a preset with their values, as TOML.
 
 /// Keys of a preset and the values that each may have; the candidates are their product, the first key varies slowest.
-pub(super) type Grid = &'static [Axis];
+pub(super) type Grid = &'static [Choices];
 
 /// A key and its values, as TOML.
-pub(super) type Axis = (&'static str, &'static [&'static str]);
+pub(super) type Choices = (&'static str, &'static [&'static str]);
 
 /// All grids. Words that this version does not know are tried all the same: its parser refuses them, and says so.
 pub(super) const GRIDS: [Grid; 5] = [
@@ -39,15 +39,15 @@ pub(super) const GRIDS: [Grid; 5] = [
     ],
 ];
 
-const FULL: Axis = ("mode", &["\"full\""]);
-const BASIS: Axis = ("basis", &["\"optimal\"", "\"chebyshev\"", "\"taylor\""]);
-const TABLE: Axis = ("table", &["\"f16\"", "\"f32\""]);
+const FULL: Choices = ("mode", &["\"full\""]);
+const BASIS: Choices = ("basis", &["\"optimal\"", "\"chebyshev\"", "\"taylor\""]);
+const TABLE: Choices = ("table", &["\"f16\"", "\"f32\""]);
 
 /// Steps of the wavelength, nm; a preset has them inside a table.
-const STEPS: Axis = ("wavelengths", &["10", "5", "2.5", "1.25"]);
+const STEPS: Choices = ("wavelengths", &["10", "5", "2.5", "1.25"]);
 
 /// Numbers of terms that leave these errors of the phase function on the surface, and what `"auto"` chooses.
-const TERMS: Axis = ("terms", &["0.3", "0.1", "0.03", "0.01", "\"auto\""]);
+const TERMS: Choices = ("terms", &["0.3", "0.1", "0.03", "0.01", "\"auto\""]);
 
 /// The whole range of visible light, by a step, as TOML.
 pub(super) fn wavelengths(step_nm: &str) -> String {

@@ -2,14 +2,14 @@
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
-use diffraction_shaders::manifest::extent;
 use diffraction_shaders::optics;
+use diffraction_shaders::package::manifest::extent;
 use diffraction_shaders::plan::Variant;
-use diffraction_shaders::profile::Profile;
-use diffraction_shaders::specialise;
+use diffraction_shaders::shader::limits::Profile;
+use diffraction_shaders::shader::specialise;
 use diffraction_shaders::variant::Form;
 
-use crate::record::{Bounds, Verdict};
+use crate::results::{Bounds, Verdict};
 
 use super::{Candidate, Lost};
 

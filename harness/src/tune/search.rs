@@ -7,7 +7,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::record::{LightError, Verdict};
+use crate::results::{LightError, Verdict};
 
 use super::Candidate;
 

@@ -6,7 +6,7 @@ use diffraction_shaders::plan::{Plan, Variant};
 use diffraction_shaders::variant::Cost;
 
 use crate::bench::result::settings;
-use crate::record::{Bench, LightError, Time, Tune, Verdict};
+use crate::results::{Bench, LightError, Time, Tune, Verdict};
 
 use super::prune::Limits;
 use super::search::State;

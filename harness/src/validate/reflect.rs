@@ -14,10 +14,7 @@ use serde_json::Value;
 
 use crate::process::{accepted, on_path};
 
-use super::{
-    Tool,
-    tools::{Reads, TIME_LIMIT},
-};
+use super::{Reads, TIME_LIMIT, Tool};
 
 /// Compares entry points, sets, bindings, dimensions and uniform offsets of SPIR-V with `manifest.json` beside it.
 pub struct Reflection {
@@ -91,12 +88,22 @@ fn differences(manifest: &Value, file: &str, reflected: &Value) -> Vec<String> {
             format!("{} {stage}", text(&e["name"]))
         })
         .collect();
-    compare(&mut found, "entry points", &said, &read);
-    compare(&mut found, "resources", &said_resources(manifest, entry), &read_resources(reflected));
+    disagreements(&mut found, "entry points", &said, &read);
+    disagreements(
+        &mut found,
+        "resources",
+        &said_resources(manifest, entry),
+        &read_resources(reflected),
+    );
     found
 }
 
-fn compare(found: &mut Vec<String>, what: &str, said: &BTreeSet<String>, read: &BTreeSet<String>) {
+fn disagreements(
+    found: &mut Vec<String>,
+    what: &str,
+    said: &BTreeSet<String>,
+    read: &BTreeSet<String>,
+) {
     let lines =
         |set: &BTreeSet<String>| set.iter().map(String::as_str).collect::<Vec<_>>().join("; ");
     if said != read {

@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use diffraction_shaders::module::function_names;
+use diffraction_shaders::shader::module::function_names;
 use diffraction_shaders::variant::{DIRECTIONAL, FUNCTIONS, Function as _};
 use tempfile::TempDir;
 

@@ -7,7 +7,7 @@ use std::{
     time::Duration,
 };
 
-use diffraction_shaders::module::{Contract, Stage};
+use diffraction_shaders::shader::module::{Contract, Stage};
 use diffraction_shaders::variant::FUNCTIONS;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -16,12 +16,9 @@ use crate::process::{
 };
 
 use super::{
-    Reflection, Tool,
+    Reads, Reflection, TIME_LIMIT, Tool,
     shell::{self, Input},
 };
-
-/// Time that a tool has for one file.
-pub(super) const TIME_LIMIT: Duration = Duration::from_secs(60);
 
 /// All validators, installed or not.
 pub fn tools() -> Vec<Box<dyn Tool>> {
@@ -81,31 +78,6 @@ impl Tool for Naga {
             validator.validate(&module).map_err(|error| error.emit_to_string(&text))?;
         }
         Ok(())
-    }
-}
-
-/// The language that a tool reads.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reads {
-    /// WGSL.
-    Wgsl,
-    /// GLSL of both kinds, and HLSL.
-    GlslHlsl,
-    /// HLSL.
-    Hlsl,
-    /// SPIR-V.
-    Spirv,
-}
-
-impl Reads {
-    pub(super) fn name(self, name: &str) -> bool {
-        let suffixes: &[&str] = match self {
-            Reads::Wgsl => &[".wgsl"],
-            Reads::GlslHlsl => &[".glsl", ".es300.vert", ".es300.frag", ".hlsl"],
-            Reads::Hlsl => &[".hlsl"],
-            Reads::Spirv => &[".spv"],
-        };
-        suffixes.iter().any(|suffix| name.ends_with(suffix))
     }
 }
 

@@ -1,10 +1,11 @@
 //! What the tests of browsers share.
 
 use diffraction_harness::drivers::browser::Browser;
-use diffraction_shaders::height::{HeightField, synthetic::synthesise};
 use diffraction_shaders::plan::{
     Auto, Basis, Grating, Optics, Packing, Reconstruction, Sampling, Variant,
 };
+use diffraction_shaders::surface::HeightField;
+use diffraction_shaders::surface::synthetic::synthesise;
 
 /// The machine's browser. A missing one is a failure where the tools are required, else it is said.
 pub fn browser() -> Option<Browser> {

@@ -1,13 +1,14 @@
 //! What is drawn by the untranslated routes, and how results are compared.
 
-use diffraction_shaders::height::{HeightField, synthetic::synthesise};
+use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{
     Auto, Basis, Coherence, Grating, Mode, Optics, Packing, Reconstruction, Rough, Sampling,
     TableFormat, Variant,
 };
-use diffraction_shaders::reference::Directions;
 use diffraction_shaders::runner::{Runner, rounded};
+use diffraction_shaders::surface::HeightField;
+use diffraction_shaders::surface::synthetic::synthesise;
 
 const SIZE: usize = 48;
 
@@ -62,7 +63,7 @@ pub fn centred(name: &str) -> Variant {
 /// rounded to 24 bits.
 pub fn texts_bound(height: &HeightField) -> f64 {
     let (low_um, high_um) = height.range_um();
-    let z_max = diffraction_shaders::basis::greatest_z(380.0);
+    let z_max = diffraction_shaders::tables::basis::greatest_z(380.0);
     (z_max * (high_um - low_um)).exp() * 2.0_f64.powi(-24)
 }
 
@@ -100,7 +101,7 @@ impl Results {
         };
         let pairs: Vec<Directions> = (0..420).map(pair).collect();
         Results {
-            map: runner.map(rounded(direction(20.0, 10.0)), SIZE, &|_| ()).unwrap().disc(),
+            map: runner.brdf_map(rounded(direction(20.0, 10.0)), SIZE, &|_| ()).unwrap().disc(),
             probe: runner.tristimulus(&pairs, &|_| ()).unwrap(),
         }
     }

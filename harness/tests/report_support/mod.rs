@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use diffraction_harness::record::{FILE, Record, line};
+use diffraction_harness::results::{FILE, Record, line};
 use serde_json::{Value, json};
 
 /// A variant's configuration with one setting changed.

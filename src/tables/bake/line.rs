@@ -2,14 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use crate::basis::Expansion;
-use crate::height::HeightField;
+use crate::field::transform::Bins;
 use crate::optics;
+use crate::optics::spectrum::Spectrum;
 use crate::plan::{Basis, Coherence, CoherenceScaling, Wavelengths, Window};
-use crate::spectrum::Spectrum;
-use crate::tables::Axes;
-use crate::terms::Terms;
-use crate::transform::Bins;
+use crate::surface::HeightField;
+use crate::tables::BakedAxes;
+use crate::tables::basis::Expansion;
+use crate::tables::terms::Terms;
 
 /// Columns that are computed together: numbers of one vector register, or of a few.
 pub(super) const LANES: usize = 16;
@@ -27,7 +27,7 @@ const TERM_ERROR: f64 = 1e-3;
 
 /// A row of the table.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Row {
+pub(super) struct RadiusRow {
     pub(super) radius: f64,
 }
 
@@ -47,7 +47,7 @@ struct Recipe {
 
 /// Everything that the columns share.
 pub(super) struct Lines {
-    axes: Axes,
+    axes: BakedAxes,
     recipes: Vec<Recipe>,
     step_cpum: f64,
     /// `[s][r][number]`, padded to whole chunks.
@@ -66,7 +66,7 @@ impl Lines {
         window: Window,
         range: &Wavelengths,
         spectrum: &Spectrum,
-        axes: Axes,
+        axes: BakedAxes,
     ) -> Lines {
         let expansion =
             Expansion::new(Basis::Optimal, 1, height, range.min_nm).with_error(TERM_ERROR);
@@ -80,7 +80,7 @@ impl Lines {
         let terms = Terms::new(height, &expansion, bins, None);
         let (features, padded, numbers) = features(&terms, window.coherence);
         let step_cpum = STEP_SIGMAS * narrowest;
-        let recipe = |row: Row| {
+        let recipe = |row: RadiusRow| {
             let mut recipe = Recipe::nodes(row, range, spectrum, step_cpum);
             recipe.combine(row, &axes, &expansion, window.coherence, range.min_nm * 1e-3);
             recipe
@@ -239,7 +239,7 @@ fn features(terms: &Terms, coherence: Coherence) -> (usize, usize, Vec<f32>) {
 
 impl Recipe {
     /// Where a row's wavelengths lie, and their colours.
-    fn nodes(row: Row, range: &Wavelengths, spectrum: &Spectrum, step_cpum: f64) -> Recipe {
+    fn nodes(row: RadiusRow, range: &Wavelengths, spectrum: &Spectrum, step_cpum: f64) -> Recipe {
         let ends = [1e3 / range.max_nm, 1e3 / range.min_nm];
         let span = ends[1] - ends[0];
         let steps = |halvings: u32| row.radius * span / step_cpum * f64::from(1_u32 << halvings);
@@ -276,8 +276,8 @@ impl Recipe {
     /// The coefficients of every node and level.
     fn combine(
         &mut self,
-        row: Row,
-        axes: &Axes,
+        row: RadiusRow,
+        axes: &BakedAxes,
         expansion: &Expansion,
         coherence: Coherence,
         min_um: f64,

@@ -1,7 +1,7 @@
 //! The table of colours over `(u, v, w)`.
 
 use crate::plan::TableFormat;
-use crate::tables::{Axes, TERMS, Table, colour_format};
+use crate::tables::{BakedAxes, TERMS, Table, colour_format};
 
 use super::Colours;
 
@@ -31,7 +31,7 @@ pub fn table(colours: &Colours, format: TableFormat) -> Table {
 }
 
 /// The table without its texels.
-pub fn shape(axes: &Axes, format: TableFormat) -> Table {
+pub fn shape(axes: &BakedAxes, format: TableFormat) -> Table {
     Table {
         name: "colours",
         binding: TERMS,

@@ -1,20 +1,15 @@
 //! OpenEXR: the layers of a table side by side, in half or single precision, scan lines without compression.
 
 use std::borrow::Cow;
-use std::io::Cursor;
 
-use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
-use exr::math::Vec2;
-use exr::meta::attribute::Text;
-use exr::meta::header::LayerAttributes;
-use exr::prelude::{SmallVec, WritableImage};
+use exr::image::FlatSamples;
 use half::f16;
 
+use crate::encode::{self, Floats};
 use crate::error::Result;
-use crate::plan::Container;
 use crate::tables::TexelFormat;
 
-use super::{Atlas, Shape, failed};
+use super::{Atlas, Shape};
 
 /// Names of the channels in the order of the table's; in a file they are sorted, which is the reverse.
 pub(super) fn channels(format: TexelFormat) -> &'static [&'static str] {
@@ -30,23 +25,9 @@ fn place(format: TexelFormat, channel: usize) -> usize {
     format.channels() - 1 - channel
 }
 
-pub(super) fn encode(shape: &Shape, texels: &[u8]) -> Result<Vec<u8>> {
+pub(super) fn file(shape: &Shape, texels: &[u8]) -> Result<Vec<u8>> {
     let texels = &stored(shape.format, texels);
     let atlas = Atlas::new(shape);
-    if i32::try_from(atlas.width.max(atlas.height)).is_err() {
-        return Err(failed(Container::Exr, "is larger than the format allows"));
-    }
-    let list: SmallVec<[AnyChannel<FlatSamples>; 4]> = channels(shape.format)
-        .iter()
-        .enumerate()
-        .map(|(channel, name)| AnyChannel {
-            name: Text::from(*name),
-            sample_data: plane(shape, &atlas, texels, channel),
-            // the numbers are no colours
-            quantize_linearly: true,
-            sampling: Vec2(1, 1),
-        })
-        .collect();
     let comment = format!(
         "{} layers of {} by {} texels, {} in a row, from the upper left",
         atlas.offsets.len(),
@@ -54,20 +35,15 @@ pub(super) fn encode(shape: &Shape, texels: &[u8]) -> Result<Vec<u8>> {
         shape.height,
         atlas.columns
     );
-    let attributes = LayerAttributes {
-        comments: Text::new_or_none(comment),
-        software_name: Text::new_or_none("diffraction-shaders"),
-        ..LayerAttributes::default()
-    };
-    let size = Vec2(atlas.width, atlas.height);
-    let layer = Layer::new(size, attributes, Encoding::UNCOMPRESSED, AnyChannels::sort(list));
-    let mut file = Cursor::new(Vec::new());
-    Image::from_layer(layer)
-        .write()
-        .non_parallel()
-        .to_buffered(&mut file)
-        .map_err(|e| failed(Container::Exr, "cannot be encoded").source(e))?;
-    Ok(file.into_inner())
+    let names = channels(shape.format).iter().enumerate();
+    encode::exr(Floats {
+        size: [atlas.width, atlas.height],
+        channels: names
+            .map(|(channel, name)| (*name, plane(shape, &atlas, texels, channel)))
+            .collect(),
+        comment: Some(&comment),
+        colours: false,
+    })
 }
 
 /// One channel of the picture; 0 where no layer lies.

@@ -1,10 +1,10 @@
 //! `baked`: the wavelengths are integrated beforehand, into a table of colours over `(u, v, w)`.
 
 use crate::defines::Defines;
-use crate::height::HeightField;
 use crate::plan::{Illuminant, TableFormat, Variant, Window};
+use crate::surface::HeightField;
 use crate::tables::bake::COLOUR_SCALE;
-use crate::tables::{Aim, Axes, BEND, ColoursSpec, RotationSpec, TableSpec, colour_format};
+use crate::tables::{Aim, BEND, BakedAxes, ColoursSpec, RotationSpec, TableSpec, colour_format};
 use crate::variant::tolerance::{Promise, is_visible};
 use crate::variant::{Computation, Cost, Ground, lay};
 
@@ -12,7 +12,7 @@ use crate::variant::{Computation, Cost, Ground, lay};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Baked {
     /// Axes of the table.
-    pub axes: Axes,
+    pub axes: BakedAxes,
     /// Number format of the table.
     pub format: TableFormat,
     aim: Aim,
@@ -28,7 +28,7 @@ impl Baked {
     pub(in crate::variant) fn new(variant: &Variant, height: &HeightField) -> Baked {
         let window = Window::from(&variant.optics);
         let aim = Aim { error: variant.bake_error, mib: variant.bake_mib };
-        let sized = |aim| Axes::new(window, variant.table, aim, lay::height_range_um(height));
+        let sized = |aim| BakedAxes::new(window, variant.table, aim, lay::height_range_um(height));
         let axes = sized(aim);
         Baked {
             axes,
@@ -45,7 +45,7 @@ impl Baked {
 
 impl Computation for Baked {
     fn define(&self, _: usize, into: &mut Defines) {
-        let Axes { columns, levels, pages, rows, pace, stretch, .. } = self.axes;
+        let BakedAxes { columns, levels, pages, rows, pace, stretch, .. } = self.axes;
         into.number("BEND", BEND, "slope of the parabola that replaces the arc tangent, at 0");
         into.number(
             "COLOUR_UNIT",

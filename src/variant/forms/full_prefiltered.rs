@@ -2,8 +2,8 @@
 
 use crate::defines::Defines;
 use crate::error::Result;
-use crate::height::HeightField;
 use crate::plan::{Illuminant, Variant, Wavelengths};
+use crate::surface::HeightField;
 use crate::tables::{Series, TableSpec};
 use crate::variant::cost::spectrum_bytes;
 use crate::variant::tolerance::Promise;

@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 
 use crate::defines::Defines;
 use crate::error::Result;
-use crate::height::HeightField;
 use crate::optics::window_sigma_um;
 use crate::plan::{Auto, Illuminant, Variant, Wavelengths, Window};
+use crate::surface::HeightField;
 use crate::tables::{Reach, Series, TableSpec};
 use crate::variant::tolerance::Promise;
 use crate::variant::{AUTO_TAIL, Computation, Cost, ErrorBound, Ground, lay, window_tail};

@@ -2,8 +2,8 @@
 
 use crate::defines::Defines;
 use crate::error::{Error, Result, Stage};
-use crate::height::HeightField;
 use crate::plan::{Colour, Optics, Variant};
+use crate::surface::HeightField;
 use crate::tables::{GratingSpec, TableSpec, strongest_period_um};
 use crate::variant::cost::spectrum_bytes;
 use crate::variant::tolerance::Promise;

@@ -2,8 +2,8 @@
 
 use crate::defines::Defines;
 use crate::error::{Error, Result, Stage};
-use crate::height::HeightField;
 use crate::plan::{Coherence, Illuminant, Variant, Window};
+use crate::surface::HeightField;
 use crate::tables::{
     BROADEST, CoefficientsSpec, Corridor, LobeGeometry, LobesSpec, OUTER_NODES, REACH_SIGMAS,
     Reach, Series, SettingsSpec, TableSpec, TermsSpec,

@@ -2,9 +2,9 @@
 
 use crate::defines::Defines;
 use crate::error::Result;
-use crate::height::HeightField;
 use crate::optics::replica_diffuser_scale;
 use crate::plan::{Auto, Illuminant, Optics, Variant, Wavelengths};
+use crate::surface::HeightField;
 use crate::tables::{Reach, Series, TableSpec};
 use crate::variant::tolerance::Promise;
 use crate::variant::{AUTO_TAIL_PQ, Computation, Cost, ErrorBound, Ground, lay, replica_tail};

@@ -3,8 +3,8 @@
 
 use crate::defines::Defines;
 use crate::error::Result;
-use crate::height::HeightField;
 use crate::plan::{Illuminant, Variant};
+use crate::surface::HeightField;
 use crate::tables::{
     CoefficientsSpec, LevelsSpec, NODE_LEVELS, Series, SettingsSpec, TableSpec, TermsSpec,
 };

@@ -4,10 +4,11 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result, Stage};
 use crate::field::Scratch;
-use crate::height::HeightField;
-use crate::measure::{LIT, auto_exposure, pool};
+use crate::field::comparison_directions::pool;
+use crate::field::reference::{Directions, Reference};
+use crate::optics::colour_difference::{LIT, auto_exposure};
 use crate::plan::Optics;
-use crate::reference::{Directions, Reference};
+use crate::surface::HeightField;
 use crate::variant::{Cost, Form, Twin};
 
 use super::{ExactProbe, Function};

@@ -8,8 +8,8 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use glam::{DVec2, DVec3};
 
+use crate::field::reference::Directions;
 use crate::optics::{gain, path_difference};
-use crate::reference::Directions;
 use crate::tables::{BROADEST, LEAST_SQUARED, LobeGeometry, OUTER_NODES, REACH_SIGMAS};
 use crate::variant::Lobes;
 

@@ -2,10 +2,10 @@
 
 use glam::{DVec2, DVec3};
 
+use crate::field::reference::Directions;
 use crate::optics::{gain, path_difference};
-use crate::reference::Directions;
 use crate::tables::bake::COLOUR_SCALE;
-use crate::tables::{Axes, bilinear, octant};
+use crate::tables::{BakedAxes, bilinear, octant};
 use crate::variant::Baked;
 
 use super::Twin;
@@ -21,7 +21,7 @@ pub fn tristimulus(twin: &Twin<'_>, form: &Baked, Directions { wi, wr }: Directi
 }
 
 /// The table between its levels.
-fn colour_between(twin: &Twin<'_>, axes: &Axes, path: DVec3) -> [f64; 3] {
+fn colour_between(twin: &Twin<'_>, axes: &BakedAxes, path: DVec3) -> [f64; 3] {
     let squared = path.truncate().length_squared();
     let turn = column_at(axes, path.truncate());
     let columns = f64::from(axes.page_columns());
@@ -36,7 +36,7 @@ fn colour_between(twin: &Twin<'_>, axes: &Axes, path: DVec3) -> [f64; 3] {
 }
 
 /// Place along the turn, in columns.
-fn column_at(axes: &Axes, uv: DVec2) -> f64 {
+fn column_at(axes: &BakedAxes, uv: DVec2) -> f64 {
     let size = uv.abs();
     let octant = octant(size.min_element() / size.max_element().max(1e-20));
     let quadrant = if size.y > size.x { 2.0 - octant } else { octant };
@@ -46,7 +46,7 @@ fn column_at(axes: &Axes, uv: DVec2) -> f64 {
 }
 
 /// Place along the radius, in rows, from `|(u, v)|²`.
-fn row_at(axes: &Axes, squared: f64) -> f64 {
+fn row_at(axes: &BakedAxes, squared: f64) -> f64 {
     let stretched = axes.stretch * axes.stretch * squared;
     let row = axes.pace * (stretched.sqrt() + (stretched + 1.0).sqrt()).ln();
     row.min(f64::from(axes.rows - 1))

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
+use crate::field::reference::Directions;
 use crate::optics::path_difference;
-use crate::reference::Directions;
 
 use super::Twin;
 

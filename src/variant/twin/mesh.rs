@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
-use crate::reference::Directions;
+use crate::field::reference::Directions;
 
 use super::Twin;
 

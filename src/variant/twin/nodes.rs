@@ -1,7 +1,7 @@
 //! The wavelength integral over fixed nodes in f64; see `templates/nodes.wgsl`.
 
+use crate::field::reference::Directions;
 use crate::optics::{gain, path_difference};
-use crate::reference::Directions;
 
 use super::Twin;
 

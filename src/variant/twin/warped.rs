@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 
+use crate::field::reference::Directions;
 use crate::optics::{gain, path_difference};
-use crate::reference::Directions;
 use crate::variant::{Warped, node_level};
 
 use super::Twin;

@@ -5,7 +5,7 @@ use diffraction_shaders::error;
 
 use crate::bench::driver::Group;
 use crate::drivers::gpu::{AdapterInfo, Backend, Gpu};
-use crate::record::Gap;
+use crate::results::Gap;
 
 use super::output::Output;
 use super::{Args, Interface};

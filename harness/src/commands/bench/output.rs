@@ -2,33 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::bench::scaling::Axis;
-use crate::record::{self, Bench, Gap, Log, Record, Scaling};
+use crate::bench::scaling::Swept;
+use crate::results::{self, Bench, Gap, Log, Record};
 use anyhow::{Context, Result, bail};
 use indicatif::ProgressBar;
 
 use diffraction_cli::console::Console;
 use diffraction_cli::files::write_whole;
 
+use super::timed::{Point, TimedVariant};
 use super::{Args, tables};
-
-/// A result with what the table says beside it.
-#[derive(Clone, Debug)]
-pub(super) struct Row {
-    pub(super) record: Bench,
-    /// Texels that a lit pixel reads, on average.
-    pub(super) fetches: f64,
-}
-
-/// A point of an axis with what the table says beside it.
-#[derive(Clone, Debug)]
-pub(super) struct Point {
-    pub(super) record: Scaling,
-    /// What the time is expected to be proportional to.
-    pub(super) work: f64,
-    /// Median time of the processor for a frame, all threads, ms.
-    pub(super) cpu_ms: f64,
-}
 
 /// The results so far, and where they go.
 pub(super) struct Output<'a> {
@@ -36,8 +19,8 @@ pub(super) struct Output<'a> {
     console: &'a Console,
     bar: ProgressBar,
     log: Option<Log>,
-    rows: Vec<Row>,
-    scalings: Vec<(Axis, Vec<Point>)>,
+    rows: Vec<TimedVariant>,
+    scalings: Vec<(Swept, Vec<Point>)>,
     before: Option<Vec<Bench>>,
     failed: bool,
 }
@@ -49,7 +32,7 @@ impl<'a> Output<'a> {
             Some(folder) => {
                 std::fs::create_dir_all(folder)
                     .with_context(|| format!("--out {}: cannot be made", folder.display()))?;
-                Some(Log::open(&folder.join(record::FILE))?)
+                Some(Log::open(&folder.join(results::FILE))?)
             }
             None => None,
         };
@@ -79,13 +62,13 @@ impl<'a> Output<'a> {
         self.bar.suspend(|| self.console.note(text));
     }
 
-    pub(super) fn row(&mut self, row: Row) -> Result<()> {
+    pub(super) fn row(&mut self, row: TimedVariant) -> Result<()> {
         self.record(&Record::Bench(row.record.clone()))?;
         self.rows.push(row);
         Ok(())
     }
 
-    pub(super) fn scaling(&mut self, axis: Axis, points: Vec<Point>) -> Result<()> {
+    pub(super) fn scaling(&mut self, axis: Swept, points: Vec<Point>) -> Result<()> {
         for point in &points {
             self.record(&Record::Scaling(point.record.clone()))?;
         }
@@ -125,7 +108,7 @@ impl<'a> Output<'a> {
             std::fs::create_dir_all(folder)
                 .with_context(|| format!("{}: cannot be made", folder.display()))?;
         }
-        let lines = self.rows.iter().map(|row| record::line(&Record::Bench(row.record.clone())));
+        let lines = self.rows.iter().map(|row| results::line(&Record::Bench(row.record.clone())));
         write_whole(&path, lines.collect::<String>().as_bytes())
     }
 
@@ -134,7 +117,7 @@ impl<'a> Output<'a> {
             log.append(record)?;
         }
         if self.args.json {
-            self.bar.suspend(|| self.console.data(&record::line(record)))?;
+            self.bar.suspend(|| self.console.data(&results::line(record)))?;
         }
         Ok(())
     }
@@ -154,5 +137,5 @@ fn read(path: &Path, name: &str) -> Result<Vec<Bench>> {
         Record::Bench(bench) => Some(bench),
         _ => None,
     };
-    Ok(record::read(path)?.into_iter().filter_map(bench).collect())
+    Ok(results::read(path)?.into_iter().filter_map(bench).collect())
 }

@@ -1,22 +1,22 @@
 //! Results as text for people.
 
-use crate::bench::scaling::Axis;
+use crate::bench::scaling::Swept;
 use crate::bench::stats::exponent;
-use crate::record::Bench;
+use crate::results::Bench;
 
 use diffraction_cli::list::table;
 
-use super::output::{Point, Row};
+use super::timed::{Point, TimedVariant};
 
 /// Against the shader as printed, software drivers draw an empty frame about this many times faster.
 const EMPTY_RATIO: f64 = 1500.0;
 
 /// A table for each adapter and surface, fastest first; `before` holds kept results to compare with.
-pub(super) fn times(rows: &[Row], before: Option<&[Bench]>) -> String {
+pub(super) fn times(rows: &[TimedVariant], before: Option<&[Bench]>) -> String {
     let mut text = String::new();
-    let mut rest: Vec<&Row> = rows.iter().collect();
+    let mut rest: Vec<&TimedVariant> = rows.iter().collect();
     while let Some(first) = rest.first().map(|row| row.record.clone()) {
-        let (mut here, others): (Vec<&Row>, Vec<&Row>) =
+        let (mut here, others): (Vec<&TimedVariant>, Vec<&TimedVariant>) =
             rest.into_iter().partition(|row| same_place(&row.record, &first));
         rest = others;
         here.sort_by(|a, b| a.record.median_ms.total_cmp(&b.record.median_ms));
@@ -53,7 +53,8 @@ pub(super) fn times(rows: &[Row], before: Option<&[Bench]>) -> String {
         let cpu_ms = cpu.map(|row| row.record.cpu_ms);
         let cells = here.iter().map(|row| cells(row, cpu_ms, before));
         text += &table::text(&head, cells.collect());
-        let near_empty = |row: &&Row| row.record.ratio.is_some_and(|ratio| ratio > EMPTY_RATIO);
+        let near_empty =
+            |row: &&TimedVariant| row.record.ratio.is_some_and(|ratio| ratio > EMPTY_RATIO);
         if here.iter().any(near_empty) {
             text += "a ratio above 1500 is about that of an empty frame; --empty shows it\n";
         }
@@ -67,7 +68,7 @@ pub(super) fn times(rows: &[Row], before: Option<&[Bench]>) -> String {
 }
 
 /// `cpu_ms` is the baseline's.
-fn cells(row: &Row, cpu_ms: Option<f64>, before: Option<&[Bench]>) -> Vec<String> {
+fn cells(row: &TimedVariant, cpu_ms: Option<f64>, before: Option<&[Bench]>) -> Vec<String> {
     let bench = &row.record;
     let none = || "-".to_owned();
     let mut cells = vec![
@@ -134,7 +135,7 @@ fn same_place(a: &Bench, b: &Bench) -> bool {
 }
 
 /// A table for each axis, with the exponents of both times in the work.
-pub(super) fn scalings(scalings: &[(Axis, Vec<Point>)]) -> String {
+pub(super) fn scalings(scalings: &[(Swept, Vec<Point>)]) -> String {
     let mut text = String::new();
     for (axis, points) in scalings {
         let Some(first) = points.first().map(|point| &point.record) else { continue };
@@ -207,7 +208,7 @@ mod tests {
     #[test]
     fn the_fastest_comes_first_and_changes_are_those_of_ratios() {
         let rows = [("texts", 1000.0, 1.0), ("fast", 100.0, 10.0), ("new", 200.0, 5.0)]
-            .map(|(name, ms, ratio)| Row { record: bench(name, ms, ratio), fetches: 9.0 });
+            .map(|(name, ms, ratio)| TimedVariant { record: bench(name, ms, ratio), fetches: 9.0 });
         // twice as slow a machine, and `fast` was half as fast on it besides
         let before = [bench("texts", 2000.0, 1.0), bench("fast", 400.0, 5.0)];
         let text = times(&rows, Some(&before));
@@ -221,7 +222,7 @@ mod tests {
         assert!(lines[3].starts_with("new") && lines[3].ends_with("wall   new"), "{text}");
         assert!(lines[4].starts_with("texts") && lines[4].ends_with("×0.500 faster"), "{text}");
         assert!(!text.contains("empty frame"));
-        let fast = [Row { record: bench("baked", 0.5, 2000.0), fetches: 1.0 }];
+        let fast = [TimedVariant { record: bench("baked", 0.5, 2000.0), fetches: 1.0 }];
         assert!(times(&fast, None).contains("empty frame"));
         assert!(!times(&rows, None).contains("since") && times(&[], None).is_empty());
     }

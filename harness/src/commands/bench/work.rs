@@ -6,23 +6,24 @@ use std::time::Duration;
 use anyhow::{Result, bail};
 use diffraction_cli::console::Console;
 use diffraction_cli::{Outcome, interrupt, progress};
-use diffraction_shaders::height::{self, Surface};
 use diffraction_shaders::input;
 use diffraction_shaders::plan::{SurfaceSpec, Variant};
+use diffraction_shaders::surface::{self, Surface};
 use diffraction_shaders::variant::Form;
 use indicatif::ProgressBar;
 
-use super::output::{Output, Point, Row};
+use super::output::Output;
+use super::timed::{Point, TimedVariant};
 use super::{Args, adapters};
 use crate::bench::clock::SystemClock;
 use crate::bench::driver::{Case, Group, Scene, measure};
 use crate::bench::result::{self, Place, bench};
 use crate::bench::rounds::Rules;
-use crate::bench::scaling::{self, Axis};
+use crate::bench::scaling::{self, Swept};
 use crate::bench::stats::median;
 use crate::bench::yardstick::Yardstick;
 use crate::drivers::gpu::{AdapterInfo, Gpu};
-use crate::record::Gap;
+use crate::results::Gap;
 
 /// Variants beside the baseline whose tables are on the device at the same time.
 const GROUP: usize = 6;
@@ -77,7 +78,7 @@ pub(super) fn run(args: &Args, budget: Duration, console: &Console) -> Result<Ou
     }
     let stop = interrupt::flag()?;
     let groups = match args.scaling {
-        true => variants.len() * Axis::ALL.len(),
+        true => variants.len() * Swept::ALL.len(),
         false => variants.len().div_ceil(GROUP).max(1),
     };
     let bar = progress::bar(STEPS * groups * surfaces.len() * adapters.len(), "measuring");
@@ -135,7 +136,7 @@ impl Run<'_> {
         for variant in variants {
             let Some(here) = variant.on(spec) else { continue };
             let nm = variant.wavelengths.min_nm;
-            let pitch = surface.field.check_pitch(&height::subject(spec), nm);
+            let pitch = surface.field.check_pitch(&surface::subject(spec), nm);
             match here.and_then(|here| pitch.map(|()| here)) {
                 Ok(here) => fit.push(here),
                 Err(e) => output.gap(gap(&place, Some(&variant.name), &e.to_string(), false))?,
@@ -181,7 +182,7 @@ impl Run<'_> {
                 match outcome {
                     Ok(timed) => {
                         if let Some(record) = bench(&site.place, group.timing, timed, baseline) {
-                            output.row(Row { record, fetches: timed.fetches })?;
+                            output.row(TimedVariant { record, fetches: timed.fetches })?;
                         }
                     }
                     Err(error) => {
@@ -195,7 +196,7 @@ impl Run<'_> {
 
     fn scaling(&self, site: &mut Site<'_>, output: &mut Output<'_>) -> Result<()> {
         for variant in &std::mem::take(&mut site.variants) {
-            for axis in Axis::ALL {
+            for axis in Swept::ALL {
                 if self.stopped() {
                     return Ok(());
                 }

@@ -9,9 +9,9 @@ use diffraction_shaders::plan::Variant;
 
 use super::sink::Recorder;
 use super::{Args, summary};
-use crate::compare::{Request, Sink, run as compare, steps};
+use crate::compare::{Job, Sink, run as compare, steps};
 use crate::drivers::routes::{self, Route};
-use crate::record::{Gap, Log, Record};
+use crate::results::{Gap, Log, Record};
 
 pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let plan = args.plan.read(console)?;
@@ -41,7 +41,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         Exposure::Auto => None,
         Exposure::Value(value) => Some(value),
     };
-    let request = Request {
+    let request = Job {
         surfaces: &surfaces,
         variants: &variants,
         routes: &routes,

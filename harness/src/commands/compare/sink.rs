@@ -9,7 +9,7 @@ use diffraction_shaders::error::{Error, Result, Stage};
 use indicatif::ProgressBar;
 
 use crate::compare::{Sink, Unit};
-use crate::record::{Log, Part, Record, line};
+use crate::results::{Log, Part, Record, line};
 
 /// Appends results as they come.
 pub(super) struct Recorder<'a> {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::record::{Compare, Part, Record};
+use crate::results::{Compare, Part, Record};
 
 use diffraction_cli::Outcome;
 use diffraction_cli::list::table;

@@ -8,19 +8,20 @@ use diffraction_cli::Outcome;
 use diffraction_cli::console::Console;
 use diffraction_cli::files::write_whole;
 use diffraction_cli::progress;
-use diffraction_shaders::height::{self, Surface};
 use diffraction_shaders::input;
 use diffraction_shaders::plan::{Plan, SurfaceSpec, Variant};
-use diffraction_shaders::runner::Subject;
+use diffraction_shaders::runner::Placement;
+use diffraction_shaders::surface::{self, Surface};
 use glam::DVec3;
 
 use super::args::{Args, Filter, Sweep};
 use crate::drivers::Prepared;
 use crate::drivers::gpu::{Backend, Gpu};
-use crate::record::Part;
-use crate::scene::picture::{Display, display, exr, png, reduced, stacked, strip};
+use crate::results::Part;
+use crate::scene::drawing::{Drawing, Hdr, Look, Truth, truth};
+use crate::scene::tone_map::{display, exr, reduced, stacked, strip};
 use crate::scene::{Light, Mesh, Orbit, PRINTED_LIGHTS, PRINTED_ZOOMS, Snake, read, snake, sphere};
-use crate::studio::{Hdr, Look, Studio, Truth, truth};
+use diffraction_shaders::encode::{Picture, animation};
 
 /// Supersampled pictures are drawn so many times as wide.
 const SUPER: u32 = 4;
@@ -52,7 +53,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         let variant = plan.on(&spec).variant(args.variant.as_deref())?;
         let surface = input::load_surface(&spec)?;
         surface.notes.iter().for_each(|note| console.note(note));
-        surface.field.check_pitch(&height::subject(&spec), variant.wavelengths.min_nm)?;
+        surface.field.check_pitch(&surface::subject(&spec), variant.wavelengths.min_nm)?;
         skins.push(Skin { spec, surface, variant });
     }
     let mut mesh = match args.mesh.as_str() {
@@ -79,11 +80,11 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let bytes = match (&rows[0][..], args.sweep) {
         ([one], _) if is_exr => exr(one.width, one.height, &one.pixels)?,
         (_, Some(Sweep::Turntable)) => {
-            png(&rows.iter().flatten().map(shown).collect::<Vec<Display>>(), FRAME_MS)?
+            animation(&rows.iter().flatten().map(shown).collect::<Vec<Picture>>(), FRAME_MS)?
         }
         _ => {
             let line = |row: &Vec<Hdr>| strip(&row.iter().map(shown).collect::<Vec<_>>(), GAP);
-            png(&[stacked(&rows.iter().map(line).collect::<Vec<_>>(), GAP)], FRAME_MS)?
+            animation(&[stacked(&rows.iter().map(line).collect::<Vec<_>>(), GAP)], FRAME_MS)?
         }
     };
     write_whole(out, &bytes)?;
@@ -120,20 +121,20 @@ fn sweep(args: &Args, gpu: &Gpu, skin: &Skin, mesh: &Mesh, console: &Console) ->
             .collect(),
     };
     let (height, variant) = (&skin.surface.field, &skin.variant);
-    let subject = Subject { height, rotate_deg: skin.spec.rotate_deg, variant };
+    let placement = Placement { height, rotate_deg: skin.spec.rotate_deg, variant };
     let widen = args.filter == Filter::Footprint;
     let bar = progress::bar(shots.len(), &format!("drawing {}", skin.spec.name));
     let (mut pictures, mut times) = (Vec::new(), Vec::new());
-    let mut studio = None;
+    let mut drawing = None;
     let mut angle = f64::NAN;
     for (orbit, lights, turned) in shots {
-        if studio.is_none() || turned != angle {
+        if drawing.is_none() || turned != angle {
             let mut mesh = mesh.clone();
             turn(&mut mesh, turned);
             angle = turned;
-            studio = Some(Studio::new(gpu, subject, mesh, widen)?);
+            drawing = Some(Drawing::new(gpu, placement, mesh, widen)?);
         }
-        let Some(studio) = &studio else { bail!("no picture was set up") };
+        let Some(drawing) = &drawing else { bail!("no picture was set up") };
         if mesh.holds(orbit.eye()) {
             console.note(
                 "the camera is inside of the mesh: what it sees are back sides, which are black",
@@ -145,9 +146,9 @@ fn sweep(args: &Args, gpu: &Gpu, skin: &Skin, mesh: &Mesh, console: &Console) ->
             let factor = if args.filter == Filter::Supersample { SUPER } else { 1 };
             let size = args.size.0.map(|side| side * factor);
             let light = look.lights[0].direction;
-            let params = orbit.params(studio.mesh(), size, light)?;
+            let params = orbit.params(drawing.mesh(), size, light)?;
             let begun = Instant::now();
-            let drawn = studio.picture(&params, &look, size)?;
+            let drawn = drawing.draw(&params, &look, size)?;
             times.push(begun.elapsed().as_secs_f64());
             let [width, height] = args.size.0;
             Ok(match factor {
@@ -187,7 +188,7 @@ fn judge(args: &Args, gpu: &Gpu, skins: &[Skin], mesh: &Mesh) -> Result<Outcome>
     for skin in skins {
         let (height, rotate_deg) = (&skin.surface.field, skin.spec.rotate_deg);
         let variant = &skin.variant;
-        let mut prepared = Prepared::new(Subject { height, rotate_deg, variant })?;
+        let mut prepared = Prepared::new(Placement { height, rotate_deg, variant })?;
         let allowed = prepared.form.promise().tolerance(Part::Arithmetic);
         let allowed = allowed.and_then(|t| t.max_abs).unwrap_or_default();
         let agrees = |found: &Truth| {

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use diffraction_cli::args::{Runner, SurfaceArgs, wavelength_nm};
-use diffraction_shaders::height::HeightField;
 use diffraction_shaders::plan::Wavelengths;
+use diffraction_shaders::surface::HeightField;
 
 const EXAMPLE: &str = "Examples:
   cargo xtask testbench --plan plan.toml --surface blazed --svg blazed.svg

@@ -3,15 +3,15 @@
 use anyhow::Result;
 use diffraction_cli::args::{Runner, RunnerArgs};
 use diffraction_cli::runners::Job;
-use diffraction_shaders::height::inspect::facts;
-use diffraction_shaders::height::{HeightField, Surface, subject};
 use diffraction_shaders::plan::{Mode, Plan, SurfaceSource, SurfaceSpec, Variant, Wavelengths};
+use diffraction_shaders::surface::facts::facts;
+use diffraction_shaders::surface::{HeightField, Surface, subject};
 use diffraction_shaders::variant::Form;
 
 use super::Args;
 use crate::commands::drivers;
-use crate::record::{Gap, Testbench};
-use crate::testbench::{self, Crop, Measurement, Protocol};
+use crate::period::{self, Crop, Measurement, Protocol};
+use crate::results::{Gap, Testbench};
 
 /// What is measured.
 pub(super) struct Task {
@@ -117,18 +117,18 @@ impl Task {
     ) -> Result<Found> {
         let surface = Surface { field, notes: vec![] };
         let job = Job { spec: spec.clone(), surface, variant: self.variant.clone() };
-        let (subject, protocol) = (job.subject(), *protocol);
-        let extent_um = testbench::extent_um(subject, protocol.wavelengths.max_nm)?;
+        let (placement, protocol) = (job.placement(), *protocol);
+        let extent_um = period::extent_um(placement, protocol.wavelengths.max_nm)?;
         let runner = job.runner(&self.runner, drivers::open)?;
         let measurement = if self.runner.runner == Runner::Exact {
-            testbench::measure(&protocol, extent_um, testbench::exact(subject, protocol)?)?
+            period::measure(&protocol, extent_um, period::exact(placement, protocol)?)?
         } else {
-            let respond = testbench::runner(runner.as_ref(), protocol);
-            testbench::measure(&protocol, extent_um, respond)?
+            let respond = period::runner(runner.as_ref(), protocol);
+            period::measure(&protocol, extent_um, respond)?
         };
         let yardstick = match (&spec.source, is_whole) {
             (SurfaceSource::Grating(grating), true) => {
-                testbench::yardstick(grating, subject, &protocol)?
+                period::yardstick(grating, placement, &protocol)?
             }
             _ => None,
         };

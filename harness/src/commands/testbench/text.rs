@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use crate::record::{Gap, Testbench};
-use crate::testbench::Protocol;
+use crate::period::Protocol;
+use crate::results::{Gap, Testbench};
 
 /// One line for each result.
 pub(super) fn table(

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::record::{LightError, Tune, Verdict};
+use crate::results::{LightError, Tune, Verdict};
 use crate::tune::prune::mib;
 
 use diffraction_cli::list::table;

@@ -13,7 +13,7 @@ use crate::bench::result::{Place, Timed, bench};
 use crate::bench::rounds::{Rules, ratios};
 use crate::bench::stats::{interval, median};
 use crate::drivers::gpu::{Backend, Gpu};
-use crate::record::Time;
+use crate::results::Time;
 use crate::tune::Candidate;
 use crate::tune::verdict::time;
 

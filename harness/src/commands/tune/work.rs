@@ -7,11 +7,11 @@ use anyhow::{Context, Result, bail};
 use diffraction_cli::console::Console;
 use diffraction_cli::files::write_whole;
 use diffraction_cli::{Outcome, interrupt, progress};
-use diffraction_shaders::height::{self, HeightField};
 use diffraction_shaders::input;
 use diffraction_shaders::plan::{Plan, SurfaceSpec, Variant};
-use diffraction_shaders::profile::Profile;
-use diffraction_shaders::runner::Subject;
+use diffraction_shaders::runner::Placement;
+use diffraction_shaders::shader::limits::Profile;
+use diffraction_shaders::surface::{self, HeightField};
 use diffraction_shaders::variant::Form;
 use indicatif::ProgressBar;
 
@@ -19,8 +19,8 @@ use super::timing::{self, Timee};
 use super::{Args, Fits, text};
 use crate::bench::driver::Scene;
 use crate::drivers::gpu::Gpu;
-use crate::record::{self, Log, Record, Tune, Verdict};
 use crate::report::front_picture;
+use crate::results::{self, Log, Record, Tune, Verdict};
 use crate::tune::candidates::candidates;
 use crate::tune::colours::Truth;
 use crate::tune::prune::{Limits, prune};
@@ -40,7 +40,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let gpu = timing::open(args)?;
     let surface = input::load_surface(&spec)?;
     surface.notes.iter().for_each(|note| console.note(note));
-    surface.field.check_pitch(&height::subject(&spec), 380.0)?;
+    surface.field.check_pitch(&surface::subject(&spec), 380.0)?;
     if let Some(folder) = &args.out {
         let made = std::fs::create_dir_all(folder.join("pictures"));
         made.with_context(|| format!("--out {}: cannot be made", folder.display()))?;
@@ -73,7 +73,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         keep(folder, &records)?;
     }
     let shown = match args.json {
-        true => records.iter().map(|r| record::line(&Record::Tune(r.clone()))).collect(),
+        true => records.iter().map(|r| results::line(&Record::Tune(r.clone()))).collect(),
         false => text::text(&records, args.all),
     };
     console.data(&shown)?;
@@ -123,13 +123,13 @@ fn results(
         measured += 1;
         bar.set_message(format!("{measured} measured, now {}", candidate.variant.name));
         bar.tick();
-        let subject = Subject { height, rotate_deg, variant: &candidate.variant };
-        Ok::<_, anyhow::Error>(truth.measure(subject, budget_de))
+        let placement = Placement { height, rotate_deg, variant: &candidate.variant };
+        Ok::<_, anyhow::Error>(truth.measure(placement, budget_de))
     })?;
     let texts = Variant::texts(&plan.optics);
     bar.set_message("colours of the baseline");
     bar.tick();
-    let errors = truth.of(Subject { height, rotate_deg, variant: &texts })?;
+    let errors = truth.of(Placement { height, rotate_deg, variant: &texts })?;
     bar.finish_and_clear();
 
     let bar = progress::bar(STEPS, "times");

@@ -6,9 +6,10 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 
-use super::profile::Profile;
+use super::failure::failure;
+use super::user_folder::UserFolder;
 
 /// Names under which distributions install it.
 const PROGRAMS: [&str; 4] =
@@ -16,9 +17,6 @@ const PROGRAMS: [&str; 4] =
 
 /// What brings it.
 const REMEDY: &str = "apt-get install chromium brings it";
-
-/// Its name in errors.
-const SUBJECT: &str = "chromium";
 
 /// The file in the profile that takes what the program says on stderr.
 const LOG: &str = "stderr.log";
@@ -48,13 +46,13 @@ const FLAGS: &[&str] = &[
 #[derive(Debug)]
 pub(super) struct Chromium {
     child: Child,
-    profile: Profile,
+    profile: UserFolder,
 }
 
 impl Chromium {
     /// Starts `program`, or the first of the usual names, on a page.
     pub(super) fn start(program: Option<&Path>, flags: &[&str], address: &str) -> Result<Chromium> {
-        let profile = Profile::new()?;
+        let profile = UserFolder::new()?;
         let usual = PROGRAMS.map(Path::new);
         for candidate in program.as_ref().map_or(usual.as_slice(), std::slice::from_ref) {
             match spawn(candidate, flags, address, profile.path()) {
@@ -134,11 +132,6 @@ impl Drop for Chromium {
         end(&mut self.child);
         self.profile.remove();
     }
-}
-
-/// An error about the browser.
-pub(super) fn failure(cause: impl std::fmt::Display) -> Error {
-    Error::new(Stage::Run, SUBJECT, cause)
 }
 
 fn spawn(program: &Path, flags: &[&str], address: &str, profile: &Path) -> io::Result<Child> {

@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 use diffraction_shaders::error::Result;
 use serde_json::Value;
 
-use super::chromium::{Chromium, failure};
+use super::chromium::Chromium;
+use super::failure::failure;
 use super::flags;
 use super::folder::FolderServer;
 use super::page_check::console;

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use diffraction_shaders::error::{Error, Result, Stage};
 
-use super::server::{Method, Request, Server, StatusCode};
+use super::server::{HttpRequest, Method, Server, StatusCode};
 
 /// Types by the ends of names; browsers want them of scripts and styles.
 const TYPES: [(&str, &str); 7] = [
@@ -53,7 +53,7 @@ impl FolderServer {
         Ok(self.respond(request))
     }
 
-    fn respond(&self, mut request: Request) -> Option<Vec<u8>> {
+    fn respond(&self, mut request: HttpRequest) -> Option<Vec<u8>> {
         match request.method {
             Method::POST => {
                 let posted = std::mem::take(&mut request.body);

@@ -10,8 +10,9 @@ use std::time::{Duration, Instant};
 use diffraction_shaders::error::{Error, Result};
 use serde_json::Value;
 
-use super::chromium::{Chromium, failure};
-use super::server::{Method, Request, Server, StatusCode};
+use super::chromium::Chromium;
+use super::failure::failure;
+use super::server::{HttpRequest, Method, Server, StatusCode};
 
 /// The page: names under its address, types, texts.
 const FILES: [(&str, &str, &str); 5] = [
@@ -39,7 +40,7 @@ pub(super) struct Link {
     /// First part of every address: nobody else on this machine knows it.
     root: String,
     /// The page's request for its next job.
-    waiting: Option<Request>,
+    waiting: Option<HttpRequest>,
     /// Why nothing more can come.
     broken: Option<String>,
 }
@@ -128,7 +129,7 @@ impl Link {
     }
 
     /// Answers a request; that for the next job stays open, and its message is returned.
-    fn answer(&mut self, request: Request) -> Result<Option<Message>> {
+    fn answer(&mut self, request: HttpRequest) -> Result<Option<Message>> {
         let name = request.url.strip_prefix(self.root.as_str());
         let file = name.and_then(|name| FILES.iter().find(|(file, ..)| *file == name));
         match (&request.method, name, file) {

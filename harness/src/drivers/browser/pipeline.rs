@@ -2,13 +2,13 @@
 
 use std::ops::Range;
 
-use diffraction_shaders::emit::{BindingKind, EmittedFile};
 use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::shader::emit::{BindingKind, EmittedFile};
 use diffraction_shaders::tables::{SAMPLER, Table};
 use serde_json::{Value, json};
 
 use super::{Api, BoundTable, Browser, Web, lock};
-use crate::drivers::pictures::PARAMS;
+use crate::drivers::driver::PARAMS;
 use crate::drivers::stages::StageFile;
 
 /// A compiled program with its tables; the page forgets it when it is dropped.

@@ -27,12 +27,12 @@ const LARGEST: usize = 1 << 30;
 /// An open port. Its end closes all connections.
 pub(super) struct Server {
     address: SocketAddr,
-    requests: Receiver<Request>,
+    requests: Receiver<HttpRequest>,
     runtime: Option<Runtime>,
 }
 
 /// A request that waits for its answer; dropped without one, the page gets 404.
-pub(super) struct Request {
+pub(super) struct HttpRequest {
     pub(super) method: Method,
     /// Path and query, as sent.
     pub(super) url: String,
@@ -58,7 +58,7 @@ impl Server {
     }
 
     /// The next request, if one comes in time.
-    pub(super) fn next(&self, wait: Duration) -> io::Result<Option<Request>> {
+    pub(super) fn next(&self, wait: Duration) -> io::Result<Option<HttpRequest>> {
         match self.requests.recv_timeout(wait) {
             Ok(request) => Ok(Some(request)),
             Err(RecvTimeoutError::Timeout) => Ok(None),
@@ -75,7 +75,7 @@ impl Drop for Server {
     }
 }
 
-impl Request {
+impl HttpRequest {
     /// Sends a text or other content of a type; a page that went away needs none.
     pub(super) fn send(self, kind: &'static str, content: impl Into<Bytes>) {
         let response = hyper::Response::builder()
@@ -94,7 +94,7 @@ impl Request {
     }
 }
 
-async fn accept(listener: TcpListener, requests: Sender<Request>) {
+async fn accept(listener: TcpListener, requests: Sender<HttpRequest>) {
     loop {
         // a connection that broke before it was taken
         let Ok((stream, _)) = listener.accept().await else { continue };
@@ -106,7 +106,7 @@ async fn accept(listener: TcpListener, requests: Sender<Request>) {
 
 async fn serve(
     request: hyper::Request<Incoming>,
-    requests: Sender<Request>,
+    requests: Sender<HttpRequest>,
 ) -> Result<Response, Infallible> {
     let (head, body) = request.into_parts();
     // a message that broke off is none
@@ -115,7 +115,7 @@ async fn serve(
     };
     let (answer, answered) = oneshot::channel();
     let (method, url) = (head.method, head.uri.to_string());
-    let _ = requests.send(Request { method, url, body: body.to_bytes().into(), answer });
+    let _ = requests.send(HttpRequest { method, url, body: body.to_bytes().into(), answer });
     Ok(answered.await.unwrap_or_else(|_| empty(StatusCode::NOT_FOUND)))
 }
 

@@ -4,8 +4,8 @@ use std::cell::Cell;
 use std::fmt;
 use std::ops::Range;
 
-use diffraction_shaders::emit::{BindingKind, EmittedFile};
 use diffraction_shaders::error::Result;
+use diffraction_shaders::shader::emit::{BindingKind, EmittedFile};
 use diffraction_shaders::tables::{SAMPLER, Table};
 
 use super::BoundTable;

@@ -10,7 +10,7 @@ use std::{
 
 use diffraction_shaders::error::{Error, Result, Stage};
 
-use super::adapter::AdapterInfo;
+use super::backend::AdapterInfo;
 
 /// A device with its queue, shared by its pipelines.
 #[derive(Debug)]

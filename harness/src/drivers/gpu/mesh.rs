@@ -9,7 +9,7 @@ use diffraction_shaders::variant::mesh::Vertex;
 use super::guard::Shared;
 use super::program::{Texture, dimension, layout_entry, linear, samplers, upload};
 use super::readback::read_back;
-use crate::scene::ColourMap;
+use crate::drivers::ColourMap;
 
 /// Numbers of a vertex: position, normal, tangent, texture coordinates, angle.
 pub const VERTEX_NUMBERS: usize = 13;

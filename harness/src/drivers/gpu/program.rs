@@ -3,7 +3,7 @@
 use std::{borrow::Cow, collections::BTreeSet, sync::Arc};
 
 use diffraction_shaders::error::{self, Error, Result};
-use diffraction_shaders::module::Stage;
+use diffraction_shaders::shader::module::Stage;
 
 use super::{Backend, guard::Shared, render::Pipeline, render::TARGET, spirv};
 

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use diffraction_shaders::error::{self, Error, Result};
-use diffraction_shaders::module::Stage;
+use diffraction_shaders::shader::module::Stage;
 
 use super::{Backend, guard::Shared};
 

@@ -3,7 +3,7 @@
 use crate::report::number;
 
 /// An axis.
-pub(in crate::report) struct Axis {
+pub(in crate::report) struct PlotAxis {
     /// What is on it, with its unit.
     pub(in crate::report) label: String,
     /// How values lie on it.
@@ -48,7 +48,7 @@ impl Fitted {
 
 /// Fits an axis to values; `span` is where the drawing begins and ends.
 pub(in crate::report) fn fit(
-    axis: &Axis,
+    axis: &PlotAxis,
     values: impl Iterator<Item = f64>,
     span: [f64; 2],
 ) -> Fitted {
@@ -119,7 +119,7 @@ mod tests {
     use super::*;
 
     fn ticks(scale: Scale, values: &[f64]) -> Vec<String> {
-        let axis = Axis { label: String::new(), scale };
+        let axis = PlotAxis { label: String::new(), scale };
         let fitted = fit(&axis, values.iter().copied(), [0.0, 100.0]);
         fitted.ticks().iter().map(|(_, text)| text.clone()).collect()
     }
@@ -133,7 +133,7 @@ mod tests {
 
     #[test]
     fn what_is_not_positive_lies_at_the_edge_of_a_logarithm() {
-        let axis = Axis { label: String::new(), scale: Scale::Log };
+        let axis = PlotAxis { label: String::new(), scale: Scale::Log };
         let fitted = fit(&axis, [0.0, 1.0, 100.0].into_iter(), [0.0, 100.0]);
         assert_eq!(fitted.place(0.0), 0.0);
         assert!((fitted.place(10.0) - 50.0).abs() < 1e-9);
@@ -144,7 +144,7 @@ mod tests {
     fn equal_and_absent_values_have_an_axis() {
         for values in [&[][..], &[3.0], &[0.0, 0.0]] {
             for scale in [Scale::Linear, Scale::Log] {
-                let axis = Axis { label: String::new(), scale };
+                let axis = PlotAxis { label: String::new(), scale };
                 let fitted = fit(&axis, values.iter().copied(), [0.0, 100.0]);
                 assert!(fitted.place(3.0).is_finite());
             }

@@ -3,11 +3,11 @@
 use maud::{Markup, PreEscaped, html};
 
 use super::mode;
-use crate::record::{Tune, Verdict};
 use crate::report::merge::unique;
 use crate::report::number::{self, figure};
 use crate::report::plot::labels::arrange;
-use crate::report::plot::{Axis, Fitted, Scale, fit, front, mark, r};
+use crate::report::plot::{Fitted, PlotAxis, Scale, fit, front, mark, r};
+use crate::results::{Tune, Verdict};
 
 /// Width and height.
 const SIZE: [f64; 2] = [960.0, 620.0];
@@ -63,7 +63,7 @@ pub fn front_picture(records: &[Tune]) -> Option<String> {
     if outside.is_some() {
         placed = others;
     }
-    let axis = |label: &str| Axis { label: label.to_owned(), scale: Scale::Log };
+    let axis = |label: &str| PlotAxis { label: label.to_owned(), scale: Scale::Log };
     let x = fit(&axis("ns per pixel"), placed.iter().map(|(_, at)| at[0]), [left, right]);
     let errors = placed.iter().map(|(_, at)| at[1]).chain([first.budget_de]);
     let y = fit(&axis("ΔE₀₀ p95"), errors, [bottom, top]);

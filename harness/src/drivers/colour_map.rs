@@ -1,0 +1,66 @@
+//! Colours of a body.
+
+use diffraction_shaders::error::{Error, Result, Stage};
+
+/// An sRGB picture, `[row][column]`, first row at texture coordinate 0.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ColourMap {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Red, green, blue, and 255.
+    pub texels: Vec<[u8; 4]>,
+}
+
+impl ColourMap {
+    /// One colour everywhere.
+    pub fn plain(colour: [u8; 3]) -> ColourMap {
+        let [r, g, b] = colour;
+        ColourMap { width: 1, height: 1, texels: vec![[r, g, b, 255]] }
+    }
+
+    /// Reads the bytes of a PNG or JPEG file; `subject` names it.
+    pub(crate) fn decode(subject: &str, bytes: &[u8]) -> Result<ColourMap> {
+        let picture = image::load_from_memory(bytes).map_err(|error| {
+            Error::new(Stage::Run, subject, "is no picture that can be read").source(error)
+        })?;
+        let picture = picture.into_rgb8();
+        let texels = picture.pixels().map(|p| [p[0], p[1], p[2], 255]).collect();
+        Ok(ColourMap { width: picture.width(), height: picture.height(), texels })
+    }
+
+    /// The picture and its halvings down to one texel, averaged in linear light.
+    pub fn levels(&self) -> Vec<ColourMap> {
+        let mut levels = vec![self.clone()];
+        while let Some(last) = levels.last().filter(|l| l.width > 1 || l.height > 1) {
+            let next = half(last);
+            levels.push(next);
+        }
+        levels
+    }
+}
+
+fn half(from: &ColourMap) -> ColourMap {
+    let (width, height) = ((from.width / 2).max(1), (from.height / 2).max(1));
+    let linear: Vec<f32> = (0..=255).map(|code| decode(f32::from(code as u8) / 255.0)).collect();
+    let at = |x: u32, y: u32| {
+        from.texels[(y.min(from.height - 1) * from.width + x.min(from.width - 1)) as usize]
+    };
+    let texel = |i: u32| {
+        let (x, y) = (2 * (i % width), 2 * (i / width));
+        let four = [at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)];
+        let mean = |c: usize| four.iter().map(|t| linear[usize::from(t[c])]).sum::<f32>() / 4.0;
+        let code = |c| {
+            (255.0 * diffraction_shaders::optics::colour::srgb_encode(f64::from(mean(c)))).round()
+                as u8
+        };
+        [code(0), code(1), code(2), 255]
+    };
+    ColourMap { width, height, texels: (0..width * height).map(texel).collect() }
+}
+
+/// The sRGB transfer function backwards (IEC 61966-2-1).
+fn decode(code: f32) -> f32 {
+    if code <= 0.04045 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) }
+}

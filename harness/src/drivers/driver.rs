@@ -1,0 +1,240 @@
+//! What all drivers have in common: which pictures they draw, from which tables, and what the pixels mean.
+
+use std::cell::RefCell;
+
+use diffraction_shaders::diagnostic::Diagnostic;
+use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::field::reference::Directions;
+use diffraction_shaders::optics::brdf_map::{BrdfMap, view_direction};
+use diffraction_shaders::optics::colour::from_rgb;
+use diffraction_shaders::optics::gain;
+use diffraction_shaders::runner::{Placement, Progress, Runner, has_wavelengths};
+use diffraction_shaders::shader::module::Module;
+use diffraction_shaders::shader::specialise;
+use diffraction_shaders::shader::template::Sources;
+use diffraction_shaders::tables::{
+    COEFFICIENTS, DIRECTIONS, SPECTRUM, Settings, TERMS, Table, TermScale, TexelFormat,
+    single_wavelength,
+};
+use diffraction_shaders::variant::Form;
+use glam::DVec3;
+
+/// Rows of a picture that are drawn at once, so that progress shows and an interrupt is heard.
+pub(super) const BAND_ROWS: u32 = 16;
+/// Directions in a row of the probe's picture.
+const PROBE_WIDTH: usize = 512;
+/// Most rows of the probe's picture; its table of directions has twice as many, which every driver can hold.
+const PROBE_ROWS: usize = 1024;
+
+/// A table and the binding in the templates, in group 0, that reads it.
+pub type BoundTable<'a> = (u32, &'a Table);
+
+/// A driver that runs the shaders of variants.
+pub trait Driver {
+    /// A compiled entry point with its tables.
+    type Pipeline;
+
+    /// The route that this driver stands for.
+    fn route(&self) -> String;
+
+    /// Compiles the fragment entry point `entry` after the vertex entry point `vert`, and uploads its tables.
+    fn pipeline(
+        &self,
+        module: &Module,
+        entry: &str,
+        tables: &[BoundTable<'_>],
+    ) -> Result<Self::Pipeline>;
+
+    /// Draws a picture of `[width, height]` pixels, `[row][column]`, top row first; `params` is the block `Params`.
+    fn draw(
+        &self,
+        pipeline: &Self::Pipeline,
+        size: [u32; 2],
+        params: &[f32; 8],
+        progress: Progress<'_>,
+    ) -> Result<Vec<[f32; 4]>>;
+}
+
+/// A variant on a surface with everything that its shader needs. Fields may be spoilt on purpose: a comparison that
+/// does not notice proves nothing.
+#[derive(Clone, Debug)]
+pub struct Prepared<'a> {
+    /// The variant and its surface.
+    pub placement: Placement<'a>,
+    /// Where the shader comes from.
+    pub sources: Sources,
+    /// How the variant computes.
+    pub form: Form,
+    /// The term table; empty where the mode has none.
+    pub terms: Table,
+    /// The spectrum table.
+    pub spectrum: Table,
+    /// The table of coefficients; empty where they are powers.
+    pub coefficients: Table,
+}
+
+impl<'a> Prepared<'a> {
+    /// Computes the tables.
+    pub fn new(placement: Placement<'a>) -> Result<Prepared<'a>> {
+        let Placement { height, rotate_deg, variant } = placement;
+        let form = Form::new(variant, height)?;
+        let mut tables = specialise::tables(&form, height, rotate_deg)?;
+        let mut take = |binding: u32| {
+            let place = tables.iter().position(|table| table.binding == binding);
+            place.map_or(Table::ABSENT, |place| tables.swap_remove(place))
+        };
+        let (terms, spectrum, coefficients) = (take(TERMS), take(SPECTRUM), take(COEFFICIENTS));
+        Ok(Prepared { placement, sources: Sources::builtin(), form, terms, spectrum, coefficients })
+    }
+
+    /// The shader that reads a spectrum table of so many wavelengths.
+    pub fn module(&self, wavelengths: usize) -> Result<Module> {
+        let Placement { rotate_deg, variant, .. } = self.placement;
+        let defines = specialise::defines(variant, &self.form, rotate_deg, wavelengths);
+        specialise::shader(&self.sources, &variant.name, &self.form, &defines).map_err(first)
+    }
+
+    /// Compiles the entry point `map` with its tables; its uniform block is [`params`].
+    pub fn map_pipeline<D: Driver>(&self, driver: &D) -> Result<D::Pipeline> {
+        self.pipeline(driver, "map", &self.spectrum, None)
+    }
+
+    /// Compiles an entry point with its tables; `directions` only for `probe`.
+    fn pipeline<D: Driver>(
+        &self,
+        driver: &D,
+        entry: &str,
+        spectrum: &Table,
+        directions: Option<&Table>,
+    ) -> Result<D::Pipeline> {
+        let module = self.module(spectrum.width)?;
+        let tables = [Some(&self.terms), Some(spectrum), Some(&self.coefficients), directions];
+        let tables: Vec<BoundTable<'_>> =
+            tables.into_iter().flatten().filter(|t| t.width > 0).map(|t| (t.binding, t)).collect();
+        driver.pipeline(&module, entry, &tables)
+    }
+}
+
+/// A variant's shader on one driver.
+pub struct DriverRunner<'a, D: Driver> {
+    prepared: Prepared<'a>,
+    driver: D,
+    /// The entry point `map`, once it was needed.
+    map: RefCell<Option<D::Pipeline>>,
+}
+
+impl<'a, D: Driver> DriverRunner<'a, D> {
+    /// Compiles nothing yet.
+    pub fn with(prepared: Prepared<'a>, driver: D) -> DriverRunner<'a, D> {
+        DriverRunner { prepared, driver, map: RefCell::new(None) }
+    }
+
+    /// The driver.
+    pub fn driver(&self) -> &D {
+        &self.driver
+    }
+
+    /// Evaluates `probe` with any spectrum table, in pictures of at most half a million directions.
+    fn probe(
+        &self,
+        spectrum: &Table,
+        directions: &[Directions],
+        progress: Progress<'_>,
+    ) -> Result<Vec<[f64; 3]>> {
+        let mut out = Vec::with_capacity(directions.len());
+        for block in directions.chunks(PROBE_WIDTH * PROBE_ROWS) {
+            let table = directions_table(block);
+            let pipeline = self.prepared.pipeline(&self.driver, "probe", spectrum, Some(&table))?;
+            let size = [PROBE_WIDTH as u32, (table.height / 2) as u32];
+            let picture = self.driver.draw(&pipeline, size, &params(DVec3::Z, size), progress)?;
+            out.extend(picture.iter().take(block.len()).map(|c| [c[0], c[1], c[2]].map(f64::from)));
+        }
+        Ok(out)
+    }
+}
+
+impl<D: Driver> Runner for DriverRunner<'_, D> {
+    fn route(&self) -> String {
+        self.driver.route()
+    }
+
+    fn tristimulus(
+        &self,
+        directions: &[Directions],
+        progress: Progress<'_>,
+    ) -> Result<Vec<[f64; 3]>> {
+        self.probe(&self.prepared.spectrum, directions, progress)
+    }
+
+    /// The shader with a single wavelength of weight 1 returns `C·|P|²`; the gain is taken off again in f64.
+    fn response(&self, directions: &[Directions], lambda_nm: f64) -> Result<Vec<f64>> {
+        let Placement { rotate_deg, variant, .. } = self.prepared.placement;
+        has_wavelengths(&variant.name, &self.prepared.form)?;
+        let scale = self.prepared.form.series().map_or(TermScale::NONE, |series| series.scale());
+        let spectrum = single_wavelength(lambda_nm, Settings { rotate_deg, scale });
+        let rho = self.probe(&spectrum, directions, &|_| ())?;
+        let gains = directions.iter().map(|d| gain(d.wi, d.wr, &variant.optics));
+        Ok(rho
+            .iter()
+            .zip(gains)
+            .map(|(rho, gain)| if gain > 0.0 { rho[0] / gain } else { 0.0 })
+            .collect())
+    }
+
+    /// The `map` entry point; its linear RGB is taken back to tristimulus values.
+    fn brdf_map(&self, light: DVec3, size: usize, progress: Progress<'_>) -> Result<BrdfMap> {
+        let mut cached = self.map.borrow_mut();
+        let pipeline = match cached.take() {
+            Some(pipeline) => pipeline,
+            None => self.prepared.map_pipeline(&self.driver)?,
+        };
+        let pixels = [size as u32; 2];
+        let picture = self.driver.draw(&pipeline, pixels, &params(light, pixels), progress);
+        *cached = Some(pipeline);
+        let colour = self.prepared.placement.variant.optics.colour;
+        let xyz = |(i, c): (usize, &[f32; 4])| {
+            view_direction(i % size, i / size, size)
+                .map(|_| from_rgb([c[0], c[1], c[2]].map(f64::from), colour))
+        };
+        Ok(BrdfMap { size, xyz: picture?.iter().enumerate().map(xyz).collect() })
+    }
+}
+
+/// Rows 2k hold directions to the light, rows 2k + 1 those to the viewer; black below the horizon fills up.
+fn directions_table(directions: &[Directions]) -> Table {
+    let rows = directions.len().div_ceil(PROBE_WIDTH);
+    let mut texels = vec![0.0; 2 * rows * PROBE_WIDTH * 4];
+    for (i, d) in directions.iter().enumerate() {
+        let row = 2 * (i / PROBE_WIDTH);
+        for (row, v) in [(row, d.wi), (row + 1, d.wr)] {
+            let at = (row * PROBE_WIDTH + i % PROBE_WIDTH) * 4;
+            texels[at..at + 3].copy_from_slice(&v.to_array());
+        }
+    }
+    Table {
+        name: "directions",
+        binding: DIRECTIONS,
+        format: TexelFormat::Rgba32Float,
+        width: PROBE_WIDTH,
+        height: 2 * rows,
+        layers: 0,
+        filtered: false,
+        texels,
+    }
+}
+
+/// Binding of the uniform block `Params`; that of meshes is another.
+pub(super) const PARAMS: u32 = 0;
+
+/// The uniform block `Params`: direction to the light, and width and height in pixels.
+pub fn params(light: DVec3, [width, height]: [u32; 2]) -> [f32; 8] {
+    let light = light.as_vec3();
+    [light.x, light.y, light.z, 0.0, width as f32, height as f32, 0.0, 0.0]
+}
+
+/// The first diagnostic of a shader that does not compile; `generate` shows all of them in their places.
+fn first(diagnostics: Vec<Diagnostic>) -> Error {
+    let message = diagnostics.first().map_or("does not compile", |d| d.message.as_str());
+    Error::new(Stage::Shader, "shader", message)
+        .remedy("cargo xtask generate shows every error with its place")
+}

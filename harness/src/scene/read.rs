@@ -1,0 +1,22 @@
+//! Meshes from files.
+
+use std::path::Path;
+
+use diffraction_shaders::error::{Error, Result, Stage};
+
+use super::mesh::Mesh;
+use super::{gltf, obj};
+
+/// Reads a mesh from a `.gltf`, `.glb` or `.obj` file.
+pub fn read(path: &Path) -> Result<Mesh> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
+    let raw = match extension.to_ascii_lowercase().as_str() {
+        "gltf" | "glb" => gltf::read(path)?,
+        "obj" => obj::read(path)?,
+        _ => {
+            let cause = "its name ends in none of .gltf, .glb, .obj";
+            return Err(Error::new(Stage::Run, path.display(), cause).remedy("convert it"));
+        }
+    };
+    raw.mend(&path.display().to_string())
+}

@@ -1,0 +1,175 @@
+//! Exact colours: the truth that everything else is compared with.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::error::{Error, Result, Stage};
+use crate::field::{Domain, Field, Scratch};
+use crate::optics;
+use crate::optics::spectrum::{Spectrum, TABLE_MAX_NM, TABLE_MIN_NM};
+use crate::plan::Optics;
+use crate::surface::HeightField;
+
+/// A pair of unit vectors in the surface's frame, both pointing away from it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Directions {
+    /// To the light.
+    pub wi: DVec3,
+    /// To the viewer.
+    pub wr: DVec3,
+}
+
+impl Directions {
+    /// From angles in degrees, `[theta_i, phi_i, theta_r, phi_r]`.
+    pub fn from_degrees([theta_i, phi_i, theta_r, phi_r]: [f64; 4]) -> Directions {
+        Directions { wi: optics::direction(theta_i, phi_i), wr: optics::direction(theta_r, phi_r) }
+    }
+}
+
+/// Exact evaluation of one surface for directions whose `w` lies in a stated range.
+pub struct Reference {
+    field: Field,
+    spectrum: Spectrum,
+    optics: Optics,
+    rotate_deg: f64,
+    coarsest_step_nm: f64,
+}
+
+impl Reference {
+    /// Prepares the field for a batch of directions and a range of wavelengths, nm.
+    ///
+    /// Refuses a table larger than 6 GiB, which only a very large patch with a very short coherence length needs.
+    pub fn new(
+        height: &HeightField,
+        rotate_deg: f64,
+        optics: &Optics,
+        (min_nm, max_nm): (f64, f64),
+        directions: impl IntoIterator<Item = Directions>,
+    ) -> Result<Reference> {
+        let (mut shortest, mut longest, mut widest) = (2.0_f64, 0.0_f64, 0.0_f64);
+        for Directions { wi, wr } in directions {
+            let uvw = wi + wr;
+            shortest = shortest.min(uvw.z.max(0.0));
+            longest = longest.max(uvw.z);
+            widest = widest.max(uvw.truncate().length());
+        }
+        let k = |nm: f64| TAU / (nm * 1e-3);
+        let sigma_um = [min_nm, max_nm].map(|nm| optics::window_sigma_um(optics, nm));
+        let domain = Domain {
+            coherence: optics.coherence,
+            sigma_um: (sigma_um[0].min(sigma_um[1]), sigma_um[0].max(sigma_um[1])),
+            // z = k w with w = -(cos θi + cos θr)
+            z: (-k(min_nm) * longest.max(shortest), -k(max_nm) * shortest.min(longest)),
+            reach_cpum: widest / (min_nm * 1e-3),
+        };
+        let subject = format!("surface of {} × {} pixels", height.columns(), height.rows());
+        let bytes = Field::bytes_needed(height, &domain);
+        if bytes > MOST_BYTES {
+            let cause =
+                format!("its exact field needs {:.1} GiB", bytes as f64 / f64::from(1 << 30));
+            return Err(Error::new(Stage::Compute, subject, cause)
+                .remedy("crop the scan, or lengthen coherence_um"));
+        }
+        let spectrum = Spectrum::new(&optics.illuminant)?;
+        let field = Field::new(height, &domain);
+        Ok(Reference { field, spectrum, optics: optics.clone(), rotate_deg, coarsest_step_nm: 1.0 })
+    }
+
+    /// The colour range of the tables, 380–780 nm: what the reference always integrates.
+    pub const VISIBLE_NM: (f64, f64) = (TABLE_MIN_NM, TABLE_MAX_NM);
+
+    /// Halves, quarters … the wavelength step; for showing that finer changes nothing.
+    #[must_use]
+    pub fn with_coarsest_step_nm(mut self, step_nm: f64) -> Reference {
+        self.coarsest_step_nm = step_nm;
+        self
+    }
+
+    /// The exact field beneath.
+    pub fn field(&self) -> &Field {
+        &self.field
+    }
+
+    /// `|P(f; k w)|²` (or its ensemble mean) at one wavelength, nm.
+    pub fn response(
+        &self,
+        Directions { wi, wr }: Directions,
+        lambda_nm: f64,
+        scratch: &mut Scratch,
+    ) -> f64 {
+        let uvw = optics::path_difference(wi, wr, self.rotate_deg);
+        let lambda_um = lambda_nm * 1e-3;
+        let sigma_um = optics::window_sigma_um(&self.optics, lambda_nm);
+        self.field.intensity(uvw.truncate() / lambda_um, TAU * uvw.z / lambda_um, sigma_um, scratch)
+    }
+
+    /// Relative tristimulus values of `ρ`, gain included.
+    ///
+    /// Trapezoid in λ over 380–780 nm. The step is 1 nm or less: along the radial segment `f = (u, v)/λ` the response
+    /// is a sum of Gaussians no narrower than `σf/√2`, and a step of one such standard deviation integrates them to
+    /// 3e-9, so the step is halved until it is that small for this direction.
+    pub fn tristimulus(&self, directions: Directions, scratch: &mut Scratch) -> [f64; 3] {
+        let gain = optics::gain(directions.wi, directions.wr, &self.optics);
+        if gain == 0.0 {
+            return [0.0; 3];
+        }
+        let per_nm = self.steps_per_nm(directions);
+        let (min_nm, max_nm) = Reference::VISIBLE_NM;
+        let count = ((max_nm - min_nm) * per_nm).round() as usize;
+        let mut xyz = [0.0; 3];
+        for i in 0..=count {
+            let lambda_nm = min_nm + i as f64 / per_nm;
+            let end = if i == 0 || i == count { 0.5 } else { 1.0 };
+            let response = self.response(directions, lambda_nm, scratch) * end / per_nm;
+            let weights = self.spectrum.per_nm(lambda_nm);
+            xyz = std::array::from_fn(|c| xyz[c] + weights[c] * response);
+        }
+        xyz.map(|c| c * gain)
+    }
+
+    /// Many directions on all cores; `done` is called with the number of finished directions.
+    pub fn tristimulus_all(
+        &self,
+        directions: &[Directions],
+        done: &(dyn Fn(usize) + Sync),
+    ) -> Vec<[f64; 3]> {
+        evaluate_all(directions, done, |d, scratch| self.tristimulus(d, scratch))
+    }
+
+    fn steps_per_nm(&self, Directions { wi, wr }: Directions) -> f64 {
+        let (min_nm, max_nm) = Reference::VISIBLE_NM;
+        let widest_um = [min_nm, max_nm].map(|nm| optics::window_sigma_um(&self.optics, nm));
+        let sigma_cpum = 1.0 / (TAU * widest_um[0].max(widest_um[1]) * std::f64::consts::SQRT_2);
+        let uv = (wi + wr).truncate().length();
+        let needed_nm = sigma_cpum * (min_nm * 1e-3).powi(2) / uv.max(1e-9) * 1e3;
+        let mut step_nm = self.coarsest_step_nm;
+        while step_nm > needed_nm && step_nm > LEAST_STEP_NM {
+            step_nm *= 0.5;
+        }
+        1.0 / step_nm
+    }
+}
+
+/// Evaluates directions on all cores, in blocks, with one scratch buffer per block.
+pub fn evaluate_all<S: Default>(
+    directions: &[Directions],
+    done: &(dyn Fn(usize) + Sync),
+    evaluate: impl Fn(Directions, &mut S) -> [f64; 3] + Sync,
+) -> Vec<[f64; 3]> {
+    const BLOCK: usize = 64;
+    let mut out = vec![[0.0; 3]; directions.len()];
+    out.par_chunks_mut(BLOCK).zip(directions.par_chunks(BLOCK)).for_each(|(out, block)| {
+        let mut scratch = S::default();
+        for (value, &d) in out.iter_mut().zip(block) {
+            *value = evaluate(d, &mut scratch);
+        }
+        done(block.len());
+    });
+    out
+}
+
+const MOST_BYTES: usize = 6 << 30;
+/// Steps are not made finer than this; it serves coherence lengths up to 4 mm.
+const LEAST_STEP_NM: f64 = 1.0 / 128.0;

@@ -1,0 +1,334 @@
+//! What a package says about itself, as data.
+
+mod describe;
+mod interface;
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::plan::{Container, Target, Variant};
+use crate::shader::emit::{self, BindingName, EmittedFile, EntryPoint};
+use crate::shader::limits::{Extent, Limits, Profile, fits};
+use crate::shader::module::Module;
+use crate::shader::template::GENERATED;
+use crate::tables::Table;
+use crate::tables::container::ContainerEntry;
+use crate::variant::{Cost, DIRECTIONAL, ErrorBound, Form, Function, LobeBounds};
+
+pub use describe::describe;
+use interface::{bindings, uniforms, vertex_inputs};
+
+/// Version of the manifests' layout.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// `manifest.json` of a variant on a surface.
+#[derive(Clone, Debug, Serialize)]
+pub struct VariantManifest {
+    /// The generated-by line.
+    pub generated_by: &'static str,
+    /// [`SCHEMA_VERSION`].
+    pub schema_version: u32,
+    /// Name of the surface.
+    pub surface: String,
+    /// Name of the variant.
+    pub variant: String,
+    /// The configuration, and its hash.
+    pub configuration: Value,
+    /// SHA-256 of the canonical configuration.
+    pub configuration_hash: String,
+    /// SHA-256 of everything the files are made from: surface, configuration, tool version.
+    pub input_hash: String,
+    /// The contract of the core function.
+    pub core: Core,
+    /// Files of every target.
+    pub targets: BTreeMap<Target, Vec<FileEntry>>,
+    /// Resources by their names in the templates.
+    pub bindings: Vec<Binding>,
+    /// Layout of the uniform blocks.
+    pub uniforms: Vec<UniformBlock>,
+    /// What the vertex stage of a mesh reads from buffers.
+    pub vertex_inputs: Vec<VertexInput>,
+    /// The tables, by binding.
+    pub tables: Vec<TableEntry>,
+    /// The same for Rust: a file beside the manifest.
+    pub rust_bindings: &'static str,
+    /// What it needs.
+    pub requires: Requires,
+    /// What a pixel costs.
+    pub cost: Cost,
+    /// A-priori bounds of the model's approximations; none where no error is claimed, or where only a comparison tells it.
+    pub error_bound: Option<ErrorBound>,
+    /// Loops over lobes, of the modes that have them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lobes: Option<LobeBounds>,
+}
+
+/// The contract of `diffraction(wi, wr)`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Core {
+    /// WGSL signature.
+    pub function: String,
+    /// Frame of the directions.
+    pub frame: &'static str,
+    /// What the directions are.
+    pub directions: &'static str,
+    /// Primaries and transfer of the result.
+    pub colour_space: &'static str,
+    /// What 1 means.
+    pub unit: &'static str,
+    /// Whether the result is clamped; it never is.
+    pub clamped: bool,
+    /// Radiance relative to a white diffuser per unit of the result; none where the unit is arbitrary.
+    pub diffuser_scale: Option<f64>,
+    /// Function that returns tristimulus values instead.
+    pub tristimulus_function: String,
+}
+
+/// One file of a target.
+#[derive(Clone, Debug, Serialize)]
+pub struct FileEntry {
+    /// File name beside the manifest.
+    pub file: String,
+    /// Entry points in it.
+    pub entry_points: Vec<EntryPoint>,
+    /// Functions that a function form offers; empty for whole shaders.
+    pub functions: Vec<emit::Function>,
+    /// Names it gives to the resources that it reads.
+    pub bindings: Vec<BindingName>,
+}
+
+/// A resource of the shader.
+#[derive(Clone, Debug, Serialize)]
+pub struct Binding {
+    /// Name in the templates.
+    pub name: String,
+    /// Bind group.
+    pub group: u32,
+    /// Binding.
+    pub binding: u32,
+    /// `uniform`, `texture` or `sampler`.
+    pub kind: &'static str,
+    /// `2d` or `2d-array`, of textures.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dimension: Option<&'static str>,
+    /// `unfilterable-float`: read with `textureLoad` alone; `float`: through the sampler.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sample_type: Option<&'static str>,
+    /// `linear`, of samplers: between texels, at level 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub filter: Option<&'static str>,
+    /// `clamp-to-edge`, of samplers, on both axes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub address: Option<&'static str>,
+    /// Texel format, WebGPU's name, of textures that a table fills.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub format: Option<&'static str>,
+    /// What fills it.
+    pub source: String,
+}
+
+/// An attribute of the vertices of `mesh_vert`.
+#[derive(Clone, Debug, Serialize)]
+pub struct VertexInput {
+    /// Name in the templates.
+    pub name: String,
+    /// Location; in HLSL the semantic `LOC` with this number, in Metal the attribute.
+    pub location: u32,
+    /// WGSL type.
+    #[serde(rename = "type")]
+    pub ty: &'static str,
+    /// WebGPU's name of the format.
+    pub format: &'static str,
+    /// What it holds.
+    pub meaning: &'static str,
+}
+
+/// A uniform block, std140-compatible: `vec4` and `mat4x4` members only.
+#[derive(Clone, Debug, Serialize)]
+pub struct UniformBlock {
+    /// Name of the variable in the templates.
+    pub name: String,
+    /// Name of the structure.
+    pub structure: String,
+    /// Bytes.
+    pub size: u32,
+    /// Members in order.
+    pub members: Vec<UniformMember>,
+}
+
+/// A member of a uniform block.
+#[derive(Clone, Debug, Serialize)]
+pub struct UniformMember {
+    /// Name.
+    pub name: String,
+    /// Offset, bytes.
+    pub offset: u32,
+    /// WGSL type.
+    #[serde(rename = "type")]
+    pub ty: &'static str,
+    /// What it holds.
+    pub meaning: &'static str,
+}
+
+/// Where the data of a table are.
+#[derive(Clone, Debug, Serialize)]
+pub struct TableEntry {
+    /// Name of the binding.
+    pub binding: &'static str,
+    /// Identity of the table.
+    pub id: String,
+    /// Description, relative to the manifest's folder.
+    pub description: String,
+    /// Texels, relative to the manifest's folder.
+    pub data: String,
+}
+
+/// The description beside a `.bin` file.
+#[derive(Clone, Debug, Serialize)]
+pub struct TableDescription {
+    /// The generated-by line.
+    pub generated_by: &'static str,
+    /// [`SCHEMA_VERSION`].
+    pub schema_version: u32,
+    /// Identity: a hash of what the table is made from.
+    pub id: String,
+    /// File of the texels.
+    pub data: String,
+    /// Bytes of it.
+    pub bytes: usize,
+    /// WebGPU's name of the texel format.
+    pub format: &'static str,
+    /// Order of the bytes of a number.
+    pub endianness: &'static str,
+    /// `2d` or `2d-array`.
+    pub dimension: &'static str,
+    /// Texels along x.
+    pub width: usize,
+    /// Texels along y.
+    pub height: usize,
+    /// Array layers; 1 for a plain texture.
+    pub layers: usize,
+    /// Order of the texels.
+    pub order: &'static str,
+    /// Meaning of the channels.
+    pub channels: Vec<String>,
+    /// Meaning of columns, rows and layers.
+    pub axes: BTreeMap<&'static str, String>,
+    /// Factor from stored to meant numbers.
+    pub scale: f64,
+    /// Factors of the terms, one by one, of tables whose terms have scales of their own; the shader applies them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub term_scales: Vec<f64>,
+    /// What lies outside the texture; nothing is ever read there.
+    pub wrap: &'static str,
+    /// The same texels in the containers that the plan asks for.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub containers: BTreeMap<Container, ContainerEntry>,
+}
+
+/// What a variant needs.
+#[derive(Clone, Debug, Serialize)]
+pub struct Requires {
+    /// Profiles whose guaranteed limits suffice.
+    pub profiles: Vec<&'static str>,
+    /// Why the others are missing.
+    pub gaps: BTreeMap<&'static str, String>,
+    /// Optional features; none are used.
+    pub features: Vec<String>,
+}
+
+/// Parts of a manifest that are known before its files.
+pub struct Described<'a> {
+    /// Name of the surface.
+    pub surface: &'a str,
+    /// The variant.
+    pub variant: &'a Variant,
+    /// How it computes on the surface.
+    pub form: &'a Form,
+    /// Its tables, without texels, and their entries.
+    pub tables: Vec<(&'a Table, TableEntry)>,
+    /// Hash of all inputs.
+    pub input_hash: String,
+}
+
+/// Writes the manifest of a variant from its module's reflection and its emitted files.
+pub fn manifest(subject: Described<'_>, module: &Module, files: &[EmittedFile]) -> VariantManifest {
+    let Described { surface, variant, form, tables, input_hash } = subject;
+    let mut targets: BTreeMap<Target, Vec<FileEntry>> = BTreeMap::new();
+    for file in files {
+        let entry = FileEntry {
+            file: file.name.clone(),
+            entry_points: file.entry_points.clone(),
+            functions: file.functions.clone(),
+            bindings: file.bindings.clone(),
+        };
+        targets.entry(file.target).or_default().push(entry);
+    }
+    let extents: Vec<Extent> = tables.iter().map(|(table, _)| extent(table)).collect();
+    VariantManifest {
+        generated_by: GENERATED,
+        schema_version: SCHEMA_VERSION,
+        surface: surface.to_owned(),
+        variant: variant.name.clone(),
+        configuration: serde_json::from_str(&variant.canonical()).unwrap_or(Value::Null),
+        configuration_hash: variant.hash(),
+        input_hash,
+        core: core(&DIRECTIONAL, variant, form),
+        targets,
+        bindings: bindings(module, &tables),
+        uniforms: uniforms(module),
+        vertex_inputs: vertex_inputs(module),
+        rust_bindings: "bindings.rs",
+        requires: requires(&extents),
+        cost: DIRECTIONAL.cost(form),
+        error_bound: form.error_bound(),
+        lobes: form.lobe_bounds(),
+        tables: tables.into_iter().map(|(_, entry)| entry).collect(),
+    }
+}
+
+fn core(function: &dyn Function, variant: &Variant, form: &Form) -> Core {
+    let optics = &variant.optics;
+    let declared = |name: &str| format!("fn {name}{}", function.signature());
+    Core {
+        function: declared(function.name()),
+        frame: "tangent frame: x along the tangent, y along the bitangent, z along the normal; right-handed",
+        directions: function.arguments(),
+        colour_space: form.colour_space(optics.colour),
+        unit: form.unit(),
+        clamped: false,
+        diffuser_scale: form.diffuser_scale(optics),
+        tristimulus_function: declared(function.tristimulus_name()),
+    }
+}
+
+/// The texture that holds a table.
+pub fn extent(table: &Table) -> Extent {
+    let (width, height) = (table.width as u32, table.height as u32);
+    match table.layers as u32 {
+        0 => Extent::Plane { width, height },
+        layers => Extent::Layers { width, height, layers },
+    }
+}
+
+fn requires(extents: &[Extent]) -> Requires {
+    let fitting = fits(extents);
+    let reason = |limits: Limits| {
+        let misfits = extents.iter().filter(|extent| !limits.allow(**extent));
+        let misfits: Vec<String> = misfits.map(Extent::to_string).collect();
+        format!(
+            "a table of {} exceeds {} texels or {} layers",
+            misfits.join(", "),
+            limits.texture_2d,
+            limits.array_layers
+        )
+    };
+    let missing = Profile::ALL.into_iter().filter(|p| !fitting.contains(p));
+    Requires {
+        profiles: fitting.iter().map(|p| p.name()).collect(),
+        gaps: missing.map(|p| (p.name(), reason(p.limits()))).collect(),
+        features: Vec::new(),
+    }
+}

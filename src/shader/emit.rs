@@ -1,0 +1,233 @@
+//! One function per target language.
+//!
+//! Common to all targets: clip space is as in the WGSL text (y up, depth 0 … 1) and is not rewritten, since matrices
+//! belong to the engine; loops get no artificial bounds; overrides are resolved before a writer runs. Run-time bounds
+//! checks are off: the templates keep every index and texel coordinate in range by construction, and checks in the
+//! innermost loop cost up to half of the speed. WGSL keeps the checks that its implementation adds.
+//!
+//! Every text but SPIR-V begins with the same comment: what it is, its inputs and its output, where bindings and tolerances are
+//! described.
+//!
+//! Beside whole shaders there are function forms, for engines that want a piece of text to paste or to register: the
+//! functions that the shader offers and what they need, without entry points, bindings and uniform blocks. A function form
+//! comes with the targets of its language: `.fn.wgsl` with `wgsl`, `.fn.glsl` with `glsl450` and with `glsl-es300`
+//! (one file, the same for both), `.fn.hlsl` with `hlsl`.
+
+mod function;
+mod glsl;
+mod head;
+mod hlsl;
+mod msl;
+mod spirv;
+mod wgsl;
+
+use std::fmt;
+
+use naga::{
+    AddressSpace, TypeInner,
+    proc::{BoundsCheckPolicies, BoundsCheckPolicy},
+};
+use serde::Serialize;
+
+use crate::error::{self, Error, Result};
+use crate::plan::Target;
+use crate::shader::module::{Module, Stage};
+
+/// The entry point that bears no name in its file names, next to the vertex shader.
+const MAIN_FRAGMENT: &str = "map";
+const MAIN_VERTEX: &str = "vert";
+/// The vertex entry point of the fragment entry point `mesh`, which shares its name in file names: in one text they
+/// cannot bear the same.
+const MESH_VERTEX: &str = "mesh_vert";
+
+/// One file of one target.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct EmittedFile {
+    /// File name, without a folder.
+    pub name: String,
+    /// Its target.
+    pub target: Target,
+    /// Text in UTF-8, or the words of SPIR-V in little-endian order.
+    pub bytes: Vec<u8>,
+    /// Those in the file, in the order of the template text; only WGSL has more than one.
+    pub entry_points: Vec<EntryPoint>,
+    /// The resources that these entry points or functions read, in the order of the template text.
+    pub bindings: Vec<BindingName>,
+    /// What a function form offers; empty for whole shaders.
+    pub functions: Vec<Function>,
+}
+
+impl EmittedFile {
+    /// Names of the uniform blocks, as an engine has to ask for them.
+    pub fn uniform_blocks(&self) -> impl Iterator<Item = &str> {
+        let blocks = self.bindings.iter().filter(|b| b.kind == BindingKind::UniformBlock);
+        blocks.map(|block| block.emitted_name.as_str())
+    }
+}
+
+/// A function that a pipeline can begin with.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct EntryPoint {
+    /// Vertex or fragment.
+    pub stage: Stage,
+    /// Its name in the templates.
+    pub source_name: String,
+    /// Its name in the file.
+    pub emitted_name: String,
+}
+
+/// A function that engine code can call.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Function {
+    /// Its name, the same in the templates and in the file.
+    pub name: String,
+    /// How the file declares it.
+    pub signature: String,
+}
+
+/// What is bound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BindingKind {
+    /// A buffer of uniforms.
+    UniformBlock,
+    /// A sampled texture; in GLSL a combined sampler.
+    Texture,
+    /// A sampler.
+    Sampler,
+}
+
+/// The name that a target gives to a resource.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct BindingName {
+    /// Name of the variable in the templates.
+    pub source_name: String,
+    /// Name by which the API finds it: of the uniform block or of the variable. For a sampler in GLSL, the texture
+    /// that it is combined with.
+    pub emitted_name: String,
+    /// Name of the variable inside a GLSL uniform block.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub member_name: Option<String>,
+    /// Bind group or descriptor set in the templates.
+    pub group: u32,
+    /// Binding in the templates.
+    pub binding: u32,
+    /// Binding written in the emitted text: in HLSL the number of register `b`, `t` or `s`, in Metal that of the `buffer`,
+    /// `texture` or `sampler` slot; `None` where the language has no place for it and the engine sets it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub emitted_binding: Option<u32>,
+    /// What is bound.
+    pub kind: BindingKind,
+}
+
+/// Writes the files of one target.
+pub fn emit(module: &Module, target: Target) -> Result<Vec<EmittedFile>> {
+    let mut files = match target {
+        Target::Wgsl => wgsl::emit(module),
+        Target::Glsl450 => glsl::emit_450(module),
+        Target::GlslEs300 => glsl::emit_es300(module),
+        Target::Spirv => spirv::emit(module),
+        Target::Hlsl => hlsl::emit(module),
+        Target::Msl => msl::emit(module),
+    }?;
+    files.extend(function::emit(module, target)?);
+    Ok(files)
+}
+
+/// See the module's documentation for the reason.
+const UNCHECKED: BoundsCheckPolicies = BoundsCheckPolicies {
+    index: BoundsCheckPolicy::Unchecked,
+    buffer: BoundsCheckPolicy::Unchecked,
+    image_load: BoundsCheckPolicy::Unchecked,
+    binding_array: BoundsCheckPolicy::Unchecked,
+};
+
+/// An entry point on its own: overrides resolved, everything else removed.
+struct Single {
+    name: String,
+    stage: Stage,
+    ir: naga::Module,
+    info: naga::valid::ModuleInfo,
+}
+
+/// A whole module with its overrides resolved.
+fn resolved(module: &Module, target: Target) -> Result<(naga::Module, naga::valid::ModuleInfo)> {
+    let constants = naga::back::PipelineConstants::default();
+    let (ir, info) = naga::back::pipeline_constants::process_overrides(
+        module.ir(),
+        module.info(),
+        None,
+        &constants,
+    )
+    .map_err(|error| failure(module, target, error))?;
+    Ok((ir.into_owned(), info.into_owned()))
+}
+
+/// The entry points of a module with the names that a writer gave them; one that it left out is an error.
+fn entry_points(
+    module: &Module,
+    emitted: impl IntoIterator<Item = Result<String, String>>,
+) -> Result<Vec<EntryPoint>, String> {
+    let pairs = module.entry_points().zip(emitted);
+    let named = pairs.map(|((name, stage), emitted)| {
+        let emitted_name = emitted.map_err(|cause| format!("entry point `{name}`: {cause}"))?;
+        Ok(EntryPoint { stage, source_name: name.to_owned(), emitted_name })
+    });
+    named.collect()
+}
+
+/// The entry points of a module, each on its own.
+fn singles(module: &Module, target: Target) -> Result<Vec<Single>> {
+    let single = |(name, stage): (&str, Stage)| {
+        let constants = naga::back::PipelineConstants::default();
+        let entry = Some((stage.to_naga(), name));
+        let (ir, info) = naga::back::pipeline_constants::process_overrides(
+            module.ir(),
+            module.info(),
+            entry,
+            &constants,
+        )
+        .map_err(|error| failure(module, target, error))?;
+        Ok(Single { name: name.to_owned(), stage, ir: ir.into_owned(), info: info.into_owned() })
+    };
+    module.entry_points().map(single).collect()
+}
+
+/// `diffraction[.ENTRY].SUFFIX`; the entry is left out for `vert` and `map`, and `mesh` for `mesh_vert`.
+fn file_name(entry: &str, suffix: &str) -> String {
+    match entry {
+        MAIN_VERTEX | MAIN_FRAGMENT => format!("diffraction.{suffix}"),
+        MESH_VERTEX => format!("diffraction.mesh.{suffix}"),
+        other => format!("diffraction.{other}.{suffix}"),
+    }
+}
+
+/// The bound resources of a module, named as in the templates.
+fn bindings(ir: &naga::Module) -> Vec<(naga::Handle<naga::GlobalVariable>, BindingName)> {
+    let globals = ir.global_variables.iter();
+    let bound = globals.filter_map(|(handle, global)| {
+        let place = global.binding?;
+        let name = global.name.clone().unwrap_or_default();
+        let kind = match (global.space, &ir.types[global.ty].inner) {
+            (AddressSpace::Uniform, _) => BindingKind::UniformBlock,
+            (_, TypeInner::Sampler { .. }) => BindingKind::Sampler,
+            _ => BindingKind::Texture,
+        };
+        let binding = BindingName {
+            source_name: name.clone(),
+            emitted_name: name,
+            member_name: None,
+            group: place.group,
+            binding: place.binding,
+            emitted_binding: Some(place.binding),
+            kind,
+        };
+        Some((handle, binding))
+    });
+    bound.collect()
+}
+
+fn failure(module: &Module, target: Target, cause: impl fmt::Display) -> Error {
+    let subject = format!("{}: {}", module.name(), target.as_str());
+    Error::new(error::Stage::Shader, subject, cause)
+}

@@ -1,0 +1,101 @@
+//! Function forms: the functions that a shader offers and what they need, without entry points and bindings. The first of
+//! them stands first in `.fn.wgsl`; the others may be missing.
+//!
+//! - `.fn.wgsl` is the specialised text with its comments. Textures and the sampler are parameters behind the directions,
+//!   threaded through every function that reads them, since node systems such as that of three.js know no free names. The
+//!   text begins with `fn diffraction(`, which such systems want. The comment that describes it begins the body.
+//! - `.fn.glsl` declares its textures as uniforms of their names in the templates, samplers being part of them. It has no
+//!   `#version`, no precision statement and no `main`, and is valid behind those of GLSL ES 3.00 and of GLSL 4.50.
+//! - `.fn.hlsl` declares its textures and the sampler as globals of their names in the templates, without registers.
+
+mod core;
+mod wgsl;
+
+use crate::error::Result;
+use crate::plan::Target;
+use crate::shader::module::Module;
+
+use super::{EmittedFile, Function, bindings, failure, glsl, head, hlsl};
+
+use self::core::Core;
+
+/// The function form that belongs to a target; `None` for targets whose engines take whole shaders only.
+pub fn emit(module: &Module, target: Target) -> Result<Option<EmittedFile>> {
+    let fail = |cause: String| failure(module, target, format!("function form: {cause}"));
+    let core = || core::extract(module, module.functions()).map_err(fail);
+    let mut sampler_names = glsl::SamplerTextures::new();
+    let (language, core, text) = match target {
+        Target::Wgsl => {
+            let core = core()?;
+            let text = wgsl::write(module, &core);
+            ("wgsl", core, text)
+        }
+        Target::Glsl450 | Target::GlslEs300 => {
+            let core = core()?;
+            let (text, names) = glsl_text(module, &core).map_err(fail)?;
+            sampler_names = names;
+            ("glsl", core, Ok(text))
+        }
+        Target::Hlsl => {
+            let core = core()?;
+            let text = hlsl_text(module, &core);
+            ("hlsl", core, text)
+        }
+        Target::Spirv | Target::Msl => return Ok(None),
+    };
+    let text = text.map_err(fail)?;
+    let functions = core.names.iter().map(|name| {
+        let signature = signature(&text, name).ok_or(format!("`{name}` got lost"))?;
+        Ok(Function { name: name.clone(), signature })
+    });
+    let functions: Result<_, String> = functions.collect();
+    let read = bindings(&core.bound).into_iter().map(|(handle, mut binding)| {
+        binding.emitted_binding = None;
+        if let Some(texture) = sampler_names.get(&handle) {
+            binding.emitted_name.clone_from(texture);
+        }
+        binding
+    });
+    Ok(Some(EmittedFile {
+        name: format!("diffraction.fn.{language}"),
+        target,
+        bindings: read.collect(),
+        functions: functions.map_err(fail)?,
+        bytes: text.into_bytes(),
+        entry_points: Vec::new(),
+    }))
+}
+
+/// What naga writes for GLSL ES 3.00, whose precision qualifiers desktop GLSL reads and ignores, less its frame.
+fn glsl_text(module: &Module, core: &Core) -> Result<(String, glsl::SamplerTextures), String> {
+    let (whole, names) = glsl::write_unbound(&core.unbound, &core.info, core::SHELL)?;
+    let mut kept = vec![head::bare(module), String::new()];
+    let mut in_main = false;
+    for line in whole.lines() {
+        in_main |= line.starts_with("void main()");
+        let framing = line.starts_with("#version") || line.starts_with("precision ");
+        let twice_blank = line.is_empty() && kept.last().is_none_or(String::is_empty);
+        if !(in_main || framing || twice_blank) {
+            kept.push(line.to_owned());
+        }
+        in_main &= line != "}";
+    }
+    Ok((kept.join("\n").trim_end().to_owned() + "\n", names))
+}
+
+fn hlsl_text(module: &Module, core: &Core) -> Result<String, String> {
+    let (ir, info) = core.without_shell()?;
+    Ok(hlsl::with_head(module, &hlsl::write_unbound(&ir, &info)?))
+}
+
+/// The declaration of a function: its line in the text, or what is left of it before the body.
+fn signature(text: &str, name: &str) -> Option<String> {
+    let declares = |line: &&str| {
+        let before = line.split_once(&format!("{name}(")).map(|(before, _)| before);
+        before.is_some_and(|before| {
+            !before.is_empty() && before.ends_with(' ') && !before.starts_with([' ', '/'])
+        })
+    };
+    let line = text.lines().find(declares)?;
+    Some(line.trim_end().trim_end_matches('{').trim_end().to_owned())
+}

@@ -1,0 +1,112 @@
+//! The functions of a module on their own.
+
+use naga::{
+    AddressSpace, EntryPoint, Expression, Handle, ShaderStage, Span, Statement, TypeInner,
+    compact::{KeepUnused, compact},
+    valid::{Capabilities, ModuleInfo, ValidationFlags, Validator},
+};
+
+use crate::shader::module::Module;
+
+/// Name of the entry point that calls the functions, so that nothing takes them for unused.
+pub const SHELL: &str = "main";
+
+/// Functions with what they need, below an entry point that calls them.
+pub struct Core {
+    /// The functions that exist, of those asked for.
+    pub names: Vec<String>,
+    /// With the bindings of the templates.
+    pub bound: naga::Module,
+    /// Without bindings, those of samplers apart, which the writer of HLSL wants: the writers then keep the names of the
+    /// templates and leave out all marks.
+    pub unbound: naga::Module,
+    /// Of `unbound`.
+    pub info: ModuleInfo,
+}
+
+impl Core {
+    /// The functions alone.
+    pub fn without_shell(&self) -> Result<(naga::Module, ModuleInfo), String> {
+        let mut ir = self.unbound.clone();
+        ir.entry_points.clear();
+        let info = validate(&ir)?;
+        Ok((ir, info))
+    }
+}
+
+/// Takes functions of those names out of a module; the first has to exist. They may read textures and samplers, and
+/// nothing else from outside.
+pub fn extract(module: &Module, names: &[&str]) -> Result<Core, String> {
+    let mut bound = module.ir().clone();
+    let find = |name: &&str| {
+        let mut functions = bound.functions.iter();
+        functions.find(|(_, f)| f.name.as_deref() == Some(*name)).map(|(handle, _)| handle)
+    };
+    let found: Vec<(&str, Handle<naga::Function>)> =
+        names.iter().filter_map(|name| Some((*name, find(name)?))).collect();
+    if found.first().map(|(name, _)| name) != names.first() {
+        return Err(format!("there is no function `{}`", names.first().unwrap_or(&"")));
+    }
+    for (name, handle) in &found {
+        let info = &module.info()[*handle];
+        let read = bound.global_variables.iter().filter(|(global, _)| !info[*global].is_empty());
+        let mut foreign = read.filter(|(_, global)| {
+            let handle = global.space == AddressSpace::Handle;
+            let inner = &bound.types[global.ty].inner;
+            !(handle && matches!(inner, TypeInner::Image { .. } | TypeInner::Sampler { .. }))
+        });
+        if let Some((_, global)) = foreign.next() {
+            let global = global.name.as_deref().unwrap_or_default();
+            return Err(format!("`{name}` reads `{global}`, which is not a texture"));
+        }
+    }
+    let shell = shell(&bound, found.iter().map(|(_, handle)| *handle));
+    bound.entry_points = vec![shell];
+    compact(&mut bound, KeepUnused::No);
+    let mut unbound = bound.clone();
+    for (_, global) in unbound.global_variables.iter_mut() {
+        if !matches!(unbound.types[global.ty].inner, TypeInner::Sampler { .. }) {
+            global.binding = None;
+        }
+    }
+    let info = validate(&unbound)?;
+    let names = found.into_iter().map(|(name, _)| name.to_owned()).collect();
+    Ok(Core { names, bound, unbound, info })
+}
+
+/// A fragment shader without inputs and outputs that calls each function with zeros.
+fn shell(ir: &naga::Module, functions: impl Iterator<Item = Handle<naga::Function>>) -> EntryPoint {
+    let mut function = naga::Function::default();
+    for handle in functions {
+        let arguments = ir.functions[handle].arguments.iter().map(|argument| {
+            let zero = Expression::ZeroValue(argument.ty);
+            function.expressions.append(zero, Span::UNDEFINED)
+        });
+        let arguments = arguments.collect();
+        let result = ir.functions[handle]
+            .result
+            .as_ref()
+            .map(|_| function.expressions.append(Expression::CallResult(handle), Span::UNDEFINED));
+        let call = Statement::Call { function: handle, arguments, result };
+        function.body.push(call, Span::UNDEFINED);
+    }
+    function.body.push(Statement::Return { value: None }, Span::UNDEFINED);
+    EntryPoint {
+        name: SHELL.to_owned(),
+        stage: ShaderStage::Fragment,
+        early_depth_test: None,
+        workgroup_size: [0; 3],
+        workgroup_size_overrides: None,
+        function,
+        mesh_info: None,
+        task_payload: None,
+        incoming_ray_payload: None,
+    }
+}
+
+/// As everywhere, but globals need no bindings.
+fn validate(ir: &naga::Module) -> Result<ModuleInfo, String> {
+    let flags = ValidationFlags::all() - ValidationFlags::BINDINGS;
+    let validated = Validator::new(flags, Capabilities::empty()).validate(ir);
+    validated.map_err(|error| error.as_inner().to_string())
+}

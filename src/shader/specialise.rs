@@ -1,0 +1,77 @@
+//! A variant on a surface: the flags and constants of its templates, its shader, the tables that it reads.
+
+use crate::defines::Defines;
+use crate::diagnostic::Diagnostic;
+use crate::error::Result;
+use crate::optics;
+use crate::plan::{Colour, Mode, Variant};
+use crate::shader::module::{Contract, Module, compile_with};
+use crate::shader::template::{Sources, specialise};
+use crate::surface::HeightField;
+use crate::tables::{SPECTRUM, Table};
+use crate::variant::{Form, Ground};
+
+/// The root template of every shader.
+pub const ROOT: &str = "shader";
+
+/// Flags that forms set where they mean something.
+const FLAGS: [&str; 8] = [
+    "COHERENCE_SCALES",
+    "ENSEMBLE",
+    "HALF",
+    "MONOCHROMATIC",
+    "PAIRED",
+    "PREFILTERED",
+    "TABULATED",
+    "THESIS_LOOP",
+];
+
+/// Flags and constants of the templates. The numbers are configured, or counts and sizes. None of them comes from a transform
+/// or a transcendental function, since those differ between processors and the text must not. `wavelengths`: nodes of the
+/// spectrum table.
+pub fn defines(variant: &Variant, form: &Form, rotate_deg: f64, wavelengths: usize) -> Defines {
+    let mut defines = Defines::default();
+    for flag in FLAGS {
+        defines.flag(flag, false);
+    }
+    for mode in Mode::all() {
+        let flag = format!("MODE_{}", mode.as_str().to_ascii_uppercase());
+        defines.flag(&flag, mode == variant.mode);
+    }
+    defines.flag("COLOUR_THESIS", variant.optics.colour == Colour::Thesis);
+    defines.flag("FILTERED", form.filters());
+    defines.flag("ROTATED", rotate_deg != 0.0);
+    optics::define(&variant.optics, &mut defines);
+    form.define(wavelengths, &mut defines);
+    defines
+}
+
+/// Specialises, parses, validates and lints the shader of a variant on a surface.
+pub fn shader(
+    sources: &Sources,
+    name: &str,
+    form: &Form,
+    defines: &Defines,
+) -> std::result::Result<Module, Vec<Diagnostic>> {
+    let named = |all: Vec<Diagnostic>| all.into_iter().map(|d| d.variant(name)).collect::<Vec<_>>();
+    let specialised = specialise(sources, ROOT, defines).map_err(named)?;
+    let contract = Contract::package(form.functions(), form.filters());
+    compile_with(&specialised, sources, name, &contract)
+}
+
+/// The tables of a form in the order of their bindings, unrounded. Time: one two-dimensional transform per two terms, or the
+/// baking of colours.
+pub fn tables(form: &Form, height: &HeightField, rotate_deg: f64) -> Result<Vec<Table>> {
+    let specs = form.tables(Ground { surface: "", rotate_deg });
+    specs.iter().map(|spec| spec.compute(height, &|_| ())).collect()
+}
+
+/// The same without their texels.
+pub fn shapes(form: &Form, rotate_deg: f64) -> Vec<Table> {
+    form.tables(Ground { surface: "", rotate_deg }).iter().map(|spec| spec.shape()).collect()
+}
+
+/// Nodes of the spectrum among a variant's tables.
+pub fn node_count(tables: &[Table]) -> usize {
+    tables.iter().find(|t| t.binding == SPECTRUM).map_or(0, |t| t.width)
+}

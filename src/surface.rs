@@ -1,0 +1,294 @@
+//! Height fields: heights in µm on a regular grid with a physical pitch.
+//!
+//! [`prepare`] turns one surface of a plan into a [`HeightField`]: decode or synthesise, fill voids, level, clip outliers,
+//! extrude a profile. Everything it did that a user should know of comes back as a note.
+
+pub mod gsf;
+pub mod facts;
+pub mod level;
+mod raster;
+pub mod read;
+pub mod synthetic;
+pub mod voids;
+
+use crate::error::{Error, Result, Stage};
+use crate::plan::{SurfaceSource, SurfaceSpec};
+
+pub use gsf::write_gsf;
+
+/// Most pixels along one axis: three times the largest scan that atomic-force microscopes commonly deliver (4096 to
+/// 5120).
+pub const MAX_SIDE: usize = 16384;
+
+/// Most pixels of a surface: 8192², 512 MiB of heights. Its transforms would need 1 GiB per term.
+pub const MAX_PIXELS: usize = 8192 * 8192;
+
+/// Largest peak-to-valley height, µm. The model is for reliefs of the order of a wavelength; a hundred times that is a wrong unit.
+pub const MAX_HEIGHT_UM: f64 = 100.0;
+
+/// Largest pixel pitch, µm; a scan in which a pixel is a millimetre is a wrong unit.
+pub const MAX_PITCH_UM: f64 = 1000.0;
+
+/// Smallest pixel pitch, µm: a tenth of an atom's diameter.
+pub const MIN_PITCH_UM: f64 = 1e-5;
+
+/// Rows that a profile is repeated into. Any number gives the same spectrum; four keep the transforms two-dimensional.
+pub const EXTRUDED: usize = 4;
+
+/// A prepared surface and what was done to it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// The heights.
+    pub field: HeightField,
+    /// Notes for the user: heights quantised, voids filled, outliers clipped, a profile extruded, a scale overridden.
+    pub notes: Vec<String>,
+}
+
+/// What a file held before it was prepared; a synthetic surface has neither steps nor voids.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Origin {
+    /// Step between neighbouring heights of an integer file, µm.
+    pub step_um: Option<f64>,
+    /// Void pixels, which were filled from their neighbours.
+    pub void_pixels: usize,
+    /// Pixels of the file.
+    pub file_pixels: usize,
+}
+
+/// Decodes or synthesises a surface and prepares it: voids → level → clip → extrude; with what the file held. `bytes`: the
+/// content of its file, where it has one.
+///
+/// Errors name the surface, its file, the key, its value and what to do. The rotation of the surface is not applied
+/// here: it rotates `(u, v)` exactly, later.
+pub fn prepare(spec: &SurfaceSpec, bytes: Option<&[u8]>) -> Result<(Surface, Origin)> {
+    let mut origin = Origin::default();
+    let subject = subject(spec);
+    level::check_clip(&subject, spec.clip_percent)?;
+    let (field, mut notes) = match &spec.source {
+        SurfaceSource::Grating(grating) => {
+            let surface = synthetic::synthesise(grating, &subject)?;
+            (surface.field, surface.notes)
+        }
+        SurfaceSource::File(file) => {
+            let reading = read::parse(file, &spec.name, bytes.unwrap_or_default())?;
+            origin.step_um = reading.step_um;
+            origin.void_pixels = reading.heights_um.iter().filter(|h| h.is_nan()).count();
+            origin.file_pixels = reading.heights_um.len();
+            voids::fill(reading, &subject)?
+        }
+    };
+    let field = level::level(field, spec.level, &subject)?;
+    let (field, clipped) = level::clip(field, spec.clip_percent, &subject)?;
+    notes.extend(clipped);
+    if field.columns != 1 && field.rows != 1 {
+        return Ok((Surface { field, notes }, origin));
+    }
+    let along = if field.rows == 1 { "x" } else { "y" };
+    let extruded = field.extruded().map_err(|_| {
+        Error::new(Stage::Height, &subject, "a single pixel is no surface")
+            .remedy("a profile needs two pixels or more")
+    })?;
+    notes.push(format!(
+        "a profile of {} pixels along {along}, extruded to {} × {} pixels",
+        field.columns * field.rows,
+        extruded.columns,
+        extruded.rows
+    ));
+    Ok((Surface { field: extruded, notes }, origin))
+}
+
+/// What errors about a surface begin with: its name, and its file where it has one.
+pub fn subject(spec: &SurfaceSpec) -> String {
+    match &spec.source {
+        SurfaceSource::Grating(_) => format!("surface {}", spec.name),
+        SurfaceSource::File(file) => read::subject(&spec.name, &file.path),
+    }
+}
+
+/// Heights of one patch, which tiles the plane periodically.
+///
+/// Row-major, **row 0 at the top** (largest y); pixel (col, row) lies at `x = col·pitch_x - Lx/2`,
+/// `y = (rows-1-row)·pitch_y - Ly/2`, so `+x` is to the right and `+y` is up the picture. All heights are finite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeightField {
+    columns: usize,
+    rows: usize,
+    pitch_x_um: f64,
+    pitch_y_um: f64,
+    heights_um: Vec<f64>,
+}
+
+impl HeightField {
+    /// Checks shape, pitch and heights (`heights_um[row][column]`, finite).
+    pub fn new(
+        columns: usize,
+        rows: usize,
+        pitch_x_um: f64,
+        pitch_y_um: f64,
+        heights_um: Vec<f64>,
+    ) -> Result<HeightField> {
+        let subject = format!("height field of {columns} × {rows} pixels");
+        if columns == 0 || rows == 0 || columns.checked_mul(rows) != Some(heights_um.len()) {
+            return Err(Error::new(
+                Stage::Height,
+                subject,
+                format!("has {} heights", heights_um.len()),
+            ));
+        }
+        if !(pitch_x_um.is_finite()
+            && pitch_x_um > 0.0
+            && pitch_y_um.is_finite()
+            && pitch_y_um > 0.0)
+        {
+            let cause =
+                format!("pixel pitch {pitch_x_um} × {pitch_y_um} µm is not positive and finite");
+            return Err(Error::new(Stage::Height, subject, cause));
+        }
+        if let Some(at) = heights_um.iter().position(|h| !h.is_finite()) {
+            let cause = format!(
+                "height {} at column {}, row {}",
+                heights_um[at],
+                at % columns,
+                at / columns
+            );
+            return Err(Error::new(Stage::Height, subject, cause));
+        }
+        Ok(HeightField { columns, rows, pitch_x_um, pitch_y_um, heights_um })
+    }
+
+    /// Pixels along x.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Pixels along y.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Pixel pitch along x, µm.
+    pub fn pitch_x_um(&self) -> f64 {
+        self.pitch_x_um
+    }
+
+    /// Pixel pitch along y, µm.
+    pub fn pitch_y_um(&self) -> f64 {
+        self.pitch_y_um
+    }
+
+    /// Patch width `Lx`, µm.
+    pub fn size_x_um(&self) -> f64 {
+        self.columns as f64 * self.pitch_x_um
+    }
+
+    /// Patch height `Ly`, µm.
+    pub fn size_y_um(&self) -> f64 {
+        self.rows as f64 * self.pitch_y_um
+    }
+
+    /// Heights, µm, `[row][column]`, row 0 at the top.
+    pub fn heights_um(&self) -> &[f64] {
+        &self.heights_um
+    }
+
+    /// Lowest and highest height, µm.
+    pub fn range_um(&self) -> (f64, f64) {
+        let fold = |f: fn(f64, f64) -> f64, start| self.heights_um.iter().copied().fold(start, f);
+        (fold(f64::min, f64::INFINITY), fold(f64::max, f64::NEG_INFINITY))
+    }
+
+    /// A profile (one row or one column) repeated into [`EXTRUDED`] equal ones, at the pitch of the other axis; any
+    /// other field unchanged. A single pixel is an error.
+    pub fn extruded(&self) -> Result<HeightField> {
+        let HeightField { columns, rows, pitch_x_um, pitch_y_um, .. } = *self;
+        match (columns, rows) {
+            (1, 1) => Err(Error::new(
+                Stage::Height,
+                "height field of 1 × 1 pixels",
+                "a single pixel is no profile",
+            )),
+            (_, 1) => HeightField::new(
+                columns,
+                EXTRUDED,
+                pitch_x_um,
+                pitch_x_um,
+                self.heights_um.repeat(EXTRUDED),
+            ),
+            (1, _) => {
+                let heights = self.heights_um.iter().flat_map(|&h| [h; EXTRUDED]).collect();
+                HeightField::new(EXTRUDED, rows, pitch_y_um, pitch_y_um, heights)
+            }
+            _ => Ok(self.clone()),
+        }
+    }
+
+    /// Checks that the pitch resolves every direction: `|u|, |v| ≤ 2` needs a pitch of at most `λmin/4` on both axes.
+    ///
+    /// `subject` names the surface; the error says which pitch would do, and how many pixels that is.
+    pub fn check_pitch(&self, subject: &str, lambda_min_nm: f64) -> Result<()> {
+        let limit_um = lambda_min_nm / 4000.0;
+        let axes =
+            [("x", self.pitch_x_um, self.size_x_um()), ("y", self.pitch_y_um, self.size_y_um())];
+        for (axis, pitch_um, size_um) in axes {
+            if pitch_um > limit_um * (1.0 + 1e-9) || limit_um.is_nan() {
+                let cause = format!(
+                    "pixel pitch {:.4} nm along {axis} is above a quarter of the shortest wavelength, {lambda_min_nm} nm",
+                    pitch_um * 1000.0
+                );
+                let remedy = format!(
+                    "a pitch of {:.4} nm or less would do: {} pixels over {size_um:.4} µm (check `size_um` or `pixel_um` of a file, `pixels` of a grating), or a wavelength from {:.0} nm up",
+                    limit_um * 1000.0,
+                    (size_um / limit_um * (1.0 - 1e-12)).ceil(),
+                    (pitch_um * 4000.0).ceil()
+                );
+                return Err(Error::new(Stage::Height, subject, cause).remedy(remedy));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Checks a length in µm given under `key`: positive, finite, at most `max_um`.
+fn check_um(subject: &str, key: &str, value_um: f64, max_um: f64) -> Result<()> {
+    let error = |cause: String| Error::new(Stage::Height, subject, cause);
+    if !(value_um.is_finite() && value_um > 0.0) {
+        return Err(error(format!("`{key} = {value_um}` is not positive and finite"))
+            .remedy("give a length in µm"));
+    }
+    if value_um > max_um {
+        return Err(error(format!("`{key} = {value_um}` is above {max_um} µm"))
+            .remedy("lengths are in µm: is this number in nm?"));
+    }
+    Ok(())
+}
+
+/// Checks a pixel pitch, µm, against [`MIN_PITCH_UM`] and [`MAX_PITCH_UM`]; `origin` says where it comes from.
+fn check_pixel(subject: &str, origin: &str, pitch_um: f64) -> Result<()> {
+    if (MIN_PITCH_UM..=MAX_PITCH_UM).contains(&pitch_um) {
+        return Ok(());
+    }
+    let cause = format!(
+        "{origin} makes the pixel pitch {pitch_um} µm, outside {MIN_PITCH_UM} to {MAX_PITCH_UM} µm"
+    );
+    let guess = if pitch_um > MAX_PITCH_UM { "nm" } else { "m or mm" };
+    Err(Error::new(Stage::Height, subject, cause)
+        .remedy(format!("lengths are in µm: is this number in {guess}?")))
+}
+
+/// Checks the number of pixels before anything is allocated.
+fn check_pixels(subject: &str, columns: u64, rows: u64) -> Result<(usize, usize)> {
+    let error = |cause: String| Error::new(Stage::Height, subject, cause);
+    if columns == 0 || rows == 0 {
+        return Err(error(format!("{columns} × {rows} pixels: there are no heights")));
+    }
+    let side = columns.max(rows);
+    if side > MAX_SIDE as u64 || columns * rows > MAX_PIXELS as u64 {
+        let cause = format!(
+            "{columns} × {rows} pixels is above the limit of {MAX_SIDE} per side and 8192² in all"
+        );
+        return Err(
+            error(cause).remedy("crop the surface, or scale it down to a pitch of about 95 nm")
+        );
+    }
+    Ok((columns as usize, rows as usize))
+}

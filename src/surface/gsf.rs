@@ -1,0 +1,174 @@
+//! Gwyddion Simple Field, the one open format of scans that carries its own scale.
+//!
+//! Source: the format's description in the Gwyddion user guide, appendix "Gwyddion Simple Field". A magic line, header
+//! lines `Key = Value`, one to four NUL bytes up to a multiple of four, then `YRes` rows of `XRes` little-endian `f32`, the
+//! top row first. `XReal` and `YReal` are the size of the whole field, in base SI units.
+
+use crate::error::{Error, Result, Stage};
+use crate::surface::HeightField;
+use crate::surface::raster::{Raster, Samples};
+
+/// The first line of every file.
+pub(super) const MAGIC: &[u8] = b"Gwyddion Simple Field 1.0\n";
+
+/// Longest header accepted, in bytes.
+const MAX_HEADER: usize = 1 << 16;
+
+/// A field as a GSF file: lengths and heights in metres, heights rounded to `f32`.
+pub fn write_gsf(field: &HeightField) -> Vec<u8> {
+    let metres = 1e-6;
+    let mut bytes = MAGIC.to_vec();
+    let header = format!(
+        "XRes = {}\nYRes = {}\nXReal = {:e}\nYReal = {:e}\nXYUnits = m\nZUnits = m\n",
+        field.columns(),
+        field.rows(),
+        field.size_x_um() * metres,
+        field.size_y_um() * metres
+    );
+    bytes.extend_from_slice(header.as_bytes());
+    bytes.resize(bytes.len() / 4 * 4 + 4, 0);
+    for h in field.heights_um() {
+        bytes.extend_from_slice(&((h * metres) as f32).to_le_bytes());
+    }
+    bytes
+}
+
+/// Reads a file whose magic line has been seen.
+///
+/// A missing `XYUnits` or `ZUnits` is taken as metres; of two sizes only one, as square pixels. Units other than powers
+/// of ten of the metre leave the scale or the height unit to the plan.
+pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
+    let error = |cause: String| Error::new(Stage::Height, subject, cause);
+    let body = &bytes[MAGIC.len()..];
+    let end = body.iter().take(MAX_HEADER).position(|&b| b == 0).ok_or_else(|| {
+        error("the GSF header does not end in a NUL byte".into())
+            .remedy("the file is truncated or not GSF")
+    })?;
+    let header = std::str::from_utf8(&body[..end])
+        .map_err(|e| error("the GSF header is not UTF-8".into()).source(e))?;
+    let mut fields = Header::default();
+    for (number, line) in header.lines().enumerate() {
+        fields.line(line).map_err(|cause| error(format!("line {}: {cause}", number + 2)))?;
+    }
+    let missing = |key: &str| error(format!("the GSF header has no `{key}`"));
+    let (x_res, y_res) = (
+        fields.x_res.ok_or_else(|| missing("XRes"))?,
+        fields.y_res.ok_or_else(|| missing("YRes"))?,
+    );
+    let (columns, rows) = super::check_pixels(subject, x_res, y_res)?;
+
+    let start = (MAGIC.len() + end) / 4 * 4 + 4;
+    let padding = bytes.get(MAGIC.len() + end..start).unwrap_or_default();
+    if padding.is_empty() || padding.iter().any(|&b| b != 0) {
+        return Err(error(
+            "the GSF header is not padded with NUL bytes to a multiple of four".into(),
+        ));
+    }
+    let (data, expected) = (&bytes[start..], columns * rows * 4);
+    if data.len() != expected {
+        let cause = format!(
+            "{columns} × {rows} pixels need {expected} bytes of data, the file has {}",
+            data.len()
+        );
+        let remedy =
+            if data.len() < expected { "the file is truncated" } else { "XRes or YRes is wrong" };
+        return Err(error(cause).remedy(remedy));
+    }
+    let values =
+        data.as_chunks::<4>().0.iter().map(|b| f64::from(f32::from_le_bytes(*b))).collect();
+
+    let mut notes = Vec::new();
+    let lateral_um = unit_um(fields.xy_units.as_deref());
+    let positive = |key: &str, value: Option<f64>| match value {
+        Some(v) if !(v.is_finite() && v > 0.0) => {
+            Err(error(format!("`{key} = {v}` is not positive and finite")))
+        }
+        _ => Ok(value),
+    };
+    let x = positive("XReal", fields.x_real)?.map(|size| size / columns as f64);
+    let y = positive("YReal", fields.y_real)?.map(|size| size / rows as f64);
+    let scale = match (x.or(y), y.or(x), lateral_um) {
+        (Some(x), Some(y), Some(um)) => Some((x * um, y * um)),
+        (Some(_), Some(_), None) => {
+            notes.push(format!(
+                "`XYUnits = {}` is not a length; the file's scale is not used",
+                fields.xy_units()
+            ));
+            None
+        }
+        _ => None,
+    };
+    let unit = unit_um(fields.z_units.as_deref());
+    if unit.is_none() {
+        let units = fields.z_units.unwrap_or_default();
+        notes.push(format!("`ZUnits = {units}` is not a length; `z_unit_um` decides"));
+    }
+    Ok(Raster {
+        columns,
+        rows,
+        samples: Samples::Float { values, unit_um: unit, needs_unit: unit.is_none() },
+        scale,
+        notes,
+    })
+}
+
+/// The keys that matter; titles and offsets are read over.
+#[derive(Default)]
+struct Header {
+    x_res: Option<u64>,
+    y_res: Option<u64>,
+    x_real: Option<f64>,
+    y_real: Option<f64>,
+    xy_units: Option<String>,
+    z_units: Option<String>,
+}
+
+impl Header {
+    fn line(&mut self, line: &str) -> Result<(), String> {
+        if line.trim().is_empty() {
+            return Ok(());
+        }
+        let (key, value) =
+            line.split_once('=').ok_or_else(|| format!("`{}` is not `Key = Value`", clip(line)))?;
+        let (key, value) = (key.trim(), value.trim());
+        let whole = || {
+            value
+                .parse::<u64>()
+                .map_err(|_| format!("`{key} = {}` is not a whole number", clip(value)))
+        };
+        let real = || {
+            value.parse::<f64>().map_err(|_| format!("`{key} = {}` is not a number", clip(value)))
+        };
+        match key {
+            "XRes" => self.x_res = Some(whole()?),
+            "YRes" => self.y_res = Some(whole()?),
+            "XReal" => self.x_real = Some(real()?),
+            "YReal" => self.y_real = Some(real()?),
+            "XYUnits" => self.xy_units = Some(value.to_owned()),
+            "ZUnits" => self.z_units = Some(value.to_owned()),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn xy_units(&self) -> &str {
+        self.xy_units.as_deref().unwrap_or_default()
+    }
+}
+
+/// µm per unit; the format asks for base units, some programs write prefixes.
+fn unit_um(unit: Option<&str>) -> Option<f64> {
+    match unit.unwrap_or("m") {
+        "m" => Some(1e6),
+        "mm" => Some(1e3),
+        "um" | "µm" | "μm" => Some(1.0),
+        "nm" => Some(1e-3),
+        "pm" => Some(1e-6),
+        _ => None,
+    }
+}
+
+/// Foreign text for an error message, kept short.
+fn clip(text: &str) -> String {
+    text.chars().take(40).collect()
+}

@@ -1,0 +1,150 @@
+//! NPY: two-dimensional (or one-dimensional, a profile) arrays of floats, or of 8-bit or 16-bit unsigned integers.
+
+use npyz::{DType, Deserialize, NpyFile, Order, TypeChar};
+
+use super::{check_length, check_pixels, grey};
+use crate::error::{Error, Result, Stage};
+use crate::surface::raster::{Raster, Samples};
+
+/// A header longer than this is none; that of a plain array has 128 bytes.
+const MAX_HEADER: usize = 1 << 16;
+
+/// Brackets within brackets that the header of any array has, structured ones included. The crate's parser takes a multiple
+/// of the time for each more.
+const MAX_NESTING: usize = 4;
+
+/// Reads a file whose magic string has been seen; `[row][column]` in either memory order and byte order.
+pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
+    let error = |cause: String| Error::new(Stage::Height, subject, cause);
+    let broken = |e: std::io::Error| {
+        error("the NPY file cannot be decoded".into())
+            .source(e)
+            .remedy("the file is truncated or damaged")
+    };
+    // the crate multiplies the extents unchecked, so they are looked at first
+    let (start, shape) = declared(bytes).map_err(error)?;
+    let (rows, columns) = match shape[..] {
+        [columns] => (1, columns),
+        [rows, columns] => (rows, columns),
+        _ => {
+            return Err(error(format!(
+                "an array of {} dimensions is no height field",
+                shape.len()
+            ))
+            .remedy("save a two-dimensional array [row][column]"));
+        }
+    };
+    let (columns, rows) = check_pixels(subject, columns, rows)?;
+    let file = NpyFile::new(bytes).map_err(broken)?;
+    let unsupported = |dtype: &DType| {
+        error(format!("elements of type {} are not supported", dtype.descr()))
+            .remedy("save float32 or float64, or uint8 or uint16 with `height_um`")
+    };
+    let dtype = file.dtype();
+    let DType::Plain(kind) = &dtype else { return Err(unsupported(&dtype)) };
+    let size = kind.size_field();
+    let total = columns as u64 * rows as u64 * size.min(16);
+    check_length(subject, bytes.len() - start, total, false)?;
+    let order = file.order();
+    let samples = match (kind.type_char(), size) {
+        (TypeChar::Float, 4) => {
+            let values: Vec<f32> = elements(file, order, columns, rows).map_err(broken)?;
+            Samples::float(values.into_iter().map(f64::from).collect())
+        }
+        (TypeChar::Float, 8) => {
+            Samples::float(elements(file, order, columns, rows).map_err(broken)?)
+        }
+        (TypeChar::Uint, 1) => grey(
+            &elements::<u8>(file, order, columns, rows).map_err(broken)?,
+            1,
+            false,
+            columns,
+            8,
+            subject,
+        )?,
+        (TypeChar::Uint, 2) => grey(
+            &elements::<u16>(file, order, columns, rows).map_err(broken)?,
+            1,
+            false,
+            columns,
+            16,
+            subject,
+        )?,
+        _ => return Err(unsupported(&dtype)),
+    };
+    Ok(Raster { columns, rows, samples, scale: None, notes: Vec::new() })
+}
+
+/// All elements, row by row whatever the file's order.
+fn elements<T: Deserialize + Copy>(
+    file: NpyFile<&[u8]>,
+    order: Order,
+    columns: usize,
+    rows: usize,
+) -> std::io::Result<Vec<T>> {
+    let stored = file.into_vec::<T>()?;
+    Ok(match order {
+        Order::C => stored,
+        Order::Fortran => (0..rows)
+            .flat_map(|r| (0..columns).map(move |c| c * rows + r))
+            .map(|i| stored[i])
+            .collect(),
+    })
+}
+
+/// Where the data start, and the extents of the header's `shape`.
+fn declared(bytes: &[u8]) -> Result<(usize, Vec<u64>), String> {
+    let number = |range: std::ops::Range<usize>| {
+        let field = bytes.get(range).ok_or("the NPY header is truncated")?;
+        Ok::<usize, String>(field.iter().rev().fold(0, |n, &b| n << 8 | usize::from(b)))
+    };
+    let (text_at, length) = match number(6..7)? {
+        1 => (10, number(8..10)?),
+        2 | 3 => (12, number(8..12)?),
+        version => return Err(format!("NPY version {version} is not known")),
+    };
+    if length > MAX_HEADER {
+        return Err(format!("an NPY header of {length} bytes is not plausible"));
+    }
+    let header = bytes.get(text_at..text_at + length).ok_or("the NPY header is truncated")?;
+    let text = String::from_utf8_lossy(header);
+    if nesting(&text) > MAX_NESTING {
+        return Err("an NPY header with so many brackets within brackets is not plausible".into());
+    }
+    // else the crate might read another shape than this function, with an escape or at the second place
+    if text.contains('\\') || text.matches("shape").count() > 1 {
+        return Err("the NPY header has an escape or several `shape`".into());
+    }
+    let shape = text
+        .split_once("'shape'")
+        .or_else(|| text.split_once("\"shape\""))
+        .and_then(|(_, rest)| rest.split_once('('))
+        .and_then(|(_, rest)| rest.split_once(')'))
+        .map(|(inside, _)| inside)
+        .ok_or("the NPY header has no `shape`")?;
+    let extents: Result<Vec<u64>, _> = shape
+        .split(',')
+        .map(str::trim)
+        .filter(|s| !s.is_empty())
+        .map(|s| {
+            s.trim_end_matches('L')
+                .parse::<u64>()
+                .map_err(|_| format!("the NPY shape ({shape}) is not understood"))
+        })
+        .collect();
+    Ok((text_at + length, extents?))
+}
+
+/// Most brackets that are open at once.
+fn nesting(text: &str) -> usize {
+    let (mut open, mut most) = (0usize, 0);
+    for c in text.chars() {
+        match c {
+            '(' | '[' | '{' => open += 1,
+            ')' | ']' | '}' => open = open.saturating_sub(1),
+            _ => {}
+        }
+        most = most.max(open);
+    }
+    most
+}

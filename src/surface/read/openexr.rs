@@ -1,0 +1,118 @@
+//! OpenEXR: one channel of half or single precision, or several that agree exactly; the first layer.
+
+use std::io::Cursor;
+
+use exr::block::chunk::CompressedBlock;
+use exr::compression::Compression;
+use exr::image::FlatSamples;
+use exr::image::read::read as reader;
+use exr::math::Vec2;
+use exr::meta::{BlockDescription, MetaData};
+use exr::prelude::{ReadChannels, ReadLayers};
+
+use super::{check_length, check_pixels};
+use crate::error::{Error, Result, Stage};
+use crate::surface::raster::{Raster, Samples};
+
+/// Largest tile of a layer that is smaller than a quarter of it. The crate takes memory for as many bytes as a tile may have,
+/// before it reads them.
+const MAX_TILE_BYTES: u64 = 16 << 20;
+
+/// Reads a file whose magic number has been seen. A channel named `A` is opacity and not read, unless it is the only one.
+pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
+    let error = |cause: String| Error::new(Stage::Height, subject, cause);
+    let broken = |e: exr::error::Error| {
+        error("the OpenEXR file cannot be decoded".into())
+            .source(e)
+            .remedy("the file is truncated, damaged or of a rare kind")
+    };
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(broken)?;
+    for header in &meta.headers {
+        let (columns, rows) =
+            check_pixels(subject, header.layer_size.x() as u64, header.layer_size.y() as u64)?;
+        let total = columns as u64 * rows as u64 * header.channels.bytes_per_pixel as u64;
+        check_length(subject, bytes.len(), total, header.compression != Compression::Uncompressed)?;
+        if let BlockDescription::Tiles(tiles) = header.blocks {
+            let (x, y) = (tiles.tile_size.x() as u64, tiles.tile_size.y() as u64);
+            let tile = x.saturating_mul(y).saturating_mul(header.channels.bytes_per_pixel as u64);
+            if tile > MAX_TILE_BYTES.max(4 * total) {
+                let cause = format!("tiles of {x} × {y} pixels for {columns} × {rows}");
+                return Err(error(cause).remedy("the file is damaged"));
+            }
+        }
+    }
+    check_chunks(bytes).map_err(broken)?.then_some(()).ok_or_else(|| {
+        error("the OpenEXR file's table of chunks leads to other layers or levels".into())
+            .remedy("the file is damaged")
+    })?;
+    let image = reader()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(broken)?;
+    let (columns, rows) = (image.layer_data.size.x(), image.layer_data.size.y());
+    let mut channels: Vec<_> = image.layer_data.channel_data.list.into_iter().collect();
+    if channels.len() > 1 {
+        channels.retain(|c| !c.name.eq("A"));
+    }
+    let mut heights: Option<(String, Vec<f64>)> = None;
+    for channel in channels {
+        let name = channel.name.to_string();
+        let values: Vec<f64> = match channel.sample_data {
+            FlatSamples::F16(v) => v.into_iter().map(|h| f64::from(h.to_f32())).collect(),
+            FlatSamples::F32(v) => v.into_iter().map(f64::from).collect(),
+            FlatSamples::U32(_) => {
+                return Err(error(format!("channel {name} holds 32-bit integers"))
+                    .remedy("export half or float samples"));
+            }
+        };
+        if values.len() != columns * rows {
+            return Err(error(format!("channel {name} is subsampled"))
+                .remedy("export it at full resolution"));
+        }
+        match &heights {
+            None => heights = Some((name, values)),
+            Some((first, known)) => {
+                let same = |(a, b): (&f64, &f64)| a == b || (a.is_nan() && b.is_nan());
+                if let Some(i) = known.iter().zip(&values).position(|pair| !same(pair)) {
+                    let cause = format!(
+                        "channels {first} and {name} differ at column {}, row {} ({} and {})",
+                        i % columns,
+                        i / columns,
+                        known[i],
+                        values[i]
+                    );
+                    return Err(error(cause).remedy("heights need one channel, or equal ones"));
+                }
+            }
+        }
+    }
+    let (_, values) = heights.ok_or_else(|| error("the OpenEXR file has no channel".into()))?;
+    let notes = match meta.headers.len() {
+        0 | 1 => Vec::new(),
+        _ => vec!["the OpenEXR file holds several layers; the first is used".to_owned()],
+    };
+    Ok(Raster { columns, rows, samples: Samples::float(values), scale: None, notes })
+}
+
+/// Whether every chunk that the table of the first layer's largest level leads to says that it belongs there. The crate
+/// trusts the table, and would write a smaller level's lines into the largest.
+fn check_chunks(bytes: &[u8]) -> Result<bool, exr::error::Error> {
+    let largest = Vec2(0, 0);
+    let chunks = exr::block::read(Cursor::new(bytes), false)?
+        .filter_chunks(false, |_, tile, block| block.layer == 0 && tile.level_index == largest)?;
+    for chunk in chunks {
+        let chunk = chunk?;
+        let elsewhere = match chunk.compressed_block {
+            CompressedBlock::Tile(tile) => tile.coordinates.level_index != largest,
+            _ => false,
+        };
+        if elsewhere || chunk.layer_index != 0 {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}

@@ -1,0 +1,162 @@
+//! What a user asks first about a surface, and two pictures of it.
+
+mod canvas;
+mod font;
+mod heights;
+mod plot;
+mod spectrum;
+mod window;
+
+use serde::Serialize;
+
+use crate::error::Result;
+use crate::input::SurfaceInput;
+use crate::plan::{Basis, Plan, SurfaceSource, SurfaceSpec};
+use crate::surface::facts::{Facts, Periods, facts, periods};
+use crate::surface::{self, HeightField, Origin};
+use crate::tables::Series;
+use crate::tables::basis::Expansion;
+use crate::variant::{Cost, Form};
+
+pub use heights::height_picture;
+pub use spectrum::spectrum_picture;
+pub use window::Window;
+
+/// Errors of the phase function for which terms are counted.
+pub const TERM_ERRORS: [f64; 3] = [1e-1, 1e-2, 1e-3];
+
+/// Shortest wavelength where no variant says one, nm.
+const SHORTEST_NM: f64 = 380.0;
+
+/// All that is known of a surface before anything is generated.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Survey {
+    /// Size, relief, tilt.
+    #[serde(flatten)]
+    pub facts: Facts,
+    /// Rotation that is applied to the directions later, degrees; what is told here is the surface before it.
+    pub rotate_deg: f64,
+    /// Step between neighbouring heights of an integer file, µm.
+    pub step_um: Option<f64>,
+    /// Void pixels of the file.
+    pub void_pixels: usize,
+    /// Share of the file that was void.
+    pub void_share: f64,
+    /// Shortest wavelength of the plan's variants, nm; 380 without variants.
+    pub wanted_nm: f64,
+    /// Pitch that this wavelength needs, µm.
+    pub wanted_pitch_um: f64,
+    /// What repeats.
+    pub periods: Periods,
+    /// Terms that each basis needs.
+    pub terms: Vec<TermCounts>,
+    /// The coherence window against the patch.
+    pub window: Window,
+    /// What the plan's variants become on this surface.
+    pub variants: Vec<VariantCost>,
+    /// What was done to the heights that a user should know of.
+    pub notes: Vec<String>,
+}
+
+/// Terms of one basis for each of [`TERM_ERRORS`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TermCounts {
+    /// Which basis.
+    pub basis: Basis,
+    /// Bounds of the error of `exp(i z h)`.
+    pub errors: [f64; 3],
+    /// Terms of the surface as it is.
+    pub terms: [u32; 3],
+    /// Terms if its least-squares plane were taken off (`level = "plane"`).
+    pub levelled: [u32; 3],
+    /// Terms if moreover its outliers were clipped (`clip_percent = 0.1`).
+    pub trimmed: [u32; 3],
+}
+
+/// A variant with every number known.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct VariantCost {
+    /// The variant's name.
+    pub name: String,
+    /// Number of terms, where it adds up a series.
+    pub terms: Option<u32>,
+    /// Bins to each side of the nearest one, where it has such a number.
+    pub window_radius: Option<u32>,
+    /// Static cost of a lit pixel.
+    #[serde(flatten)]
+    pub cost: Cost,
+}
+
+/// Reads or synthesises a surface of a plan and measures it; the field is for the pictures.
+pub fn survey(plan: &Plan, spec: &SurfaceSpec) -> Result<(Survey, HeightField)> {
+    let input = SurfaceInput::read(spec)?;
+    let (surface::Surface { field, notes }, origin) = input.surface_with_origin()?.clone();
+    let mut notes = notes;
+    let Origin { step_um, void_pixels, file_pixels } = origin;
+    let facts = facts(&field, &format!("surface {}", spec.name))?;
+    let is_synthetic = matches!(spec.source, SurfaceSource::Grating(_));
+    let tiled = facts.joins.map(|joins| joins || is_synthetic);
+    let here: Vec<_> = plan.variants.iter().filter(|v| v.is_for(&spec.name)).collect();
+    let shortest = here.iter().map(|v| v.wavelengths.min_nm).reduce(f64::min);
+    let wanted_nm = shortest.unwrap_or(SHORTEST_NM);
+    let mut variants = Vec::new();
+    for variant in here.into_iter().filter_map(|variant| variant.on(spec)) {
+        let laid = variant.and_then(|v| Form::new(&v, &field).map(|form| (v, form)));
+        match laid {
+            Ok((variant, form)) => variants.push(VariantCost {
+                name: variant.name,
+                terms: form.series().map(Series::terms),
+                window_radius: form.window_radius(),
+                cost: form.cost(),
+            }),
+            Err(reason) => notes.push(format!("left out: {reason}")),
+        }
+    }
+    let inspection = Survey {
+        rotate_deg: spec.rotate_deg,
+        step_um,
+        void_pixels,
+        void_share: void_pixels as f64 / file_pixels.max(1) as f64,
+        wanted_nm,
+        wanted_pitch_um: wanted_nm / 4000.0,
+        periods: periods(&field, tiled),
+        terms: [Basis::Taylor, Basis::TaylorZero, Basis::Chebyshev, Basis::Optimal]
+            .map(|basis| term_counts(basis, &facts, &field, wanted_nm))
+            .into_iter()
+            .collect::<Result<_>>()?,
+        window: Window::new(&spec.optics.over(&plan.optics), &facts, is_synthetic),
+        variants,
+        notes,
+        facts,
+    };
+    Ok((inspection, field))
+}
+
+fn term_counts(
+    basis: Basis,
+    facts: &Facts,
+    field: &HeightField,
+    min_nm: f64,
+) -> Result<TermCounts> {
+    let counts = |peak_to_valley_um: f64| -> Result<[u32; 3]> {
+        // as if levelling and clipping left the shape of the relief as it is
+        let share = if facts.peak_to_valley_um > 0.0 {
+            peak_to_valley_um / facts.peak_to_valley_um
+        } else {
+            1.0
+        };
+        let heights_um = field.heights_um().iter().map(|h| share * h).collect();
+        let (columns, rows) = (field.columns(), field.rows());
+        let (pitch_x_um, pitch_y_um) = (field.pitch_x_um(), field.pitch_y_um());
+        let scaled = HeightField::new(columns, rows, pitch_x_um, pitch_y_um, heights_um)?;
+        let expansion = Expansion::new(basis, 1, &scaled, min_nm);
+        Ok(TERM_ERRORS.map(|error| expansion.clone().with_error(error).terms))
+    };
+    Ok(TermCounts {
+        basis,
+        errors: TERM_ERRORS,
+        terms: counts(facts.peak_to_valley_um)?,
+        levelled: counts(facts.levelled_peak_to_valley_um)?,
+        trimmed: counts(facts.trimmed_peak_to_valley_um)?,
+    })
+}

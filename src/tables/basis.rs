@@ -1,0 +1,297 @@
+//! Expansions `exp(i z h) ≈ phase · Σ_{n<T} a_n(z) b_n(h)` of the phase function, with their bounds.
+
+mod bessel;
+mod curve;
+mod jacobi;
+mod optimal;
+
+use crate::plan::Basis;
+use crate::surface::HeightField;
+
+pub use bessel::bessel;
+pub use curve::Curve;
+
+use curve::{enough_nodes, nodes, series};
+use optimal::{Level, levels, optimal};
+
+/// A term basis laid on one surface.
+///
+/// Taylor series: with `x = z_max·(h - origin)` and `τ = z/z_max ∈ [-1, 1]`, `b_n(h) = (i x)^n / n!` and `a_n = τ^n`.
+/// The factor `exp(i z origin)` is a pure phase and cancels in `|P|²`. Written so, no number of the surface enters the
+/// shader, and neither tables nor coefficients leave the range of a 32-bit float.
+///
+/// The other bases have functions of their own, `b_n(h) = exp(i z_c (h - origin)) i^m v_n((h - origin)/reach)` and real
+/// `a_n(z)`, which a shader reads from a table at equal steps of `z` in `[-z_max, 0]` and takes as linear in between.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expansion {
+    /// Which basis.
+    pub basis: Basis,
+    /// Number of terms `T`; the highest power is `T - 1`.
+    pub terms: u32,
+    /// Height about which the series is taken, µm.
+    pub origin_um: f64,
+    /// Greatest `|h - origin|`, µm.
+    pub reach_um: f64,
+    /// Greatest `|z|`, 1/µm: `2·2π/λmin`.
+    pub z_max: f64,
+    /// Greatest `|z|` that an optimal basis is best for, 1/µm; up to `z_max`, its error grows.
+    pub best_z: f64,
+    /// The terms of a basis with functions of its own; of a power series none. Those beyond the last are zero.
+    pub curves: Vec<Curve>,
+    /// Error after 0, 1, 2 … of these terms.
+    truncation: Vec<f64>,
+}
+
+impl Expansion {
+    /// Lays a basis on a surface for wavelengths from `min_nm` up, all alike: what a bound asks for.
+    pub fn new(basis: Basis, terms: u32, height: &HeightField, min_nm: f64) -> Expansion {
+        Expansion::best_from(min_nm, basis, terms, height, min_nm)
+    }
+
+    /// Lays a basis whose optimum is sought for wavelengths from `best_nm` up, and which holds from `min_nm` up: what
+    /// colours ask for, since a range up to the shortest wavelength makes every term serve light that is hardly seen as much
+    /// as all other. Only the basis `optimal` makes a difference.
+    pub fn best_from(
+        best_nm: f64,
+        basis: Basis,
+        terms: u32,
+        height: &HeightField,
+        min_nm: f64,
+    ) -> Expansion {
+        let (low_um, high_um) = height.range_um();
+        let (origin_um, reach_um) = match basis {
+            Basis::TaylorZero => (low_um, high_um - low_um),
+            _ => (0.5 * (low_um + high_um), 0.5 * (high_um - low_um)),
+        };
+        let z_max = greatest_z(min_nm);
+        let best_z = greatest_z(best_nm.max(min_nm));
+        let (curves, truncation) = match basis {
+            Basis::Taylor | Basis::TaylorZero => (Vec::new(), Vec::new()),
+            Basis::Chebyshev => chebyshev(z_max * reach_um),
+            Basis::Optimal => {
+                let part = |h: &f64| if reach_um > 0.0 { (h - origin_um) / reach_um } else { 0.0 };
+                let levels = levels(height.heights_um().iter().map(part));
+                let half = z_max - 0.5 * best_z;
+                let phase = half * reach_um;
+                let curves = optimal(phase, 0.5 * best_z / half, &levels);
+                let truncation = measured(&curves, phase, &levels);
+                (curves, truncation)
+            }
+        };
+        Expansion { basis, terms, origin_um, reach_um, z_max, best_z, curves, truncation }
+    }
+
+    /// Whether the coefficients are a table; otherwise they are powers of `z/z_max`.
+    pub fn is_tabulated(&self) -> bool {
+        is_tabulated(self.basis)
+    }
+
+    /// Bound of the phase function's error for every height of the surface and every `z`, that of the linear
+    /// interpolation between nodes included.
+    pub fn bound(&self) -> f64 {
+        match self.basis {
+            Basis::Taylor | Basis::TaylorZero => remainder(self.z_max * self.reach_um, self.terms),
+            _ => self.cut(self.terms) + self.between(self.nodes()),
+        }
+    }
+
+    /// The same expansion with the fewest terms whose bound is at most `error`.
+    #[must_use]
+    pub fn with_error(self, error: f64) -> Expansion {
+        let x = self.z_max * self.reach_um;
+        let enough = |terms: &u32| match self.basis {
+            Basis::Taylor | Basis::TaylorZero => remainder(x, *terms) <= error,
+            _ => self.cut(*terms) + self.between(self.nodes_for(*terms)) <= error,
+        };
+        let terms = (1..=MOST_TERMS).find(enough).unwrap_or(MOST_TERMS);
+        Expansion { terms, ..self }
+    }
+
+    /// Greatest `|a_n b_n|` of every term.
+    pub fn term_sizes(&self) -> Vec<f64> {
+        let x = self.z_max * self.reach_um;
+        let size = |n: u32| match self.curves.get(n as usize) {
+            Some(curve) => curve.along_z.iter().map(|c| c.abs()).sum(),
+            None if self.is_tabulated() => 0.0,
+            None => remainder(x, n),
+        };
+        (0..self.terms).map(size).collect()
+    }
+
+    /// Middle of the z range that the tables are turned to, 1/µm: only half of it is left to the coefficients.
+    pub fn centre_z(&self) -> f64 {
+        if self.basis == Basis::Optimal { -0.5 * self.best_z } else { 0.0 }
+    }
+
+    /// Coefficient of a term at `z = τ·z_max`, `τ` in `[-1, 0]`.
+    pub fn coefficient(&self, term: usize, tau: f64) -> f64 {
+        match self.curves.get(term) {
+            Some(curve) if self.basis == Basis::Optimal => {
+                let half = self.z_max - 0.5 * self.best_z;
+                curve.coefficient((tau * self.z_max + 0.5 * self.best_z) / half)
+            }
+            Some(curve) => curve.coefficient(tau),
+            None if self.is_tabulated() => 0.0,
+            None => tau.powi(term as i32),
+        }
+    }
+
+    /// Nodes of the table of coefficients, a power of two; 0 without one. Between the nodes the error is a small part of
+    /// that of the terms left out.
+    pub fn nodes(&self) -> usize {
+        if self.is_tabulated() { self.nodes_for(self.terms) } else { 0 }
+    }
+
+    fn nodes_for(&self, terms: u32) -> usize {
+        let mut count = FEWEST_NODES;
+        while count < MOST_NODES && self.between(count) > INTERPOLATION * self.cut(terms) {
+            count *= 2;
+        }
+        count
+    }
+
+    /// Error of linear interpolation, `δ²/8` times the greatest second derivative, that of `exp(i (z - z_c)(h - origin))`.
+    fn between(&self, count: usize) -> f64 {
+        (self.z_max * self.reach_um / (count - 1) as f64).powi(2) / 8.0
+    }
+
+    fn cut(&self, terms: u32) -> f64 {
+        let last = self.truncation.len().saturating_sub(1);
+        self.truncation.get((terms as usize).min(last)).copied().unwrap_or(1.0)
+    }
+}
+
+/// Whether the coefficients of a basis are a table.
+pub fn is_tabulated(basis: Basis) -> bool {
+    matches!(basis, Basis::Chebyshev | Basis::Optimal)
+}
+
+/// Fewest nodes of a table of coefficients.
+const FEWEST_NODES: usize = 64;
+/// Most nodes: the width of a texture that every profile allows.
+const MOST_NODES: usize = 2048;
+/// Error of interpolation, in parts of the error of the terms left out.
+const INTERPOLATION: f64 = 0.05;
+
+/// Jacobi and Anger: `exp(i phase s x) = Σ (2 - δ_n0) i^n J_n(phase s) T_n(x)`; after `T` terms an error of
+/// `Σ_{n≥T} 2 max|J_n|`.
+fn chebyshev(phase: f64) -> (Vec<Curve>, Vec<f64>) {
+    let count = enough_nodes(phase).min(MOST_TERMS as usize);
+    let twice = |n: usize| if n == 0 { 1.0 } else { 2.0 };
+    let values: Vec<Vec<f64>> =
+        nodes(enough_nodes(phase)).iter().map(|s| bessel(count, phase * s)).collect();
+    let curve = |n: usize| {
+        let along_z: Vec<f64> = values.iter().map(|all| twice(n) * all[n]).collect();
+        let mut along_h = vec![0.0; n + 1];
+        along_h[n] = 1.0;
+        Curve { along_z: series(&along_z), along_h, turns: n as u32 % 4 }
+    };
+    let at_most = |(n, value): (usize, &f64)| match n {
+        // beyond its argument a function is greatest at the end of the range, before that it is below 1/√2
+        _ if n as f64 >= phase => value.abs(),
+        0 => 1.0,
+        _ => std::f64::consts::FRAC_1_SQRT_2,
+    };
+    let end = bessel(2 * count, phase);
+    let mut truncation: Vec<f64> = end.iter().enumerate().map(|t| 2.0 * at_most(t)).collect();
+    for n in (1..truncation.len()).rev() {
+        truncation[n - 1] += truncation[n];
+    }
+    truncation.truncate(count + 1);
+    ((0..count).map(curve).collect(), truncation)
+}
+
+/// Greatest error after every number of terms over the z range and the heights that occur. Both waves and their terms are
+/// even or odd in `s` and in `x`, so that one quadrant shows all.
+fn measured(curves: &[Curve], phase: f64, levels: &[Level]) -> Vec<f64> {
+    let steps = 4 * enough_nodes(phase);
+    let places: Vec<f64> = (0..=steps).map(|i| i as f64 / steps as f64).collect();
+    let mut heights: Vec<f64> = levels.iter().flat_map(|level| level.places).collect();
+    heights.dedup();
+    let wave = |s: &f64, x: &f64| (phase * s * x).sin_cos();
+    let mut rest: Vec<(f64, f64)> =
+        places.iter().flat_map(|s| heights.iter().map(move |x| wave(s, x))).collect();
+    let greatest = |rest: &[(f64, f64)]| {
+        let squared =
+            rest.iter().fold(0.0, |most: f64, (odd, even)| most.max(odd * odd + even * even));
+        SLACK * squared.sqrt()
+    };
+    let mut found = vec![greatest(&rest)];
+    for curve in curves {
+        let along_h: Vec<f64> = heights.iter().map(|x| curve.height(*x)).collect();
+        for (row, s) in rest.chunks_mut(heights.len()).zip(&places) {
+            let coefficient = curve.coefficient(*s);
+            for ((odd, even), b) in row.iter_mut().zip(&along_h) {
+                *(if curve.turns == 1 { odd } else { even }) -= coefficient * b;
+            }
+        }
+        found.push(greatest(&rest));
+    }
+    found
+}
+
+/// Room for what lies between the places looked at.
+const SLACK: f64 = 1.02;
+
+/// More terms than this are never chosen nor accepted.
+pub const MOST_TERMS: u32 = 200;
+
+/// Greatest `|z| = k|w|` at wavelengths from `min_nm` up: both directions along the normal.
+pub fn greatest_z(min_nm: f64) -> f64 {
+    2.0 * std::f64::consts::TAU / (min_nm * 1e-3)
+}
+
+/// `x^T/T!`: the remainder of `exp(i x)` after `T` terms (Taylor's theorem; all derivatives have modulus 1).
+pub fn remainder(x: f64, terms: u32) -> f64 {
+    (1..=terms).fold(1.0, |product, n| product * x.abs() / f64::from(n))
+}
+
+/// The bound that the texts derive after Lagrange, `exp(x)·x^(N+1)/(N+1)!` for the polynomial of degree `N`; larger than
+/// [`remainder`] by `exp(x)`, because it bounds the derivatives of a real exponential.
+pub fn lagrange_bound(x: f64, degree: u32) -> f64 {
+    x.exp() * remainder(x, degree + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rustfft::num_complex::Complex64;
+
+    /// The figures of the texts: x_max = 1.5π.
+    #[test]
+    fn lagrange_bound_of_the_texts() {
+        let x = 1.5 * std::f64::consts::PI;
+        for (degree, want) in [(20, 3.0e-4), (25, 8.8e-8), (30, 1.0e-11)] {
+            let got = lagrange_bound(x, degree);
+            assert!((got / want - 1.0).abs() < 0.02, "N = {degree}: {got:e}");
+        }
+    }
+
+    /// Range 0.36 µm, sup error 1e-2: 19 terms centred, 35 from zero; and the bound holds.
+    #[test]
+    fn term_counts_for_one_percent_and_the_bound_is_one() {
+        let height = HeightField::new(2, 1, 0.05, 0.05, vec![0.1, 0.46]).expect("valid");
+        for (basis, terms) in [(Basis::Taylor, 19), (Basis::TaylorZero, 35)] {
+            let expansion = Expansion::new(basis, 1, &height, 380.0).with_error(1e-2);
+            assert_eq!(expansion.terms, terms);
+            for h in [0.1, 0.2, 0.46] {
+                let x = expansion.z_max * (h - expansion.origin_um);
+                let mut term = Complex64::new(1.0, 0.0);
+                let mut sum = Complex64::default();
+                for n in 0..terms {
+                    sum += term;
+                    term *= Complex64::new(0.0, x / f64::from(n + 1));
+                }
+                assert!((sum - Complex64::cis(x)).norm() <= expansion.bound() * 1.000001);
+            }
+            let fewer = Expansion { terms: terms - 1, ..expansion };
+            assert!(fewer.bound() > 1e-2);
+        }
+    }
+
+    #[test]
+    fn a_flat_surface_needs_one_term() {
+        let height = HeightField::new(2, 2, 0.05, 0.05, vec![0.3; 4]).expect("valid");
+        assert_eq!(Expansion::new(Basis::Taylor, 9, &height, 380.0).with_error(1e-3).terms, 1);
+    }
+}
