@@ -10,7 +10,7 @@ use std::{
 
 use serde::Serialize;
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 
 /// How grave a finding is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -172,8 +172,9 @@ impl FromStr for MessageFormat {
         match text {
             "human" => Ok(MessageFormat::Human),
             "json" => Ok(MessageFormat::Json),
-            other => Err(Error::new(Stage::Run, other, "is not a message format")
-                .remedy("use `human` or `json`")),
+            other => {
+                Err(Error::new(other, "is not a message format").remedy("use `human` or `json`"))
+            }
         }
     }
 }
@@ -294,7 +295,7 @@ mod tests {
 
     #[test]
     fn plain_errors_take_the_same_way() {
-        let error = Error::new(Stage::Plan, "plan.toml", "no surface")
+        let error = Error::new("plan.toml", "no surface")
             .source(io::Error::other("deeper"))
             .remedy("add one");
         assert_eq!(error.to_string(), "plan.toml: no surface: deeper (add one)");

@@ -9,7 +9,7 @@ use exr::meta::header::LayerAttributes;
 use exr::prelude::{SmallVec, WritableImage};
 use png::{BitDepth, ColorType, Compression, Encoder, EncodingError};
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 
 /// An 8-bit picture, `[row][column]`, rows from the top, sRGB.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,8 +30,7 @@ pub fn png(picture: &Picture) -> Result<Vec<u8>> {
 /// A PNG file of pictures of one size, each shown for `delay_ms`, repeated without end.
 pub fn animation(frames: &[Picture], delay_ms: u16) -> Result<Vec<u8>> {
     let fail = |error: EncodingError| failed("PNG").source(error);
-    let first =
-        frames.first().ok_or_else(|| Error::new(Stage::Run, "PNG picture", "has no frame"))?;
+    let first = frames.first().ok_or_else(|| Error::new("PNG picture", "has no frame"))?;
     let opaque = frames.iter().flat_map(|frame| &frame.texels).all(|texel| texel[3] == 255);
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, first.width, first.height);
@@ -68,7 +67,7 @@ pub struct Floats<'a> {
 pub fn exr(image: Floats<'_>) -> Result<Vec<u8>> {
     let [width, height] = image.size;
     if i32::try_from(width.max(height)).is_err() {
-        return Err(Error::new(Stage::Run, "EXR file", "is larger than the format allows"));
+        return Err(Error::new("EXR file", "is larger than the format allows"));
     }
     let channel = |(name, sample_data)| AnyChannel {
         name: Text::from(name),
@@ -94,5 +93,5 @@ pub fn exr(image: Floats<'_>) -> Result<Vec<u8>> {
 }
 
 fn failed(format: &str) -> Error {
-    Error::new(Stage::Run, format!("{format} file"), "cannot be encoded")
+    Error::new(format!("{format} file"), "cannot be encoded")
 }

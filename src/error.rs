@@ -5,50 +5,12 @@ use std::fmt;
 /// Shorthand for results of this library.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// The part of the pipeline that failed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-#[non_exhaustive]
-pub enum Stage {
-    /// Reading or checking `plan.toml`.
-    Plan,
-    /// Reading, synthesising or preparing a height field.
-    Height,
-    /// Spectra, illuminants, colour matrices.
-    Spectrum,
-    /// Transforms, tables, reference colours.
-    Compute,
-    /// Templates, parsing, validation, emission.
-    Shader,
-    /// Writing or checking an output folder.
-    Package,
-    /// Running a shader on a driver, or an external tool.
-    Run,
-    /// Writing or reading results.
-    Record,
-}
-
-impl fmt::Display for Stage {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Stage::Plan => "plan",
-            Stage::Height => "height field",
-            Stage::Spectrum => "spectrum",
-            Stage::Compute => "computation",
-            Stage::Shader => "shader",
-            Stage::Package => "package",
-            Stage::Record => "records",
-            Stage::Run => "run",
-        })
-    }
-}
-
-/// An error of the library: stage, subject (a file, a key, a variant), cause, and a remedy where one is known.
+/// An error of the library: subject (a file, a key, a variant), cause, and a remedy where one is known.
 ///
 /// Displays as `subject: cause (remedy)` on one line.
 pub struct Error(Box<Inner>);
 
 struct Inner {
-    stage: Stage,
     subject: String,
     cause: String,
     remedy: Option<String>,
@@ -57,9 +19,8 @@ struct Inner {
 
 impl Error {
     /// `subject` names the file, key or variant; `cause` is lower case without a full stop.
-    pub fn new(stage: Stage, subject: impl fmt::Display, cause: impl fmt::Display) -> Error {
+    pub fn new(subject: impl fmt::Display, cause: impl fmt::Display) -> Error {
         Error(Box::new(Inner {
-            stage,
             subject: subject.to_string(),
             cause: cause.to_string(),
             remedy: None,
@@ -79,11 +40,6 @@ impl Error {
     pub fn source(mut self, source: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Error {
         self.0.source = Some(source.into());
         self
-    }
-
-    /// The part of the pipeline that failed.
-    pub fn stage(&self) -> Stage {
-        self.0.stage
     }
 
     /// The file, key or variant that it failed on.
@@ -118,7 +74,7 @@ impl fmt::Display for Error {
 
 impl fmt::Debug for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "[{}] {self}", self.0.stage)
+        write!(f, "{self}")
     }
 }
 

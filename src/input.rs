@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 
 use serde_json::json;
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::hash::{of_value, sha256};
 use crate::optics::spectrum;
 use crate::plan::{FileSource, Illuminant, Plan, SurfaceSource, SurfaceSpec};
@@ -51,7 +51,7 @@ pub fn read_plan(path: &Path) -> Result<Plan, Vec<Error>> {
 }
 
 fn read_text(path: &Path) -> Result<String> {
-    let error = |cause: &str| Error::new(Stage::Plan, path.display(), cause);
+    let error = |cause: &str| Error::new(path.display(), cause);
     let unreadable = |e: std::io::Error| {
         let remedy = "write one, or name another with --plan";
         error("cannot be read").source(e).remedy(remedy)
@@ -71,7 +71,7 @@ fn read_text(path: &Path) -> Result<String> {
     String::from_utf8(bytes).map_err(|e| {
         let valid = e.utf8_error().valid_up_to();
         let line = e.as_bytes()[..valid].iter().filter(|byte| **byte == b'\n').count() + 1;
-        Error::new(Stage::Plan, format!("{}:{line}", path.display()), "is not UTF-8 text")
+        Error::new(format!("{}:{line}", path.display()), "is not UTF-8 text")
             .remedy("save it as UTF-8")
     })
 }
@@ -79,7 +79,7 @@ fn read_text(path: &Path) -> Result<String> {
 fn read_illuminant(folder: &Path, illuminant: &Illuminant) -> Result<Illuminant> {
     let path = folder.join(illuminant.name());
     let fail = |cause: String| {
-        Error::new(Stage::Spectrum, spectrum::illuminant_subject(illuminant), cause)
+        Error::new(spectrum::illuminant_subject(illuminant), cause)
             .remedy(spectrum::ILLUMINANT_REMEDY)
     };
     if !path.is_file() {
@@ -165,7 +165,7 @@ pub fn load_surface(spec: &SurfaceSpec) -> Result<Surface> {
     let prepared = input.prepared.into_inner();
     prepared
         .map(|(surface, _)| surface)
-        .ok_or_else(|| Error::new(Stage::Height, surface::subject(spec), "has no heights"))
+        .ok_or_else(|| Error::new(surface::subject(spec), "has no heights"))
 }
 
 /// Reads and decodes the file of surface `name`, before anything is prepared.
@@ -176,7 +176,7 @@ pub fn read_heights(source: &FileSource, name: &str) -> Result<Reading> {
 
 /// The whole file; its size is checked before anything is allocated.
 fn height_bytes(source: &FileSource, subject: &str) -> Result<Vec<u8>> {
-    let error = |cause: &str| Error::new(Stage::Height, subject, cause);
+    let error = |cause: &str| Error::new(subject, cause);
     surface::read::check_source(source, subject)?;
     let meta = fs::metadata(&source.path).map_err(|e| {
         error("cannot be read").source(e).remedy("`file` is relative to the folder of the plan")

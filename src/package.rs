@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::hash::sha256;
 use crate::plan::{Container, TableFormat};
 use crate::tables::container::Shape;
@@ -106,7 +106,7 @@ impl Content {
 }
 
 fn unreadable(path: &Path, error: std::io::Error) -> Error {
-    Error::new(Stage::Package, path.display(), "cannot be read").source(error)
+    Error::new(path.display(), "cannot be read").source(error)
 }
 
 /// One file of a package.
@@ -207,7 +207,7 @@ impl Package {
             index: BTreeMap<String, Value>,
             files: BTreeMap<&'a str, Listed>,
         }
-        let error = |cause: &str| Error::new(Stage::Package, MANIFEST, cause);
+        let error = |cause: &str| Error::new(MANIFEST, cause);
         if let Some(key) = ["generated_by", "files"].iter().find(|key| index.contains_key(**key)) {
             return Err(error(&format!("key \"{key}\" is taken")));
         }
@@ -223,8 +223,7 @@ impl Package {
     }
 
     fn insert_file(&mut self, path: &str, file: PackageFile) -> Result<()> {
-        let error =
-            |cause: &str| Error::new(Stage::Package, format!("generated file \"{path}\""), cause);
+        let error = |cause: &str| Error::new(format!("generated file \"{path}\""), cause);
         if !is_plain(path) {
             return Err(error("has no plain relative path"));
         }

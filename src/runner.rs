@@ -4,7 +4,7 @@ mod cpu;
 
 use glam::DVec3;
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::field::reference::Directions;
 use crate::optics::brdf_map::{BrdfMap, view_directions};
 use crate::plan::Variant;
@@ -55,7 +55,7 @@ pub trait Runner {
 pub fn has_wavelengths(name: &str, form: &Form) -> Result<()> {
     match form.no_wavelength_axis() {
         None => Ok(()),
-        Some(cause) => Err(Error::new(Stage::Run, name, cause).remedy("ask it for colours")),
+        Some(cause) => Err(Error::new(name, cause).remedy("ask it for colours")),
     }
 }
 

@@ -11,7 +11,7 @@ pub mod read;
 pub mod synthetic;
 pub mod voids;
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::plan::{SurfaceSource, SurfaceSpec};
 
 pub use gsf::write_gsf;
@@ -85,7 +85,7 @@ pub fn prepare(spec: &SurfaceSpec, bytes: Option<&[u8]>) -> Result<(Surface, Ori
     }
     let along = if field.rows == 1 { "x" } else { "y" };
     let extruded = field.extruded().map_err(|_| {
-        Error::new(Stage::Height, &subject, "a single pixel is no surface")
+        Error::new(&subject, "a single pixel is no surface")
             .remedy("a profile needs two pixels or more")
     })?;
     notes.push(format!(
@@ -129,11 +129,7 @@ impl HeightField {
     ) -> Result<HeightField> {
         let subject = format!("height field of {columns} × {rows} pixels");
         if columns == 0 || rows == 0 || columns.checked_mul(rows) != Some(heights_um.len()) {
-            return Err(Error::new(
-                Stage::Height,
-                subject,
-                format!("has {} heights", heights_um.len()),
-            ));
+            return Err(Error::new(subject, format!("has {} heights", heights_um.len())));
         }
         if !(pitch_x_um.is_finite()
             && pitch_x_um > 0.0
@@ -142,7 +138,7 @@ impl HeightField {
         {
             let cause =
                 format!("pixel pitch {pitch_x_um} × {pitch_y_um} µm is not positive and finite");
-            return Err(Error::new(Stage::Height, subject, cause));
+            return Err(Error::new(subject, cause));
         }
         if let Some(at) = heights_um.iter().position(|h| !h.is_finite()) {
             let cause = format!(
@@ -151,7 +147,7 @@ impl HeightField {
                 at % columns,
                 at / columns
             );
-            return Err(Error::new(Stage::Height, subject, cause));
+            return Err(Error::new(subject, cause));
         }
         Ok(HeightField { columns, rows, pitch_x_um, pitch_y_um, heights_um })
     }
@@ -202,11 +198,9 @@ impl HeightField {
     pub fn extruded(&self) -> Result<HeightField> {
         let HeightField { columns, rows, pitch_x_um, pitch_y_um, .. } = *self;
         match (columns, rows) {
-            (1, 1) => Err(Error::new(
-                Stage::Height,
-                "height field of 1 × 1 pixels",
-                "a single pixel is no profile",
-            )),
+            (1, 1) => {
+                Err(Error::new("height field of 1 × 1 pixels", "a single pixel is no profile"))
+            }
             (_, 1) => HeightField::new(
                 columns,
                 EXTRUDED,
@@ -241,7 +235,7 @@ impl HeightField {
                     (size_um / limit_um * (1.0 - 1e-12)).ceil(),
                     (pitch_um * 4000.0).ceil()
                 );
-                return Err(Error::new(Stage::Height, subject, cause).remedy(remedy));
+                return Err(Error::new(subject, cause).remedy(remedy));
             }
         }
         Ok(())
@@ -250,7 +244,7 @@ impl HeightField {
 
 /// Checks a length in µm given under `key`: positive, finite, at most `max_um`.
 fn check_um(subject: &str, key: &str, value_um: f64, max_um: f64) -> Result<()> {
-    let error = |cause: String| Error::new(Stage::Height, subject, cause);
+    let error = |cause: String| Error::new(subject, cause);
     if !(value_um.is_finite() && value_um > 0.0) {
         return Err(error(format!("`{key} = {value_um}` is not positive and finite"))
             .remedy("give a length in µm"));
@@ -271,13 +265,12 @@ fn check_pixel(subject: &str, origin: &str, pitch_um: f64) -> Result<()> {
         "{origin} makes the pixel pitch {pitch_um} µm, outside {MIN_PITCH_UM} to {MAX_PITCH_UM} µm"
     );
     let guess = if pitch_um > MAX_PITCH_UM { "nm" } else { "m or mm" };
-    Err(Error::new(Stage::Height, subject, cause)
-        .remedy(format!("lengths are in µm: is this number in {guess}?")))
+    Err(Error::new(subject, cause).remedy(format!("lengths are in µm: is this number in {guess}?")))
 }
 
 /// Checks the number of pixels before anything is allocated.
 fn check_pixels(subject: &str, columns: u64, rows: u64) -> Result<(usize, usize)> {
-    let error = |cause: String| Error::new(Stage::Height, subject, cause);
+    let error = |cause: String| Error::new(subject, cause);
     if columns == 0 || rows == 0 {
         return Err(error(format!("{columns} × {rows} pixels: there are no heights")));
     }

@@ -20,7 +20,7 @@ mod respond;
 mod search;
 mod windows;
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::Wavelengths;
@@ -136,7 +136,7 @@ pub fn measure(
 }
 
 fn checked(lambda_nm: f64, angles: &[f64], responses: Vec<f64>) -> Result<Vec<f64>> {
-    let fail = |cause: String| Error::new(Stage::Run, format!("response at {lambda_nm} nm"), cause);
+    let fail = |cause: String| Error::new(format!("response at {lambda_nm} nm"), cause);
     if responses.len() != angles.len() {
         return Err(fail(format!("{} values for {} angles", responses.len(), angles.len())));
     }

@@ -9,7 +9,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::optics::colour_difference::Percentiles;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -265,7 +265,7 @@ impl Log {
     /// [`OLD`] beside it; others stay. Gives the log and what stayed.
     pub fn begin(folder: &Path, mine: impl Fn(&Record) -> bool) -> Result<(Log, Vec<Record>)> {
         let path = folder.join(FILE);
-        let fail = |e: std::io::Error| Error::new(Stage::Record, path.display(), e);
+        let fail = |e: std::io::Error| Error::new(path.display(), e);
         std::fs::create_dir_all(folder).map_err(fail)?;
         let mut records = if path.exists() { read(&path)? } else { Vec::new() };
         if records.iter().any(&mine) {
@@ -282,7 +282,7 @@ impl Log {
     /// Opens or creates the file; a last line that was cut short is taken off.
     pub fn open(path: &Path) -> Result<Log> {
         let shown = path.display().to_string();
-        let fail = |e: std::io::Error| Error::new(Stage::Record, &shown, e);
+        let fail = |e: std::io::Error| Error::new(&shown, e);
         let options = OpenOptions::new().read(true).append(true).create(true).clone();
         let mut file = options.open(path).map_err(fail)?;
         let mut bytes = Vec::new();
@@ -298,7 +298,7 @@ impl Log {
     /// Appends one line and hands it to the system at once.
     pub fn append(&mut self, record: &Record) -> Result<()> {
         let line = line(record);
-        self.file.write_all(line.as_bytes()).map_err(|e| Error::new(Stage::Record, &self.path, e))
+        self.file.write_all(line.as_bytes()).map_err(|e| Error::new(&self.path, e))
     }
 }
 
@@ -311,12 +311,12 @@ pub fn line(record: &Record) -> String {
 /// Reads a file of records; an unfinished last line is ignored, any other fault is an error with its line.
 pub fn read(path: &Path) -> Result<Vec<Record>> {
     let shown = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|e| Error::new(Stage::Record, &shown, e))?;
+    let bytes = std::fs::read(path).map_err(|e| Error::new(&shown, e))?;
     let whole = bytes.iter().rposition(|b| *b == b'\n').map_or(0, |at| at + 1);
     let text = String::from_utf8_lossy(&bytes[..whole]);
     let parse = |(i, line): (usize, &str)| {
         serde_json::from_str(line).map_err(|e| {
-            Error::new(Stage::Record, format!("{shown}:{}", i + 1), e)
+            Error::new(format!("{shown}:{}", i + 1), e)
                 .remedy("remove the line, or measure again into an empty folder")
         })
     };

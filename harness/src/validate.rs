@@ -15,7 +15,7 @@ use std::{
 };
 
 use diffraction_shaders::diagnostic::Diagnostic;
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -139,11 +139,11 @@ pub fn validate(folder: &Path, tools: &[Box<dyn Tool>], required: &[String]) -> 
         match known {
             None => {
                 let names: Vec<&str> = tools.iter().map(|tool| tool.name()).collect();
-                return Err(Error::new(Stage::Run, name, "is not a validator known here")
+                return Err(Error::new(name, "is not a validator known here")
                     .remedy(format_args!("known are {}", names.join(", "))));
             }
             Some((tool, None)) => {
-                let error = Error::new(Stage::Run, name, "is required and not installed");
+                let error = Error::new(name, "is required and not installed");
                 return Err(match tool.package() {
                     Some(package) => error.remedy(format_args!("apt-get install {package}")),
                     None => error.remedy("put its binary on the PATH"),
@@ -208,8 +208,7 @@ fn is_shader(name: &str) -> bool {
 
 /// Adds the files below a folder, links not followed.
 fn walk(folder: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
-    let unreadable =
-        |error| Error::new(Stage::Run, folder.display(), "cannot be listed").source(error);
+    let unreadable = |error| Error::new(folder.display(), "cannot be listed").source(error);
     for entry in fs::read_dir(folder).map_err(unreadable)? {
         let entry = entry.map_err(unreadable)?;
         let kind = entry.file_type().map_err(unreadable)?;

@@ -10,7 +10,7 @@ use diffraction_harness::compare::{CONTROLS, Job, Sink, Unit, run, steps};
 use diffraction_harness::drivers::Prepared;
 use diffraction_harness::drivers::routes::{self, Route};
 use diffraction_harness::results::{Compare, Control, Gap, Part, Record};
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::plan::Plan;
 use diffraction_shaders::runner::{Progress, Runner, TwinRunner};
@@ -80,7 +80,7 @@ impl Runner for MadeRunner<'_> {
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>> {
         if self.behaviour == Behaviour::Broken {
-            return Err(Error::new(Stage::Run, "made", "the device was lost"));
+            return Err(Error::new("made", "the device was lost"));
         }
         let mut colours = self.twin.tristimulus(directions, progress)?;
         let most = colours.iter().flatten().fold(0.0, |a: f64, b| a.max(*b));

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::field::{Domain, Field, Scratch};
 use crate::optics;
 use crate::optics::spectrum::{Spectrum, TABLE_MAX_NM, TABLE_MIN_NM};
@@ -69,8 +69,9 @@ impl Reference {
         if bytes > MOST_BYTES {
             let cause =
                 format!("its exact field needs {:.1} GiB", bytes as f64 / f64::from(1 << 30));
-            return Err(Error::new(Stage::Compute, subject, cause)
-                .remedy("crop the scan, or lengthen coherence_um"));
+            return Err(
+                Error::new(subject, cause).remedy("crop the scan, or lengthen coherence_um")
+            );
         }
         let spectrum = Spectrum::new(&optics.illuminant)?;
         let field = Field::new(height, &domain);

@@ -1,6 +1,6 @@
 //! Comparing colours: which directions, exposure, which of them count, colour differences.
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::optics::colour::{D65_WHITE, ciede2000};
 
 /// How far colours lie from a reference.
@@ -55,7 +55,7 @@ pub fn colour_difference(
     other: &[[f64; 3]],
     exposure: Option<f64>,
 ) -> Result<ColourDifference> {
-    let fail = |cause: String| Error::new(Stage::Run, subject, cause);
+    let fail = |cause: String| Error::new(subject, cause);
     if reference.len() != other.len() {
         return Err(fail(format!(
             "{} colours against {} of the reference",

@@ -9,7 +9,7 @@ use colorimetry::illuminant::CieIlluminant;
 use colorimetry::observer::Observer;
 use colorimetry::traits::Light;
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::plan::{Illuminant, Wavelengths};
 
 /// Nodes of [`Spectrum::wavenumber_samples`]: over 380–780 nm they are 0.4 nm apart at the blue end and 1.6 nm at the red
@@ -54,7 +54,7 @@ impl Spectrum {
             (0..=last).map(|i| weigh(i)[1] * if i == 0 || i == last { 0.5 } else { 1.0 }).sum();
         if !(luminance.is_finite() && luminance > 0.0) {
             let cause = "the illuminant has no visible power";
-            return Err(Error::new(Stage::Spectrum, illuminant_subject(illuminant), cause)
+            return Err(Error::new(illuminant_subject(illuminant), cause)
                 .remedy("give positive powers between 380 and 780 nm"));
         }
         Ok(Spectrum { per_nm: (0..=last).map(|i| weigh(i).map(|c| c / luminance)).collect() })
@@ -185,7 +185,7 @@ pub fn illuminant_subject(illuminant: &Illuminant) -> String {
 }
 
 fn from_csv(illuminant: &Illuminant) -> Result<Vec<f64>> {
-    let fail = |cause: String| Error::new(Stage::Spectrum, illuminant_subject(illuminant), cause);
+    let fail = |cause: String| Error::new(illuminant_subject(illuminant), cause);
     let remedy = ILLUMINANT_REMEDY;
     let Some(content) = illuminant.content() else {
         return Err(fail("is not a known illuminant, and no file was read".into()).remedy(remedy));

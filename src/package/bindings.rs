@@ -4,7 +4,7 @@
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::quote;
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::package::manifest::{Binding, TableEntry, UniformBlock, VariantManifest};
 use crate::shader::template::GENERATED;
 use crate::tables::{SAMPLER_NAME, Table};
@@ -15,7 +15,7 @@ pub const FILE: &str = "bindings.rs";
 /// The text for a variant, whose tables are found by the names of their bindings.
 pub fn rust(manifest: &VariantManifest, tables: &[&Table]) -> Result<String> {
     let subject = format!("{} {}", manifest.surface, manifest.variant);
-    let fail = |cause: String| Error::new(Stage::Package, format!("{subject}: {FILE}"), cause);
+    let fail = |cause: String| Error::new(format!("{subject}: {FILE}"), cause);
     let blocks =
         manifest.uniforms.iter().map(block).collect::<Result<Vec<_>, _>>().map_err(fail)?;
     let places: Vec<TokenStream> = manifest.bindings.iter().map(place).collect();

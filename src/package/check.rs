@@ -4,7 +4,7 @@ use std::fs::{self, File};
 use std::io::{self, BufRead, BufReader};
 use std::path::Path;
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 
 use super::{Content, MANIFEST, Package, equality, folder};
 
@@ -41,8 +41,7 @@ pub fn check(package: &Package, out: &Path) -> Result<Report> {
             report.missing.push(path.clone());
             continue;
         }
-        let unreadable =
-            |e| Error::new(Stage::Package, on_disk.display(), "cannot be read").source(e);
+        let unreadable = |e| Error::new(on_disk.display(), "cannot be read").source(e);
         let is_same = match &file.content {
             Content::Kept(_) => true,
             // nearly always the same bytes, told without holding them

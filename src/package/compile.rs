@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::diagnostic::Diagnostic;
-use crate::error::{Error, Stage};
+use crate::error::Error;
 use crate::hash::of_value;
 use crate::input::SurfaceInput;
 use crate::package::bindings;
@@ -97,12 +97,10 @@ pub fn generate(
         let error = match gaps.first() {
             Some(Gap { surface, variant, reason }) => {
                 let subject = format!("{surface} {variant}");
-                Error::new(Stage::Compute, subject, format!("{nothing}: {reason}"))
+                Error::new(subject, format!("{nothing}: {reason}"))
             }
-            None => {
-                Error::new(Stage::Plan, "plan", format!("{nothing}: no variant is for a surface"))
-                    .remedy("see the key surfaces of its presets")
-            }
+            None => Error::new("plan", format!("{nothing}: no variant is for a surface"))
+                .remedy("see the key surfaces of its presets"),
         };
         return Err(vec![Diagnostic::from(&error)]);
     }
@@ -477,6 +475,6 @@ const SHARED_TOLERANCE: f64 = 4e-3;
 
 fn pretty(path: &str, value: &impl serde::Serialize) -> Result<String, Error> {
     let text = serde_json::to_string_pretty(value)
-        .map_err(|e| Error::new(Stage::Package, path, "cannot be written as JSON").source(e))?;
+        .map_err(|e| Error::new(path, "cannot be written as JSON").source(e))?;
     Ok(text + "\n")
 }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 
 use super::{Listed, MANIFEST, is_plain};
 
@@ -30,8 +30,7 @@ pub fn temporary_folder(out: &Path) -> Result<PathBuf> {
 /// Opens an output folder. `None`: absent. An error: it exists, is not empty, and is not ours.
 pub(super) fn open(out: &Path) -> Result<Option<Folder>> {
     let root = resolve(out)?;
-    let error =
-        |cause: &str| Error::new(Stage::Package, format!("output {}", out.display()), cause);
+    let error = |cause: &str| Error::new(format!("output {}", out.display()), cause);
     match fs::metadata(&root) {
         Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
         Err(e) => return Err(error("cannot be read").source(e)),
@@ -68,9 +67,8 @@ impl Folder {
     /// Files, links and empty folders that the manifest does not list: paths relative to the root, sorted.
     pub(super) fn foreign(&self) -> Result<Vec<PathBuf>> {
         let mut found = Vec::new();
-        self.walk(Path::new(""), &mut found).map_err(|e| {
-            Error::new(Stage::Package, self.root.display(), "cannot be listed").source(e)
-        })?;
+        self.walk(Path::new(""), &mut found)
+            .map_err(|e| Error::new(self.root.display(), "cannot be listed").source(e))?;
         found.sort();
         Ok(found)
     }
@@ -108,8 +106,7 @@ pub(super) fn slashed(path: &Path) -> Option<String> {
 
 /// The folder that `out` means, without symbolic links, whether it exists or not.
 pub(super) fn resolve(out: &Path) -> Result<PathBuf> {
-    let error =
-        |cause: &str| Error::new(Stage::Package, format!("output {}", out.display()), cause);
+    let error = |cause: &str| Error::new(format!("output {}", out.display()), cause);
     if let Ok(root) = fs::canonicalize(out) {
         return Ok(root);
     }
@@ -130,11 +127,8 @@ pub(super) fn resolve(out: &Path) -> Result<PathBuf> {
 /// `ROOT` with a suffix to its name.
 pub(super) fn sibling(root: &Path, suffix: &str) -> Result<PathBuf> {
     let Some(name) = root.file_name() else {
-        let error = Error::new(
-            Stage::Package,
-            format!("output {}", root.display()),
-            "is the root of the file system",
-        );
+        let error =
+            Error::new(format!("output {}", root.display()), "is the root of the file system");
         return Err(error);
     };
     let mut name = OsString::from(name);

@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::field::reference::Directions;
 use crate::optics::colour::to_rgb;
 use crate::package::manifest::SCHEMA_VERSION;
@@ -79,9 +79,8 @@ pub fn json(
             expected: Expected { xyz, rgb: to_rgb(xyz, colour) },
             tolerance,
         };
-        serde_json::to_string(&probe).map_err(|e| {
-            Error::new(Stage::Compute, variant, "has a probe without a number").source(e)
-        })
+        serde_json::to_string(&probe)
+            .map_err(|e| Error::new(variant, "has a probe without a number").source(e))
     });
     let lines: Vec<String> = lines.collect::<Result<_>>()?;
     let lines = lines.join(",\n    ");

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use serde_json::Value;
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::package::Package;
 use crate::plan::{Rejected, Target};
 use crate::shader::template::GENERATED;
@@ -24,7 +24,7 @@ pub fn readme(
     for (path, file) in package.files() {
         if path.starts_with("shaders/") && path.ends_with("/manifest.json") {
             let manifest: Value = serde_json::from_slice(&file.content.read()?)
-                .map_err(|e| Error::new(Stage::Package, path, "is no JSON").source(e))?;
+                .map_err(|e| Error::new(path, "is no JSON").source(e))?;
             let row = VariantLine::new(package, path, &manifest)?;
             surfaces.entry(text(&manifest["surface"])).or_default().push(row);
         }

@@ -7,7 +7,7 @@ use std::path::Path;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::hash::sha256;
 
 use super::{Package, folder, write};
@@ -47,7 +47,7 @@ impl Stamp {
 
     /// Writes it.
     pub fn write(&self, file: &Path) -> Result<()> {
-        let error = || Error::new(Stage::Package, file.display(), "cannot be written");
+        let error = || Error::new(file.display(), "cannot be written");
         let text = serde_json::to_vec(self).map_err(|e| error().source(e))?;
         let folder = file.parent().map_or(Ok(()), fs::create_dir_all);
         folder.and_then(|()| fs::write(file, text)).map_err(|e| error().source(e))

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 
 use super::folder::{self, Folder, sibling};
 use super::{Content, Equality, Package, equality};
@@ -63,8 +63,7 @@ pub fn write(package: &Package, out: &Path) -> Result<WriteReport> {
 
 /// Like [`write()`], until cancelled.
 pub fn write_unless(package: &Package, out: &Path, cancel: &Cancel) -> Result<WriteReport> {
-    let error =
-        |cause: &str| Error::new(Stage::Package, format!("output {}", out.display()), cause);
+    let error = |cause: &str| Error::new(format!("output {}", out.display()), cause);
     if let Some(parent) = out.parent() {
         fs::create_dir_all(parent)
             .map_err(|e| error("has a parent that cannot be made").source(e))?;
@@ -120,7 +119,7 @@ impl Temporary {
     fn create(path: PathBuf) -> Result<Temporary> {
         let error = |e: io::Error| {
             let remedy = "is the folder writable, and does no other run write to the same output?";
-            Error::new(Stage::Package, path.display(), "cannot be made").source(e).remedy(remedy)
+            Error::new(path.display(), "cannot be made").source(e).remedy(remedy)
         };
         fs::create_dir(&path).map_err(error)?;
         let lock = lock_folder(&path);
@@ -136,14 +135,14 @@ impl Drop for Temporary {
 }
 
 fn interrupted(out: &Path) -> Error {
-    Error::new(Stage::Package, format!("output {}", out.display()), "interrupted; left as it was")
+    Error::new(format!("output {}", out.display()), "interrupted; left as it was")
 }
 
 fn build(package: &Package, into: &Path, cancel: &Cancel) -> Result<WriteReport> {
     let mut report = WriteReport::default();
     let mut folders = BTreeSet::from([into.to_owned()]);
     let fail = |path: &str, e: io::Error| {
-        Error::new(Stage::Package, format!("generated file {path}"), "cannot be written").source(e)
+        Error::new(format!("generated file {path}"), "cannot be written").source(e)
     };
     for (path, file) in package.files() {
         if cancel.is_cancelled() {
@@ -188,9 +187,7 @@ fn carry(package: &Package, old: &Folder, into: &Path) -> Result<Vec<PathBuf>> {
     let mut carried = Vec::new();
     for path in old.foreign()? {
         let (from, to) = (old.root.join(&path), into.join(&path));
-        let error = |cause: &str| {
-            Error::new(Stage::Package, format!("foreign file {}", from.display()), cause)
-        };
+        let error = |cause: &str| Error::new(format!("foreign file {}", from.display()), cause);
         let conflict = || {
             error("is in the way of a generated file").remedy("move it out of the output folder")
         };

@@ -8,7 +8,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::error::{Error, Stage};
+use crate::error::Error;
 
 /// Most errors of one plan that are told; a text with more of them is likely no plan at all.
 const MAX_ERRORS: usize = 100;
@@ -40,7 +40,7 @@ impl<'a> Source<'a> {
             return self.untold.set(self.untold.get() + 1);
         }
         let line = self.ends.partition_point(|end| *end < at) + 1;
-        let error = Error::new(Stage::Plan, format!("{}:{line}", self.file), cut(cause, MAX_CAUSE));
+        let error = Error::new(format!("{}:{line}", self.file), cut(cause, MAX_CAUSE));
         let error = match remedy {
             Some(remedy) => error.remedy(remedy),
             None => error,
@@ -53,7 +53,7 @@ impl<'a> Source<'a> {
         if self.is_full() {
             return self.untold.set(self.untold.get() + 1);
         }
-        let error = Error::new(Stage::Plan, &self.file, cause).remedy(remedy);
+        let error = Error::new(&self.file, cause).remedy(remedy);
         self.errors.borrow_mut().push((0, error));
     }
 
@@ -63,7 +63,7 @@ impl<'a> Source<'a> {
         errors.sort_by_key(|(at, _)| *at);
         let untold = match self.untold.get() {
             0 => None,
-            n => Some(Error::new(Stage::Plan, &self.file, format!("has {n} more errors"))),
+            n => Some(Error::new(&self.file, format!("has {n} more errors"))),
         };
         errors.into_iter().map(|(_, error)| error).chain(untold).collect()
     }

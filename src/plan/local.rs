@@ -2,7 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 
 use super::item::Table;
 use super::optics::OPTICS;
@@ -87,7 +87,7 @@ impl Variant {
             return Some(Ok(variant));
         }
         let remedy = format!("the optics of surface \"{}\" make it so", surface.name);
-        Some(Err(Error::new(Stage::Plan, &self.name, reasons.join("; ")).remedy(remedy)))
+        Some(Err(Error::new(&self.name, reasons.join("; ")).remedy(remedy)))
     }
 
     /// Whether it is wanted on the surface of a name.

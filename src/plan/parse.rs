@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use toml::de::DeTable;
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::hash::sha256;
 
 use super::constraints;
@@ -55,7 +55,7 @@ impl Plan {
         match (plan, source.into_errors()) {
             (Some(plan), errors) if errors.is_empty() => Ok(plan),
             (None, errors) if errors.is_empty() => {
-                Err(vec![Error::new(Stage::Plan, path.display(), "is no plan")])
+                Err(vec![Error::new(path.display(), "is no plan")])
             }
             (_, errors) => Err(errors),
         }
@@ -79,7 +79,7 @@ impl Plan {
         match (<[Variant; 1]>::try_from(variants), source.into_errors()) {
             (Ok([variant]), errors) if errors.is_empty() => Ok(variant),
             (_, errors) if errors.is_empty() => {
-                Err(vec![Error::new(Stage::Plan, "preset", "is not one [[preset]]")])
+                Err(vec![Error::new("preset", "is not one [[preset]]")])
             }
             (_, errors) => Err(errors),
         }
@@ -87,7 +87,7 @@ impl Plan {
 }
 
 fn first(errors: Vec<Error>) -> Error {
-    errors.into_iter().next().unwrap_or_else(|| Error::new(Stage::Plan, "plan", "is no plan"))
+    errors.into_iter().next().unwrap_or_else(|| Error::new("plan", "is no plan"))
 }
 
 fn folder(path: &Path) -> PathBuf {

@@ -1,6 +1,6 @@
 //! Finding variants and surfaces of a plan by name.
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 
 use super::item::suggest;
 use super::{Plan, Rejected, SurfaceSpec, Variant};
@@ -25,7 +25,7 @@ impl Plan {
             (None, variants) => {
                 let cause = format!("is needed: the plan has {}", variants.len());
                 let remedy = format!("--variant with one of {}", self.variant_names().join(", "));
-                Err(Error::new(Stage::Plan, "variant", cause).remedy(remedy))
+                Err(Error::new("variant", cause).remedy(remedy))
             }
         }
     }
@@ -53,9 +53,7 @@ impl Plan {
     /// Why no variant is called so.
     fn absent(&self, pattern: &str) -> Error {
         match self.rejected.iter().find(|rejected| matches(pattern, &rejected.name)) {
-            Some(Rejected { name, reason }) => {
-                Error::new(Stage::Plan, format!("variant \"{name}\""), reason)
-            }
+            Some(Rejected { name, reason }) => Error::new(format!("variant \"{name}\""), reason),
             None => unknown("variant", pattern, &self.variant_names()),
         }
     }
@@ -66,8 +64,7 @@ impl Plan {
 }
 
 fn unknown(what: &str, name: &str, known: &[&str]) -> Error {
-    Error::new(Stage::Plan, format!("{what} \"{name}\""), "is not in the plan")
-        .remedy(suggest(name, known))
+    Error::new(format!("{what} \"{name}\""), "is not in the plan").remedy(suggest(name, known))
 }
 
 /// Whether a pattern of plain characters, `*` (any run) and `?` (any one) matches a whole text.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 
 use super::item::suggest;
 use super::words::{Words, names, word_of};
@@ -54,7 +54,7 @@ impl Target {
     pub fn parse(word: &str) -> Result<Target> {
         let found = TARGETS.iter().find(|(known, _)| *known == word);
         found.map(|(_, target)| *target).ok_or_else(|| {
-            Error::new(Stage::Plan, format!("target \"{word}\""), "is unknown")
+            Error::new(format!("target \"{word}\""), "is unknown")
                 .remedy(suggest(word, &names(TARGETS)))
         })
     }

@@ -29,7 +29,7 @@ use naga::{
 };
 use serde::Serialize;
 
-use crate::error::{self, Error, Result};
+use crate::error::{Error, Result};
 use crate::plan::Target;
 use crate::shader::module::{Module, Stage};
 
@@ -229,5 +229,5 @@ fn bindings(ir: &naga::Module) -> Vec<(naga::Handle<naga::GlobalVariable>, Bindi
 
 fn failure(module: &Module, target: Target, cause: impl fmt::Display) -> Error {
     let subject = format!("{}: {}", module.name(), target.as_str());
-    Error::new(error::Stage::Shader, subject, cause)
+    Error::new(subject, cause)
 }

@@ -4,7 +4,7 @@
 //! lines `Key = Value`, one to four NUL bytes up to a multiple of four, then `YRes` rows of `XRes` little-endian `f32`, the
 //! top row first. `XReal` and `YReal` are the size of the whole field, in base SI units.
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::surface::HeightField;
 use crate::surface::raster::{Raster, Samples};
 
@@ -38,7 +38,7 @@ pub fn write_gsf(field: &HeightField) -> Vec<u8> {
 /// A missing `XYUnits` or `ZUnits` is taken as metres; of two sizes only one, as square pixels. Units other than powers
 /// of ten of the metre leave the scale or the height unit to the plan.
 pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
-    let error = |cause: String| Error::new(Stage::Height, subject, cause);
+    let error = |cause: String| Error::new(subject, cause);
     let body = &bytes[MAGIC.len()..];
     let end = body.iter().take(MAX_HEADER).position(|&b| b == 0).ok_or_else(|| {
         error("the GSF header does not end in a NUL byte".into())

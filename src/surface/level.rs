@@ -2,7 +2,7 @@
 //!
 //! Tilt and specks enlarge the peak-to-valley height, and with it the number of terms, without adding colour.
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::plan::Level;
 use crate::surface::HeightField;
 
@@ -16,12 +16,10 @@ pub fn level(field: HeightField, level: Level, subject: &str) -> Result<HeightFi
     match level {
         Level::None => Ok(field),
         Level::Plane => plane(field),
-        Level::Rows if field.columns == 1 => Err(Error::new(
-            Stage::Height,
-            subject,
-            "`level = \"rows\"` on a single column leaves nothing",
-        )
-        .remedy("use `plane` or `none`")),
+        Level::Rows if field.columns == 1 => {
+            Err(Error::new(subject, "`level = \"rows\"` on a single column leaves nothing")
+                .remedy("use `plane` or `none`"))
+        }
         Level::Rows => rows(field),
     }
 }
@@ -61,12 +59,8 @@ pub(super) fn check_clip(subject: &str, percent: f64) -> Result<()> {
     if (0.0..50.0).contains(&percent) {
         return Ok(());
     }
-    Err(Error::new(
-        Stage::Height,
-        subject,
-        format!("`clip_percent = {percent}` is outside 0 ≤ p < 50"),
-    )
-    .remedy("it is the share of pixels, in percent, clipped at each end"))
+    Err(Error::new(subject, format!("`clip_percent = {percent}` is outside 0 ≤ p < 50"))
+        .remedy("it is the share of pixels, in percent, clipped at each end"))
 }
 
 /// The least-squares plane of a field: `mean_um + per_column_um·(col - mid) + per_row_um·(row - mid)`.

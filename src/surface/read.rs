@@ -21,7 +21,7 @@ mod units;
 
 use std::path::Path;
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::plan::FileSource;
 use crate::surface::raster::{Raster, Samples};
 use crate::surface::{check_pixels, gsf};
@@ -167,14 +167,13 @@ fn of_path(path: &Path, subject: &str) -> Result<Format> {
     let extension = extension(path);
     Format::of_extension(extension).ok_or_else(|| {
         let cause = format!("the extension `{extension}` is not that of a known format");
-        Error::new(Stage::Height, subject, cause)
-            .remedy("use one of png, tif, tiff, exr, npy, gsf, txt, csv")
+        Error::new(subject, cause).remedy("use one of png, tif, tiff, exr, npy, gsf, txt, csv")
     })
 }
 
 /// Checks that the content is what the extension says.
 fn check_content(format: Format, bytes: &[u8], path: &Path, subject: &str) -> Result<()> {
-    let error = |cause: String| Error::new(Stage::Height, subject, cause);
+    let error = |cause: String| Error::new(subject, cause);
     if bytes.is_empty() {
         return Err(error("the file is empty".into()));
     }
@@ -202,7 +201,7 @@ fn check_length(subject: &str, length: usize, bytes: u64, compressed: bool) -> R
     let cause = format!(
         "the header announces {bytes} bytes of pixels, more than a file of {length} bytes can hold"
     );
-    Err(Error::new(Stage::Height, subject, cause).remedy("the file is truncated or damaged"))
+    Err(Error::new(subject, cause).remedy("the file is truncated or damaged"))
 }
 
 /// Grey shares from interleaved integer samples: `channels` of them per pixel, the last being opacity if `alpha`.
@@ -218,7 +217,7 @@ fn grey<T: Copy + Into<u32>>(
 ) -> Result<Samples> {
     let top = (1u32 << bits) - 1;
     let place = |i: usize| format!("column {}, row {}", i % columns, i / columns);
-    let error = |cause: String| Error::new(Stage::Height, subject, cause);
+    let error = |cause: String| Error::new(subject, cause);
     let mut shares = Vec::with_capacity(samples.len() / channels);
     for (i, pixel) in samples.chunks_exact(channels).enumerate() {
         let value = |c: usize| -> u32 { pixel[c].into() };

@@ -19,7 +19,7 @@
 mod random;
 pub mod skin;
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::plan::Grating;
 use crate::surface::{
     EXTRUDED, HeightField, MAX_HEIGHT_UM, MAX_SIDE, Surface, check_pixel, check_pixels, check_um,
@@ -101,15 +101,13 @@ fn profile(grating: &Grating, subject: &str, notes: &mut Vec<String>) -> Result<
             })
         }
         Grating::Crossed { .. } => {
-            Err(Error::new(Stage::Height, subject, "a crossed grating cannot be part of another")
+            Err(Error::new(subject, "a crossed grating cannot be part of another")
                 .remedy("use two one-dimensional gratings"))
         }
-        Grating::Bumps(_) | Grating::Fingers(_) | Grating::Rows(_) => Err(Error::new(
-            Stage::Height,
-            subject,
-            "a random surface cannot be part of a crossed grating",
-        )
-        .remedy("use flat, sinusoidal, blazed, lamellar or triangle")),
+        Grating::Bumps(_) | Grating::Fingers(_) | Grating::Rows(_) => {
+            Err(Error::new(subject, "a random surface cannot be part of a crossed grating")
+                .remedy("use flat, sinusoidal, blazed, lamellar or triangle"))
+        }
     }
 }
 
@@ -131,12 +129,8 @@ fn sampled(
 fn grid(subject: &str, key: &str, length_um: f64, pixels: usize) -> Result<f64> {
     check_um(subject, key, length_um, f64::MAX)?;
     if !(2..=MAX_SIDE).contains(&pixels) {
-        return Err(Error::new(
-            Stage::Height,
-            subject,
-            format!("`pixels = {pixels}` is outside 2 to {MAX_SIDE}"),
-        )
-        .remedy("a pitch of about 50 nm suits visible light"));
+        return Err(Error::new(subject, format!("`pixels = {pixels}` is outside 2 to {MAX_SIDE}"))
+            .remedy("a pitch of about 50 nm suits visible light"));
     }
     let pitch_um = length_um / pixels as f64;
     check_pixel(subject, &format!("`{key} = {length_um}` over {pixels} pixels"), pitch_um)?;
@@ -147,6 +141,6 @@ fn check_share(subject: &str, key: &str, share: f64) -> Result<()> {
     if share > 0.0 && share < 1.0 {
         return Ok(());
     }
-    Err(Error::new(Stage::Height, subject, format!("`{key} = {share}` is not between 0 and 1"))
+    Err(Error::new(subject, format!("`{key} = {share}` is not between 0 and 1"))
         .remedy("it is a share of the period"))
 }

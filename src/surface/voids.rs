@@ -1,6 +1,6 @@
 //! Void pixels: places where the instrument has no height, NaN in the file.
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::surface::HeightField;
 use crate::surface::read::Reading;
 
@@ -19,9 +19,7 @@ pub fn fill(reading: Reading, subject: &str) -> Result<(HeightField, Vec<String>
         let share = void.len() as f64 / heights_um.len() as f64;
         let remedy = "crop the scan, or fill it in the program that it comes from";
         if void.len() == heights_um.len() {
-            return Err(
-                Error::new(Stage::Height, subject, "every pixel is void (NaN)").remedy(remedy)
-            );
+            return Err(Error::new(subject, "every pixel is void (NaN)").remedy(remedy));
         }
         let counted = format!(
             "{} of {} pixels are void ({:.2} %)",
@@ -31,7 +29,7 @@ pub fn fill(reading: Reading, subject: &str) -> Result<(HeightField, Vec<String>
         );
         if share > MAX_VOID_SHARE {
             let cause = format!("{counted}, above the limit of {} %", MAX_VOID_SHARE * 100.0);
-            return Err(Error::new(Stage::Height, subject, cause).remedy(remedy));
+            return Err(Error::new(subject, cause).remedy(remedy));
         }
         grow(&mut heights_um, columns, rows, &void);
         relax(&mut heights_um, columns, rows, &void);

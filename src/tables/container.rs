@@ -8,7 +8,7 @@ mod openexr;
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::plan::Container;
 
 use super::{Table, TexelFormat};
@@ -138,5 +138,5 @@ pub fn decode(container: Container, shape: &Shape, file: &[u8]) -> Option<Vec<u8
 }
 
 fn failed(container: Container, cause: &str) -> Error {
-    Error::new(Stage::Package, format!("{} table", container.as_str()), cause)
+    Error::new(format!("{} table", container.as_str()), cause)
 }

@@ -1,6 +1,6 @@
 //! What several forms have in common when they are laid on a surface.
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::field::transform::Bins;
 use crate::plan::{Auto, Basis, Variant};
 use crate::surface::HeightField;
@@ -24,8 +24,7 @@ pub(super) fn expansion(variant: &Variant, height: &HeightField) -> Result<LaidE
         return Ok(laid);
     }
     let cause = format!("no number of terms keeps `term_error = {wanted:e}`: {bound:.1e} is left");
-    Err(Error::new(Stage::Compute, &variant.name, cause)
-        .remedy("use a larger `term_error`, or basis = \"taylor\""))
+    Err(Error::new(&variant.name, cause).remedy("use a larger `term_error`, or basis = \"taylor\""))
 }
 
 /// Size of the patch, µm.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::optics;
 use crate::plan::Variant;
 use crate::surface::HeightField;
@@ -66,7 +66,7 @@ fn grid(variant: &Variant, height: &HeightField) -> Result<Grid> {
             "a window of coherence_um = {} takes {most} samples on an axis, above {MOST_SAMPLES}",
             variant.optics.coherence_um
         );
-        return Err(Error::new(Stage::Compute, &variant.name, cause)
+        return Err(Error::new(&variant.name, cause)
             .remedy("use a shorter coherence length, or reconstruction = \"window\""));
     }
     let size_um = [0, 1].map(|axis| samples[axis] as f64 * pitch_um[axis]);

@@ -105,7 +105,6 @@ impl Executor for Subjected<'_> {
             Ok(built) => built,
             Err(error) => {
                 return Err(diffraction_shaders::error::Error::new(
-                    error.stage(),
                     error.subject(),
                     "was not built",
                 ));

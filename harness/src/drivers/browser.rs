@@ -26,7 +26,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::plan::Target;
 use diffraction_shaders::runner::{Placement, Progress};
 use diffraction_shaders::shader::emit::{EmittedFile, emit};
@@ -133,7 +133,7 @@ impl Browser {
             Some(driver) => Ok(Web { browser: self.clone(), api, driver: driver.to_owned() }),
             None => {
                 let cause = found["error"].as_str().unwrap_or("the page does not know it");
-                Err(Error::new(Stage::Run, api, cause).remedy(DRIVERS))
+                Err(Error::new(api, cause).remedy(DRIVERS))
             }
         }
     }
@@ -167,7 +167,7 @@ impl Browser {
         }
         let message = link.call(head, payload)?;
         match message.head["error"].as_str() {
-            Some(cause) => Err(Error::new(Stage::Run, subject, cause)),
+            Some(cause) => Err(Error::new(subject, cause)),
             None => Ok(message),
         }
     }
@@ -211,7 +211,7 @@ impl Web {
             None => Ok(web),
             Some(part) => {
                 let cause = format!("the browser chose {}, which is not {part}", web.driver);
-                Err(Error::new(Stage::Run, api, cause).remedy("leave --adapter out"))
+                Err(Error::new(api, cause).remedy("leave --adapter out"))
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Colours of a body.
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 
 /// An sRGB picture, `[row][column]`, first row at texture coordinate 0.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -22,9 +22,8 @@ impl ColourMap {
 
     /// Reads the bytes of a PNG or JPEG file; `subject` names it.
     pub(crate) fn decode(subject: &str, bytes: &[u8]) -> Result<ColourMap> {
-        let picture = image::load_from_memory(bytes).map_err(|error| {
-            Error::new(Stage::Run, subject, "is no picture that can be read").source(error)
-        })?;
+        let picture = image::load_from_memory(bytes)
+            .map_err(|error| Error::new(subject, "is no picture that can be read").source(error))?;
         let picture = picture.into_rgb8();
         let texels = picture.pixels().map(|p| [p[0], p[1], p[2], 255]).collect();
         Ok(ColourMap { width: picture.width(), height: picture.height(), texels })

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use diffraction_shaders::diagnostic::Diagnostic;
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::optics::brdf_map::{BrdfMap, view_direction};
 use diffraction_shaders::optics::colour::from_rgb;
@@ -235,6 +235,5 @@ pub fn params(light: DVec3, [width, height]: [u32; 2]) -> [f32; 8] {
 /// The first diagnostic of a shader that does not compile; `generate` shows all of them in their places.
 fn first(diagnostics: Vec<Diagnostic>) -> Error {
     let message = diagnostics.first().map_or("does not compile", |d| d.message.as_str());
-    Error::new(Stage::Shader, "shader", message)
-        .remedy("cargo xtask generate shows every error with its place")
+    Error::new("shader", message).remedy("cargo xtask generate shows every error with its place")
 }

@@ -11,7 +11,7 @@ mod compile;
 use std::fmt;
 use std::path::PathBuf;
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::plan::Target;
 use diffraction_shaders::runner::Progress;
 use diffraction_shaders::shader::emit::{BindingKind, EmittedFile, emit};
@@ -178,7 +178,7 @@ fn stage<'a>(
         .map(|(file, e)| Entry { file, stage, entry: &e.emitted_name });
     matching.next().ok_or_else(|| {
         let cause = format!("no emitted file has {}", wanted.unwrap_or("a vertex stage"));
-        Error::new(Stage::Run, name, cause)
+        Error::new(name, cause)
     })
 }
 
@@ -189,7 +189,7 @@ fn compiler(language: Language) -> Result<Option<PathBuf>> {
     }
     on_path(GLSLANG).map(Some).ok_or_else(|| {
         let cause = format!("{GLSLANG} is not installed, which turns HLSL into SPIR-V");
-        Error::new(Stage::Run, language, cause)
+        Error::new(language, cause)
             .remedy(format!("apt-get install {GLSLANG_PACKAGE}, or take the runner spirv"))
     })
 }

@@ -1,6 +1,6 @@
 //! Routes to drivers by name, opened once and used for many variants.
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::runner::Runner;
 
 use super::browser::{Api, Browser, Web};
@@ -62,7 +62,7 @@ pub fn open(wanted: &[String]) -> Result<Vec<Found>> {
             "webgpu" => found.push(one(wanted, web(&mut browser, Api::WebGpu))),
             "webgl2" => found.push(one(wanted, web(&mut browser, Api::WebGl2))),
             _ => {
-                return Err(Error::new(Stage::Run, format!("route {kind}"), "is not known")
+                return Err(Error::new(format!("route {kind}"), "is not known")
                     .remedy(format!("one of {}", KINDS.join(", "))));
             }
         }

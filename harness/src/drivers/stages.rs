@@ -1,6 +1,6 @@
 //! Which emitted files a pipeline is made of.
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::shader::emit::EmittedFile;
 use diffraction_shaders::shader::module;
 
@@ -23,7 +23,7 @@ pub(super) fn stages<'a>(
         };
         files.iter().find_map(of_file).ok_or_else(|| {
             let cause = format!("no emitted file has {}", wanted.unwrap_or("a vertex stage"));
-            Error::new(Stage::Run, name, cause)
+            Error::new(name, cause)
         })
     };
     Ok([find(module::Stage::Vertex, None)?, find(module::Stage::Fragment, Some(entry))?])

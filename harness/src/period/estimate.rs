@@ -1,6 +1,6 @@
 //! The period that a surface shows along the plane of incidence.
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::surface::HeightField;
 use diffraction_shaders::surface::facts::periods;
 
@@ -24,6 +24,6 @@ pub fn expected_um(
     along.map(|peak| peak.period_um).ok_or_else(|| {
         let cause =
             format!("shows no period along the plane of incidence, {along_deg}° from its x");
-        Error::new(Stage::Compute, subject, cause).remedy("say where to search with --period-nm")
+        Error::new(subject, cause).remedy("say where to search with --period-nm")
     })
 }

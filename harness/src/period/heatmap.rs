@@ -1,6 +1,6 @@
 //! The response over wavelength and viewing angle as a picture, the periods beside it.
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
@@ -42,7 +42,7 @@ pub fn heatmap(
         let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
         draw(&root, measurement, protocol, picture)
             .and_then(|()| root.present().map_err(|e| e.to_string()))
-            .map_err(|e| Error::new(Stage::Record, picture.title, e))?;
+            .map_err(|e| Error::new(picture.title, e))?;
     }
     let end = text.find('>').map_or(0, |at| at + 1);
     text.insert_str(end, THEME);

@@ -1,6 +1,6 @@
 //! Windows of a scan, and what they have in common.
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::surface::HeightField;
 
 use super::Measurement;
@@ -48,8 +48,7 @@ pub fn layout(
     let pixels = [0, 1].map(|i| (side_um / pitch[i]).round() as usize);
     if (0..2).any(|i| pixels[i] < 2 || pixels[i] > all[i]) {
         let cause = format!("windows of {side_um} µm do not fit into {} × {} µm", size[0], size[1]);
-        return Err(Error::new(Stage::Compute, subject, cause)
-            .remedy("name a smaller side with --window-um"));
+        return Err(Error::new(subject, cause).remedy("name a smaller side with --window-um"));
     }
     let room = [0, 1].map(|i| all[i] - pixels[i]);
     let columns = match room {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Component, Path};
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 
 use crate::results::{self, Record};
 
@@ -26,12 +26,8 @@ pub struct Folder {
 pub fn read(folder: &Path, pictures: bool) -> Result<Folder> {
     let path = folder.join(results::FILE);
     if !path.is_file() {
-        return Err(Error::new(
-            Stage::Record,
-            folder.display(),
-            format!("has no {}", results::FILE),
-        )
-        .remedy("name a folder that compare, bench or testbench wrote with --out"));
+        return Err(Error::new(folder.display(), format!("has no {}", results::FILE))
+            .remedy("name a folder that compare, bench or testbench wrote with --out"));
     }
     let records = results::read(&path)?;
     let mut found = BTreeMap::new();

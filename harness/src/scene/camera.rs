@@ -1,6 +1,6 @@
 //! A camera that orbits a mesh.
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::variant::mesh::MeshParams;
 use glam::{DVec3, dcamera};
 
@@ -65,7 +65,7 @@ impl Orbit {
         [width, height]: [u32; 2],
         light: DVec3,
     ) -> Result<MeshParams> {
-        let fail = |cause: String| Err(Error::new(Stage::Run, "camera", cause));
+        let fail = |cause: String| Err(Error::new("camera", cause));
         if width == 0 || height == 0 {
             return fail(format!("a picture of {width} × {height} pixels, which is none"));
         }

@@ -6,7 +6,7 @@
 
 mod truth;
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::optics::{REFERENCE_NM, window_sigma_um};
 use diffraction_shaders::plan::Coherence;
@@ -84,7 +84,7 @@ impl<'a> Drawing<'a> {
         let ensemble = variant.optics.coherence == Coherence::Ensemble;
         if widen && !ensemble {
             let cause = "adds amplitudes, whose mean over a pixel is no wider lobe";
-            return Err(Error::new(Stage::Run, &variant.name, cause)
+            return Err(Error::new(&variant.name, cause)
                 .remedy("take a variant with coherence = \"ensemble\", or supersample"));
         }
         let buffers = gpu.mesh(&mesh.vertices, &mesh.triangles)?;
@@ -95,7 +95,7 @@ impl<'a> Drawing<'a> {
             let prepared = Prepared::new(Placement { variant: &wider, ..placement })?;
             let scale = prepared.form.diffuser_scale(&wider.optics).ok_or_else(|| {
                 let cause = "claims no radiance, so that it cannot be blended with a body";
-                Error::new(Stage::Run, &variant.name, cause)
+                Error::new(&variant.name, cause)
             })?;
             levels.push((pass(gpu, &prepared, &mesh, level > 0)?, scale));
         }
@@ -111,7 +111,7 @@ impl<'a> Drawing<'a> {
 
     /// Draws a picture with four samples to a pixel.
     pub fn draw(&self, params: &MeshParams, look: &Look, size: [u32; 2]) -> Result<Hdr> {
-        let fail = |cause: String| Err(Error::new(Stage::Run, &self.mesh.name, cause));
+        let fail = |cause: String| Err(Error::new(&self.mesh.name, cause));
         if look.lights.is_empty() || look.lights.len() > MOST_LIGHTS {
             return fail(format!(
                 "{} lights; from 1 to {MOST_LIGHTS} can shine",

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use gltf::accessor::{DataType, Dimensions};
 use gltf::mesh::{Mode, Semantic};
@@ -19,17 +19,17 @@ const ORIENTATION: &str = "ORIENTATION";
 pub(super) fn read(path: &Path) -> Result<Raw> {
     let name = path.display().to_string();
     let fail = |what: &str, error: gltf::Error| {
-        Error::new(Stage::Run, &name, what).source(error).remedy("export it anew")
+        Error::new(&name, what).source(error).remedy("export it anew")
     };
-    let bytes = std::fs::read(path)
-        .map_err(|error| Error::new(Stage::Run, &name, "cannot be read").source(error))?;
+    let bytes =
+        std::fs::read(path).map_err(|error| Error::new(&name, "cannot be read").source(error))?;
     let gltf::Gltf { document, blob } = gltf::Gltf::from_slice(&bytes)
         .map_err(|error| fail("is no glTF 2.0 file that can be read", error))?;
     let base = path.parent().unwrap_or(Path::new("."));
     let buffers = gltf::import_buffers(&document, Some(base), blob)
         .map_err(|error| fail("its buffers cannot be read", error))?;
     bounded(&document, &buffers)
-        .map_err(|cause| Error::new(Stage::Run, &name, cause).remedy("export it anew"))?;
+        .map_err(|cause| Error::new(&name, cause).remedy("export it anew"))?;
     let mut raw = Raw {
         positions: Vec::new(),
         normals: Some(Vec::new()),
@@ -41,7 +41,7 @@ pub(super) fn read(path: &Path) -> Result<Raw> {
         notes: Vec::new(),
     };
     let scene = document.default_scene().or_else(|| document.scenes().next());
-    let scene = scene.ok_or_else(|| Error::new(Stage::Run, &name, "holds no scene"))?;
+    let scene = scene.ok_or_else(|| Error::new(&name, "holds no scene"))?;
     let mut nodes: Vec<(gltf::Node<'_>, DMat4)> =
         scene.nodes().map(|node| (node, DMat4::IDENTITY)).collect();
     let mut coloured = false;
@@ -59,7 +59,7 @@ pub(super) fn read(path: &Path) -> Result<Raw> {
                 continue;
             }
             append(&mut raw, &primitive, &buffers, world)
-                .map_err(|cause| Error::new(Stage::Run, &name, cause).remedy("export it anew"))?;
+                .map_err(|cause| Error::new(&name, cause).remedy("export it anew"))?;
             if !coloured {
                 coloured = true;
                 raw.colour = colour(&primitive, base, &buffers, &name, &mut raw.notes);
@@ -192,7 +192,7 @@ fn colour(
             let short: String = uri.chars().take(80).collect();
             let cause = format!("its texture \"{short}\" cannot be read");
             gltf::image::Data::from_source(source.source(), Some(base), buffers)
-                .map_err(|e| Error::new(Stage::Run, name, cause).source(e))
+                .map_err(|e| Error::new(name, cause).source(e))
                 .and_then(|data| convert(name, &data))
         }
     };
@@ -207,8 +207,9 @@ fn convert(name: &str, data: &gltf::image::Data) -> Result<ColourMap> {
         gltf::image::Format::R8G8B8 => 3,
         gltf::image::Format::R8G8B8A8 => 4,
         other => {
-            return Err(Error::new(Stage::Run, name, format!("its texture is {other:?}"))
-                .remedy("8-bit RGB or RGBA"));
+            return Err(
+                Error::new(name, format!("its texture is {other:?}")).remedy("8-bit RGB or RGBA")
+            );
         }
     };
     let texels = data.pixels.chunks_exact(channels).map(|p| [p[0], p[1], p[2], 255]).collect();

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use glam::{DVec2, DVec3};
 
 use super::raw::Raw;
@@ -11,9 +11,8 @@ use crate::drivers::ColourMap;
 /// All objects of a file in one mesh; the colour is the first material's picture or plain colour.
 pub(super) fn read(path: &Path) -> Result<Raw> {
     let name = path.display().to_string();
-    let fail = |error: tobj::LoadError| {
-        Error::new(Stage::Run, &name, "is no OBJ file that can be read").source(error)
-    };
+    let fail =
+        |error: tobj::LoadError| Error::new(&name, "is no OBJ file that can be read").source(error);
     let options = tobj::LoadOptions { triangulate: true, single_index: true, ..Default::default() };
     let (models, materials) = tobj::load_obj(path, &options).map_err(fail)?;
     let mut raw = Raw {
@@ -66,8 +65,8 @@ fn colour(path: &Path, material: &tobj::Material, notes: &mut Vec<String>) -> Co
     let Some(file) = &material.diffuse_texture else { return plain };
     let file = path.parent().unwrap_or(Path::new(".")).join(file);
     let name = file.display().to_string();
-    let bytes = std::fs::read(&file)
-        .map_err(|error| Error::new(Stage::Run, &name, "cannot be read").source(error));
+    let bytes =
+        std::fs::read(&file).map_err(|error| Error::new(&name, "cannot be read").source(error));
     bytes.and_then(|bytes| ColourMap::decode(&name, &bytes)).unwrap_or_else(|error| {
         notes.push(format!("{error}; the material's plain colour taken"));
         plain

@@ -1,6 +1,6 @@
 //! What each pixel of a picture sees, in f64: a judge of the drivers that shares no code with them.
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::variant::mesh::{MeshParams, MeshVertex, mesh_vert};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -31,7 +31,7 @@ pub fn visible(
     let used = mesh.triangles.iter().flatten();
     if used.clone().any(|i| corners[*i as usize].position.w <= 0.0) {
         let cause = "reaches behind the camera, and the exact picture clips nothing";
-        return Err(Error::new(Stage::Run, &mesh.name, cause).remedy("move the camera out"));
+        return Err(Error::new(&mesh.name, cause).remedy("move the camera out"));
     }
     let pixel = |i: u32| {
         let position = corners[i as usize].position;

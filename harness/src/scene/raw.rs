@@ -1,6 +1,6 @@
 //! What a file of a mesh holds, checked and mended.
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::variant::mesh::Vertex;
 use glam::{DVec2, DVec3, DVec4};
 
@@ -24,7 +24,7 @@ pub(super) struct Raw {
 impl Raw {
     /// Refuses what has no meaning, replaces what is missing or no number, and says so.
     pub(super) fn mend(mut self, name: &str) -> Result<Mesh> {
-        let fail = |cause: String| Err(Error::new(Stage::Run, name, cause));
+        let fail = |cause: String| Err(Error::new(name, cause));
         if let Some(at) = self.positions.iter().position(|p| !p.is_finite()) {
             return fail(format!("vertex {at} has no place: {}", self.positions[at]));
         }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 
 use super::mesh::Mesh;
 use super::{gltf, obj};
@@ -15,7 +15,7 @@ pub fn read(path: &Path) -> Result<Mesh> {
         "obj" => obj::read(path)?,
         _ => {
             let cause = "its name ends in none of .gltf, .glb, .obj";
-            return Err(Error::new(Stage::Run, path.display(), cause).remedy("convert it"));
+            return Err(Error::new(path.display(), cause).remedy("convert it"));
         }
     };
     raw.mend(&path.display().to_string())

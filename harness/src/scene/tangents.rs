@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use glam::{DVec3, DVec4};
 
 use super::mesh::Mesh;
@@ -15,7 +15,7 @@ use super::mesh::Mesh;
 pub(super) fn generate(mesh: &mut Mesh) -> Result<usize> {
     let mut corners = Corners { mesh, tangents: vec![None; 3 * mesh.triangles.len()] };
     generate_tangents(&mut corners)
-        .map_err(|error| Error::new(Stage::Run, &corners.mesh.name, error.to_string()))?;
+        .map_err(|error| Error::new(&corners.mesh.name, error.to_string()))?;
     let tangents = corners.tangents;
     let mut known: BTreeMap<(u32, [u32; 4]), u32> = BTreeMap::new();
     let (mut vertices, mut frameless) = (Vec::new(), 0);

@@ -1,6 +1,6 @@
 //! Errors of candidates: their twins, on tables rounded as a shader reads them, against the exact colours.
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::field::comparison_directions::on_orders;
 use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::optics::brdf_map::view_directions;
@@ -70,7 +70,7 @@ impl Truth {
             let colours = exact.tristimulus(&directions, progress)?;
             let exposure = auto_exposure(&colours).ok_or_else(|| {
                 let subject = format!("light {},{}", light[0], light[1]);
-                Error::new(Stage::Run, subject, "the surface is black under it")
+                Error::new(subject, "the surface is black under it")
             })?;
             let map_exposure = auto_exposure(&colours[..map]);
             let brightest = colours.iter().map(|c| c[1]).fold(0.0, f64::max);

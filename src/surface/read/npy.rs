@@ -3,7 +3,7 @@
 use npyz::{DType, Deserialize, NpyFile, Order, TypeChar};
 
 use super::{check_length, check_pixels, grey};
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::surface::raster::{Raster, Samples};
 
 /// A header longer than this is none; that of a plain array has 128 bytes.
@@ -15,7 +15,7 @@ const MAX_NESTING: usize = 4;
 
 /// Reads a file whose magic string has been seen; `[row][column]` in either memory order and byte order.
 pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
-    let error = |cause: String| Error::new(Stage::Height, subject, cause);
+    let error = |cause: String| Error::new(subject, cause);
     let broken = |e: std::io::Error| {
         error("the NPY file cannot be decoded".into())
             .source(e)

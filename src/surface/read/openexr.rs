@@ -11,7 +11,7 @@ use exr::meta::{BlockDescription, MetaData};
 use exr::prelude::{ReadChannels, ReadLayers};
 
 use super::{check_length, check_pixels};
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::surface::raster::{Raster, Samples};
 
 /// Largest tile of a layer that is smaller than a quarter of it. The crate takes memory for as many bytes as a tile may have,
@@ -20,7 +20,7 @@ const MAX_TILE_BYTES: u64 = 16 << 20;
 
 /// Reads a file whose magic number has been seen. A channel named `A` is opacity and not read, unless it is the only one.
 pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
-    let error = |cause: String| Error::new(Stage::Height, subject, cause);
+    let error = |cause: String| Error::new(subject, cause);
     let broken = |e: exr::error::Error| {
         error("the OpenEXR file cannot be decoded".into())
             .source(e)

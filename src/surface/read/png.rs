@@ -6,13 +6,13 @@ use image::codecs::png::PngDecoder;
 use image::{ColorType, ImageDecoder, Limits};
 
 use super::{check_length, check_pixels, grey};
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::surface::raster::Raster;
 
 /// Reads a file whose signature has been seen.
 pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
     let error = |e: image::ImageError| {
-        Error::new(Stage::Height, subject, "the PNG cannot be decoded")
+        Error::new(subject, "the PNG cannot be decoded")
             .source(e)
             .remedy("the file is truncated or damaged")
     };
@@ -36,12 +36,8 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
             grey(&wide, channels, alpha, columns, 16, subject)?
         }
         other => {
-            return Err(Error::new(
-                Stage::Height,
-                subject,
-                format!("pixels of type {other:?} are not supported"),
-            )
-            .remedy("export 8-bit or 16-bit grey"));
+            return Err(Error::new(subject, format!("pixels of type {other:?} are not supported"))
+                .remedy("export 8-bit or 16-bit grey"));
         }
     };
     Ok(Raster { columns, rows, samples, scale: None, notes: Vec::new() })

@@ -1,7 +1,7 @@
 //! Text matrices: one row of heights per line, top row first; `#` starts a comment.
 
 use super::check_pixels;
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::surface::raster::{Raster, Samples};
 
 /// Reads numbers separated by white space, commas or semicolons, one kind per file.
@@ -9,7 +9,7 @@ use crate::surface::raster::{Raster, Samples};
 /// The separator is the semicolon if the file has any, else white space if it has a tab, else the comma, else white
 /// space: so a decimal comma beside semicolons or tabs is an error and not a separator. `nan` is a void pixel.
 pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
-    let error = |cause: String| Error::new(Stage::Height, subject, cause);
+    let error = |cause: String| Error::new(subject, cause);
     let text = std::str::from_utf8(bytes).map_err(|e| {
         error("the text is not UTF-8".into()).source(e).remedy("save it as UTF-8 or ASCII")
     })?;
@@ -69,5 +69,5 @@ fn not_a_number(subject: &str, line: usize, column: usize, field: &str) -> Error
         _ if field.contains(',') => "write decimal points, not commas",
         _ => "start headings and comments with `#`",
     };
-    Error::new(Stage::Height, subject, cause).remedy(remedy)
+    Error::new(subject, cause).remedy(remedy)
 }

@@ -7,7 +7,7 @@ use tiff::tags::Tag;
 use tiff::{ColorType, TiffError};
 
 use super::{check_length, check_pixels, grey};
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::surface::raster::{Raster, Samples};
 
 /// `PhotometricInterpretation` of an image whose zero is black, `Orientation` of one whose first row is the top and first
@@ -19,7 +19,7 @@ const UNCOMPRESSED: u32 = 1;
 
 /// Reads a file whose byte-order mark has been seen.
 pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
-    let error = |cause: String| Error::new(Stage::Height, subject, cause);
+    let error = |cause: String| Error::new(subject, cause);
     let broken = |e: TiffError| {
         error("the TIFF cannot be decoded".into())
             .source(e)

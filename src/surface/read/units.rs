@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::plan::FileSource;
 use crate::surface::raster::{Raster, Samples};
 use crate::surface::{MAX_HEIGHT_UM, MAX_PITCH_UM, MAX_SIDE, MIN_PITCH_UM, check_pixel, check_um};
@@ -19,7 +19,7 @@ pub(super) fn check_keys(source: &FileSource, subject: &str) -> Result<()> {
     check("z_unit_um", source.z_unit_um, 1e6)?;
     if let (Some(size), Some(pixel)) = (source.size_um, source.pixel_um) {
         let cause = format!("both `size_um = {size}` and `pixel_um = {pixel}` are given");
-        return Err(Error::new(Stage::Height, subject, cause).remedy("remove one of them"));
+        return Err(Error::new(subject, cause).remedy("remove one of them"));
     }
     Ok(())
 }
@@ -50,7 +50,7 @@ pub(super) fn pitch(
         (Some((origin, x, aspect)), _) => (origin, x, x * aspect),
         (None, Some((x, y))) => ("the file's own scale".to_owned(), x, y),
         (None, None) => {
-            return Err(Error::new(Stage::Height, subject, "no physical scale: neither `size_um` nor `pixel_um` is given")
+            return Err(Error::new(subject, "no physical scale: neither `size_um` nor `pixel_um` is given")
                 .remedy("add `size_um` (width of the patch in µm) or `pixel_um` (pitch of the pixels in µm)"));
         }
     };
@@ -116,7 +116,7 @@ pub(super) fn heights(
     subject: &str,
     notes: &mut Vec<String>,
 ) -> Result<Vec<f64>> {
-    let error = |cause: String| Error::new(Stage::Height, subject, cause);
+    let error = |cause: String| Error::new(subject, cause);
     let (mut values, unit_um, what) = match samples {
         Samples::Grey { shares, bits } => {
             let top = (1u32 << bits) - 1;

@@ -4,7 +4,7 @@
 //! A patch holds whole numbers of features, so `pitch_um` and `length_um` are adjusted to the nearest that fit, with a
 //! note. `regularity` scales every irregularity by `1 - regularity`. Heights are scaled to exactly `0 … height_um`.
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::plan::Rough;
 use crate::surface::synthetic::grid;
 use crate::surface::synthetic::random::{SplitMix64, Waves};
@@ -159,11 +159,11 @@ impl Lattice {
         check_um(subject, "height_um", rough.height_um, MAX_HEIGHT_UM)?;
         if !(0.0..=1.0).contains(&rough.regularity) {
             let cause = format!("`regularity = {}` is outside 0 to 1", rough.regularity);
-            return Err(Error::new(Stage::Height, subject, cause).remedy("1 is a perfect lattice"));
+            return Err(Error::new(subject, cause).remedy("1 is a perfect lattice"));
         }
         let mut cells = |key: &str, length_um: f64, given: bool| {
             check_um(subject, key, length_um, f64::MAX)?;
-            let error = |cause: String| Error::new(Stage::Height, subject, cause);
+            let error = |cause: String| Error::new(subject, cause);
             let count = (rough.size_um / length_um).round();
             if count < 1.0 {
                 return Err(error(format!(

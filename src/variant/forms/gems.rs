@@ -1,7 +1,7 @@
 //! `gems`: the order sum of GPU Gems (2004), chapter 8, a comparator without a stated error.
 
 use crate::defines::Defines;
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::plan::{Colour, Optics, Variant};
 use crate::surface::HeightField;
 use crate::tables::{GratingSpec, TableSpec, strongest_period_um};
@@ -16,8 +16,7 @@ pub struct Gems;
 impl Gems {
     pub(in crate::variant) fn new(variant: &Variant, height: &HeightField) -> Result<Gems> {
         strongest_period_um(height).map(|_| Gems).ok_or_else(|| {
-            Error::new(Stage::Compute, &variant.name, "a flat surface has no period")
-                .remedy("gems is for gratings")
+            Error::new(&variant.name, "a flat surface has no period").remedy("gems is for gratings")
         })
     }
 }

@@ -1,7 +1,7 @@
 //! `adaptive` on the bins of the patch: the lobes that the wavelengths of a direction cross.
 
 use crate::defines::Defines;
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::plan::{Coherence, Illuminant, Variant, Window};
 use crate::surface::HeightField;
 use crate::tables::{
@@ -63,7 +63,7 @@ fn check_isolated(variant: &Variant, geometry: &LobeGeometry) -> Result<()> {
     }
     let cause =
         format!("neighbouring lobes overlap and interfere: σf·L = {widest:.2}, above {ISOLATED}");
-    Err(Error::new(Stage::Compute, &variant.name, cause).remedy(
+    Err(Error::new(&variant.name, cause).remedy(
         "use reconstruction = \"prefiltered\", coherence = \"ensemble\", or mode = \"full\"",
     ))
 }

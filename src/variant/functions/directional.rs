@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::error::{Error, Result, Stage};
+use crate::error::{Error, Result};
 use crate::field::Scratch;
 use crate::field::comparison_directions::pool;
 use crate::field::reference::{Directions, Reference};
@@ -75,9 +75,7 @@ fn exact(height: &HeightField, rotate_deg: f64, optics: &Optics) -> Result<Vec<E
         rest = others;
         these
     });
-    choose(kinds).ok_or_else(|| {
-        Error::new(Stage::Compute, "probe.json", "too few directions to choose from")
-    })
+    choose(kinds).ok_or_else(|| Error::new("probe.json", "too few directions to choose from"))
 }
 
 /// A third of each kind, lit ones in the order of drawing first; what a kind lacks is made up from the brightest left.

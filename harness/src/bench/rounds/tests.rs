@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use diffraction_shaders::error::{Error, Stage};
+use diffraction_shaders::error::Error;
 
 use super::*;
 
@@ -38,7 +38,7 @@ impl<F: Fn(usize, f64) -> Option<f64>> Executor for Scripted<'_, F> {
         let draw = self.draws.replace(self.draws.get() + 1);
         self.frames.set(self.frames.get() + frames);
         let Some(once) = (self.script)(draw, self.clock.0.get()) else {
-            return Err(Error::new(Stage::Run, "scripted", "the device was lost"));
+            return Err(Error::new("scripted", "the device was lost"));
         };
         let took = once * frames as f64;
         self.clock.0.set(self.clock.0.get() + took);

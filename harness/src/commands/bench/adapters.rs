@@ -48,7 +48,7 @@ pub(super) fn open(info: &AdapterInfo) -> error::Result<Gpu> {
         return Ok(by_driver);
     }
     let subject = format!("{} adapter {info}", info.backend);
-    Err(error::Error::new(error::Stage::Run, subject, "another one bears the same names"))
+    Err(error::Error::new(subject, "another one bears the same names"))
 }
 
 /// Which clock is used on an adapter, and why.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use diffraction_cli::console::Console;
 use diffraction_cli::files::write_whole;
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use indicatif::ProgressBar;
 
 use crate::compare::{Sink, Unit};
@@ -40,7 +40,7 @@ impl Sink for Recorder<'_> {
         self.log.append(&record)?;
         if self.json {
             let told = self.console.data(&line(&record));
-            told.map_err(|e| Error::new(Stage::Record, "stdout", e))?;
+            told.map_err(|e| Error::new("stdout", e))?;
         }
         if let Record::Gap(gap) = &record
             && gap.failed
@@ -54,7 +54,7 @@ impl Sink for Recorder<'_> {
 
     fn picture(&mut self, place: &str, png: Vec<u8>) -> Result<()> {
         let path = self.out.join(place);
-        let fail = |e: String| Error::new(Stage::Record, path.display(), e);
+        let fail = |e: String| Error::new(path.display(), e);
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder).map_err(|e| fail(e.to_string()))?;
         }

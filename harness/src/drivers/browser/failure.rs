@@ -1,8 +1,8 @@
 //! How errors of the browser begin.
 
-use diffraction_shaders::error::{Error, Stage};
+use diffraction_shaders::error::Error;
 
 /// An error about the browser.
 pub(super) fn failure(cause: impl std::fmt::Display) -> Error {
-    Error::new(Stage::Run, "chromium", cause)
+    Error::new("chromium", cause)
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 use std::time::Duration;
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 
 use super::server::{HttpRequest, Method, Server, StatusCode};
 
@@ -28,13 +28,13 @@ pub struct FolderServer {
 impl FolderServer {
     /// Opens a port, any free one for 0.
     pub fn open(folder: &Path, port: u16) -> Result<FolderServer> {
-        let about = |cause: &str| Error::new(Stage::Run, folder.display(), cause);
+        let about = |cause: &str| Error::new(folder.display(), cause);
         let root = fs::canonicalize(folder).map_err(|e| about("cannot be opened").source(e))?;
         if !root.is_dir() {
             return Err(about("is no folder"));
         }
         let server = Server::open(port).map_err(|e| {
-            Error::new(Stage::Run, format!("port {port}"), "cannot be opened")
+            Error::new(format!("port {port}"), "cannot be opened")
                 .remedy("another program may have it: take another, or 0 for any")
                 .source(e)
         })?;
@@ -48,7 +48,7 @@ impl FolderServer {
 
     /// Answers the next request, if one comes in time. What a page posts is returned; else, only files are handed out.
     pub fn answer(&self, wait: Duration) -> Result<Option<Vec<u8>>> {
-        let failed = |e| Error::new(Stage::Run, "the local port", "fails").source(e);
+        let failed = |e| Error::new("the local port", "fails").source(e);
         let Some(request) = self.server.next(wait).map_err(failed)? else { return Ok(None) };
         Ok(self.respond(request))
     }

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, absolute};
 use std::time::Duration;
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use serde::Deserialize;
 
 use super::chromium::Chromium;
@@ -54,9 +54,8 @@ pub fn check_page(
     [width, height]: [u32; 2],
     screenshot: Option<&Path>,
 ) -> Result<PageCheck> {
-    let about = |e: std::io::Error| {
-        Error::new(Stage::Run, html.display(), "cannot be opened in a browser").source(e)
-    };
+    let about =
+        |e: std::io::Error| Error::new(html.display(), "cannot be opened in a browser").source(e);
     fs::metadata(html).map_err(about)?;
     let folder = tempfile::tempdir().map_err(about)?;
     let page = folder.path().join("frame.html");
@@ -80,7 +79,7 @@ pub fn check_page(
     let settings = settings.iter().map(String::as_str);
     let flags: Vec<&str> = flags::ANY_GL.into_iter().chain(settings).collect();
     let log = Chromium::start(None, &flags, &address(&page))?.finish(LIMIT)?;
-    let unseen = |what| Error::new(Stage::Run, html.display(), what);
+    let unseen = |what| Error::new(html.display(), what);
     if !picture.is_file() {
         return Err(unseen("the browser took no picture of it"));
     }

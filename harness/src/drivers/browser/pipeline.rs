@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::shader::emit::{BindingKind, EmittedFile};
 use diffraction_shaders::tables::{SAMPLER, Table};
 use serde_json::{Value, json};
@@ -71,7 +71,7 @@ impl Pipeline {
         let wanted = size[0] as usize * band.len();
         if message.payload.len() != wanted * size_of::<[f32; 4]>() {
             let cause = format!("{} bytes came back for {wanted} pixels", message.payload.len());
-            return Err(Error::new(Stage::Run, &self.name, cause));
+            return Err(Error::new(&self.name, cause));
         }
         let numbers = message.payload.as_chunks().0.iter().map(|&four| f32::from_le_bytes(four));
         let numbers: Vec<f32> = numbers.collect();
@@ -114,7 +114,7 @@ fn bytes(name: &str, table: &Table) -> Result<Vec<u8>> {
     let sides = [table.width, table.height, table.layers.max(1), table.format.channels()];
     if sides.into_iter().try_fold(1, usize::checked_mul) != Some(table.texels.len()) {
         let cause = format!("table {}: {} numbers do not fill it", table.name, table.texels.len());
-        return Err(Error::new(Stage::Run, name, cause));
+        return Err(Error::new(name, cause));
     }
     Ok(table.bytes())
 }
@@ -159,5 +159,5 @@ fn resources(
 }
 
 fn failure(name: &str, file: &EmittedFile, cause: String) -> Error {
-    Error::new(Stage::Run, name, format!("{}: {cause}", file.name))
+    Error::new(name, format!("{}: {cause}", file.name))
 }

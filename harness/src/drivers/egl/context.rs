@@ -9,7 +9,7 @@ use std::marker::PhantomData;
 use std::ptr;
 use std::sync::OnceLock;
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::tables::{Table, TexelFormat};
 use glow::{HasContext, PixelPackData, PixelUnpackData};
 use khronos_egl as egl;
@@ -30,7 +30,7 @@ pub(super) fn instance() -> Result<&'static Instance> {
     }
     // SAFETY: the system's EGL library may be loaded at any time, and its functions have the types of the standard.
     let loaded = unsafe { Instance::load_required_from_filename("libEGL.so.1") }
-        .map_err(|e| Error::new(Stage::Run, "EGL", e).remedy(REMEDY))?;
+        .map_err(|e| Error::new("EGL", e).remedy(REMEDY))?;
     Ok(INSTANCE.get_or_init(|| loaded))
 }
 
@@ -105,11 +105,7 @@ impl Context {
         let made =
             egl.bind_api(api).and_then(|()| egl.create_context(display, config, None, &attributes));
         let context = made.map_err(|e| {
-            Error::new(
-                Stage::Run,
-                dialect,
-                format!("no context of version {major}.{minor}: EGL says {e:?}"),
-            )
+            Error::new(dialect, format!("no context of version {major}.{minor}: EGL says {e:?}"))
         })?;
         Ok(Context { egl, display, api, context, gl: OnceLock::new() })
     }
@@ -121,11 +117,7 @@ impl Context {
             .bind_api(*api)
             .and_then(|()| egl.make_current(*display, None, None, Some(*context)));
         made.map_err(|e| {
-            Error::new(
-                Stage::Run,
-                subject,
-                format!("the context cannot be made current: EGL says {e:?}"),
-            )
+            Error::new(subject, format!("the context cannot be made current: EGL says {e:?}"))
         })?;
         let gl = self.gl.get_or_init(|| {
             let load = |name: &str| match egl.get_proc_address(name) {
@@ -166,7 +158,7 @@ impl Drop for Current<'_> {
 impl Current<'_> {
     /// An error about the subject.
     pub(super) fn fail<T>(&self, cause: impl std::fmt::Display) -> Result<T> {
-        Err(Error::new(Stage::Run, self.subject, cause))
+        Err(Error::new(self.subject, cause))
     }
 
     /// An error where GL recorded one since the last call.

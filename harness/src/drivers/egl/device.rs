@@ -2,7 +2,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use khronos_egl as egl;
 
 use super::context::{Context, Current, Instance, displays, instance};
@@ -42,7 +42,7 @@ impl Device {
                 format!("no display of the name {name} runs it: {}", reasons.join("; "))
             }
         };
-        Err(Error::new(Stage::Run, dialect, cause).remedy(REMEDY))
+        Err(Error::new(dialect, cause).remedy(REMEDY))
     }
 
     /// A context of its kind.

@@ -1,6 +1,6 @@
 //! Which adapters there are, and opening one.
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 
 use super::backend::{AdapterInfo, Backend};
 use super::guard::Shared;
@@ -29,7 +29,6 @@ pub(super) fn open(backend: Backend, wanted: Option<&str>) -> Result<Shared> {
     let features = adapter.get_texture_format_features(super::render::TARGET);
     if !features.allowed_usages.contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {
         let error = Error::new(
-            Stage::Run,
             format!("{backend} adapter {info}"),
             "cannot render to 32-bit float targets",
         );
@@ -53,7 +52,7 @@ pub(super) fn open(backend: Backend, wanted: Option<&str>) -> Result<Shared> {
         trace: wgpu::Trace::Off,
     });
     let (device, queue) = pollster::block_on(request).map_err(|e| {
-        Error::new(Stage::Run, format!("{backend} adapter {info}"), "opens no device").source(e)
+        Error::new(format!("{backend} adapter {info}"), "opens no device").source(e)
     })?;
     Ok(Shared::new(instance, device, queue, info, limits))
 }
@@ -117,7 +116,7 @@ fn none(backend: Backend, wanted: Option<&str>) -> Error {
             format!("{b}: {}", if names.is_empty() { "none".to_owned() } else { names.join(", ") })
         })
         .collect();
-    Error::new(Stage::Run, backend, cause).remedy(format!(
+    Error::new(backend, cause).remedy(format!(
         "found {}; Debian's software drivers are mesa-vulkan-drivers libvulkan1 for vulkan, libegl1 libgles2 libgl1-mesa-dri for gl",
         listing.join("; ")
     ))

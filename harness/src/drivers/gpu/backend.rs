@@ -2,7 +2,7 @@
 
 use std::{fmt, str::FromStr};
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 
 /// A graphics interface of the operating system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -52,7 +52,7 @@ impl FromStr for Backend {
 
     fn from_str(name: &str) -> Result<Backend> {
         Backend::ALL.into_iter().find(|backend| backend.name() == name).ok_or_else(|| {
-            Error::new(Stage::Run, name, "no such backend")
+            Error::new(name, "no such backend")
                 .remedy(format!("one of {}", Backend::ALL.map(Backend::name).join(", ")))
         })
     }

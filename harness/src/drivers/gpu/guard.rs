@@ -8,7 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 
 use super::backend::AdapterInfo;
 
@@ -69,13 +69,13 @@ impl Shared {
             Err(panic) => {
                 let text = payload(panic.as_ref());
                 lock(&self.faults).lost.get_or_insert_with(|| text.clone());
-                return Err(Error::new(Stage::Run, subject, text));
+                return Err(Error::new(subject, text));
             }
         };
         self.intact(subject)?;
         let reported = lock(&self.faults).reported.take();
         match reported {
-            Some(text) => Err(Error::new(Stage::Run, subject, text)),
+            Some(text) => Err(Error::new(subject, text)),
             None => result,
         }
     }
@@ -94,21 +94,19 @@ impl Shared {
             match outcome {
                 Ok(_) => return Ok(()),
                 Err(wgpu::PollError::Timeout) => self.intact(subject)?,
-                Err(e) => return Err(Error::new(Stage::Run, subject, "cannot wait").source(e)),
+                Err(e) => return Err(Error::new(subject, "cannot wait").source(e)),
             }
             refused = if begun.elapsed() < Duration::from_millis(10) { refused + 1 } else { 0 };
         }
-        Err(Error::new(Stage::Run, subject, "the driver refuses to wait for the frame"))
+        Err(Error::new(subject, "the driver refuses to wait for the frame"))
     }
 
     fn intact(&self, subject: &str) -> Result<()> {
         match &lock(&self.faults).lost {
-            Some(why) => Err(Error::new(
-                Stage::Run,
-                subject,
-                format!("the device of {} was lost: {why}", self.info),
-            )
-            .remedy("open it anew")),
+            Some(why) => {
+                Err(Error::new(subject, format!("the device of {} was lost: {why}", self.info))
+                    .remedy("open it anew"))
+            }
             None => Ok(()),
         }
     }
@@ -117,7 +115,7 @@ impl Shared {
 /// Runs `work`, with a panic of wgpu as an error.
 pub(super) fn caught<T>(subject: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
     catch_unwind(AssertUnwindSafe(work))
-        .unwrap_or_else(|panic| Err(Error::new(Stage::Run, subject, payload(panic.as_ref()))))
+        .unwrap_or_else(|panic| Err(Error::new(subject, payload(panic.as_ref()))))
 }
 
 /// The lock, whether or not a holder panicked: nothing here is left half-changed.

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::variant::mesh::Vertex;
 
 use super::guard::Shared;
@@ -268,7 +268,7 @@ pub(super) fn draw(
     if width == 0 || height == 0 || width > side || height > side {
         let cause =
             format!("a picture of {width} × {height} pixels; from 1 to {side} can be drawn");
-        return Err(Error::new(Stage::Run, name, cause).remedy("choose another size"));
+        return Err(Error::new(name, cause).remedy("choose another size"));
     }
     let texture = |format, sample_count, usage| {
         shared.device.create_texture(&wgpu::TextureDescriptor {

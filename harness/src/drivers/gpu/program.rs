@@ -2,7 +2,7 @@
 
 use std::{borrow::Cow, collections::BTreeSet, sync::Arc};
 
-use diffraction_shaders::error::{self, Error, Result};
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::shader::module::Stage;
 
 use super::{Backend, guard::Shared, render::Pipeline, render::TARGET, spirv};
@@ -130,19 +130,14 @@ pub(super) fn check(program: &Program<'_>, shared: &Shared) -> Result<()> {
             (Stage::Vertex, program.vertex_entry, vertex),
             (Stage::Fragment, program.fragment_entry, fragment),
         ] {
-            spirv::check(words, stage, entry, &bound).map_err(|cause| {
-                Error::new(error::Stage::Run, format!("{}: {entry}", program.name), cause)
-            })?;
+            spirv::check(words, stage, entry, &bound)
+                .map_err(|cause| Error::new(format!("{}: {entry}", program.name), cause))?;
         }
     }
     for texture in &program.textures {
         let Texture { binding, layout, format, width, height, layers, ref bytes, .. } = *texture;
         let fail = |cause: String| {
-            Error::new(
-                error::Stage::Run,
-                format!("{}: texture at binding {binding}", program.name),
-                cause,
-            )
+            Error::new(format!("{}: texture at binding {binding}", program.name), cause)
         };
         if width == 0 || height == 0 || layers == 0 {
             return Err(fail(format!("{width} × {height} × {layers} texels, which is none")));
@@ -177,13 +172,12 @@ pub(super) fn check(program: &Program<'_>, shared: &Shared) -> Result<()> {
         let subject = format!("{}: uniform block at binding {binding}", program.name);
         if u64::from(size) > most {
             return Err(Error::new(
-                error::Stage::Run,
                 subject,
                 format!("{size} bytes, above max_uniform_buffer_binding_size = {most}"),
             ));
         }
         if size == 0 || size % 16 != 0 {
-            return Err(Error::new(error::Stage::Run, subject, format!("a size of {size} bytes"))
+            return Err(Error::new(subject, format!("a size of {size} bytes"))
                 .remedy("pad it to a multiple of 16"));
         }
     }

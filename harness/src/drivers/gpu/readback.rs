@@ -2,7 +2,7 @@
 
 use std::sync::mpsc;
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use half::f16;
 
 use super::guard::Shared;
@@ -41,7 +41,7 @@ pub(super) fn read_back(
         // the receiver outlives the mapping, or nobody wants to know
         let _ = sender.send(outcome);
     });
-    let unread = || Error::new(Stage::Run, name, "the picture cannot be read back");
+    let unread = || Error::new(name, "the picture cannot be read back");
     let outcome = loop {
         shared.wait(name, &submission)?;
         match receiver.try_recv() {

@@ -6,7 +6,7 @@ use std::{
     sync::{Arc, Mutex, mpsc},
 };
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 
 use super::guard::{Shared, lock};
 
@@ -59,7 +59,6 @@ impl Pipeline {
             self.shared.guarded(&self.name, || self.read(&target, uniform, band, &mut pixels))?;
             if progress(done, height).is_break() && done < height {
                 return Err(Error::new(
-                    Stage::Run,
                     &self.name,
                     format!("interrupted after {done} of {height} rows"),
                 ));
@@ -81,7 +80,7 @@ impl Pipeline {
     }
 
     pub(super) fn check(&self, width: u32, height: u32, uniform: &[u8]) -> Result<()> {
-        let fail = |cause: String| Err(Error::new(Stage::Run, &self.name, cause));
+        let fail = |cause: String| Err(Error::new(&self.name, cause));
         let side = self.shared.limits.max_texture_dimension_2d;
         if width == 0 || height == 0 {
             return fail(format!("a frame of {width} × {height} pixels, which is none"));
@@ -210,7 +209,7 @@ impl Pipeline {
             // the receiver outlives the mapping, or nobody wants to know
             let _ = sender.send(outcome);
         });
-        let unread = || Error::new(Stage::Run, &self.name, "the frame cannot be read back");
+        let unread = || Error::new(&self.name, "the frame cannot be read back");
         let outcome = loop {
             self.shared.wait(&self.name, &submission)?;
             match receiver.try_recv() {

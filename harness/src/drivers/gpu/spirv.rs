@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use diffraction_shaders::error::{self, Error, Result};
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::shader::module::Stage;
 
 use super::{Backend, guard::Shared};
@@ -23,8 +23,7 @@ pub(super) fn supported(shared: &Shared) -> Result<()> {
         return Ok(());
     }
     let subject = format!("{} adapter {}", shared.info.backend, shared.info);
-    Err(Error::new(error::Stage::Run, subject, "takes no SPIR-V as it is")
-        .remedy("choose the backend vulkan"))
+    Err(Error::new(subject, "takes no SPIR-V as it is").remedy("choose the backend vulkan"))
 }
 
 /// Walks through all instructions; says why not where they are not a module with that entry point, or where it reads something

@@ -7,7 +7,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 
 use super::guard::lock;
 use super::render::{Pipeline, Target};
@@ -88,7 +88,7 @@ impl Pipeline {
         queries: &Queries,
         submission: &wgpu::SubmissionIndex,
     ) -> Result<Option<Duration>> {
-        let unread = || Error::new(Stage::Run, &self.name, "the time stamps cannot be read back");
+        let unread = || Error::new(&self.name, "the time stamps cannot be read back");
         let (sender, receiver) = mpsc::channel();
         let slice = queries.read.slice(..);
         slice.map_async(wgpu::MapMode::Read, move |outcome| {

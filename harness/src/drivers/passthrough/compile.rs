@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::plan::Target;
 
 use super::Entry;
@@ -19,7 +19,7 @@ const TIME_LIMIT: Duration = Duration::from_secs(60);
 /// What `spirv-val` has against them is an error, where it is installed.
 pub(super) fn words(compiler: Option<&Path>, name: &str, entry: &Entry<'_>) -> Result<Vec<u32>> {
     let subject = format!("{name}: {}: {}", entry.file.name, entry.entry);
-    let fail = |cause: String| Error::new(Stage::Run, &subject, cause);
+    let fail = |cause: String| Error::new(&subject, cause);
     let folder =
         tempfile::tempdir().map_err(|e| fail("no temporary folder".to_owned()).source(e))?;
     let spirv = folder.path().join("shader.spv");

@@ -1,6 +1,6 @@
 //! A drawn picture against the same scene in f64.
 
-use diffraction_shaders::error::{Error, Result, Stage};
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::optics::colour::from_rgb;
 use diffraction_shaders::optics::colour_difference::{ColourDifference, colour_difference};
 use diffraction_shaders::tables::Table;
@@ -72,11 +72,7 @@ pub fn truth(
         picture.push(from_rgb([drawn[0], drawn[1], drawn[2]].map(f64::from), colour));
     }
     if picture.is_empty() {
-        return Err(Error::new(
-            Stage::Run,
-            &mesh.name,
-            "no pixel sees it, so that nothing is compared",
-        ));
+        return Err(Error::new(&mesh.name, "no pixel sees it, so that nothing is compared"));
     }
     apart.sort_by(f64::total_cmp);
     Ok(Truth {
