@@ -34,7 +34,12 @@ pub trait Runner {
     fn route(&self) -> String;
 
     /// Relative tristimulus values, gain included.
-    fn tristimulus(
+    fn tristimulus(&self, directions: &[Directions]) -> Result<Vec<[f64; 3]>> {
+        self.tristimulus_with(directions, &|_| ())
+    }
+
+    /// [`Runner::tristimulus`] with progress.
+    fn tristimulus_with(
         &self,
         directions: &[Directions],
         progress: Progress<'_>,
@@ -44,10 +49,15 @@ pub trait Runner {
     fn response(&self, directions: &[Directions], lambda_nm: f64) -> Result<Vec<f64>>;
 
     /// A BRDF map; by its own entry point where there is one.
-    fn brdf_map(&self, light: DVec3, size: usize, progress: Progress<'_>) -> Result<BrdfMap> {
+    fn brdf_map(&self, light: DVec3, size: usize) -> Result<BrdfMap> {
+        self.brdf_map_with(light, size, &|_| ())
+    }
+
+    /// [`Runner::brdf_map`] with progress.
+    fn brdf_map_with(&self, light: DVec3, size: usize, progress: Progress<'_>) -> Result<BrdfMap> {
         let directions: Vec<Directions> =
             view_directions(size).into_iter().map(|wr| Directions { wi: light, wr }).collect();
-        Ok(BrdfMap::from_disc(size, &self.tristimulus(&directions, progress)?))
+        Ok(BrdfMap::from_disc(size, &self.tristimulus_with(&directions, progress)?))
     }
 }
 

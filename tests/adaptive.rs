@@ -64,9 +64,9 @@ fn against_the_exact(name: &str, subject: &(HeightField, Variant)) -> ColourDiff
 fn under(theta_i: f64, name: &str, (height, variant): &(HeightField, Variant)) -> ColourDifference {
     let subject = Placement { height, rotate_deg: 0.0, variant };
     let directions = directions(height, variant, theta_i);
-    let exact = Exact(subject).tristimulus(&directions, &|_| ()).unwrap();
+    let exact = Exact(subject).tristimulus(&directions).unwrap();
     let twin = TwinRunner::new(subject, true).unwrap();
-    let colours = twin.tristimulus(&directions, &|_| ()).unwrap();
+    let colours = twin.tristimulus(&directions).unwrap();
     let all = colour_difference(name, &exact, &colours, None).unwrap();
     let map = directions.len() - 1000;
     let drawn = colour_difference(name, &exact[map..], &colours[map..], None).unwrap();
@@ -121,7 +121,7 @@ fn weights_without_their_jacobian_are_found() {
     let (height, variant) = &grating(CROSSED, "");
     let directions = directions(height, variant, 20.0);
     let subject = Placement { height, rotate_deg: 0.0, variant };
-    let exact = Exact(subject).tristimulus(&directions, &|_| ()).unwrap();
+    let exact = Exact(subject).tristimulus(&directions).unwrap();
     let form = Form::new(variant, height).unwrap();
     let mut tables = specialise::tables(&form, height, 0.0).unwrap();
     let colours = |tables: &[Table]| -> Vec<[f64; 3]> {

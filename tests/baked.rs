@@ -74,7 +74,7 @@ fn worst(height: &HeightField, variant: &Variant, colours: &Colours) -> f64 {
     let visible = Reference::VISIBLE_NM;
     let reference =
         Reference::new(height, 0.0, &variant.optics, visible, all.iter().copied()).unwrap();
-    let exact = reference.tristimulus_all(&all, &|_| ());
+    let exact = reference.tristimulus_all(&all);
     let (mut worst, mut greatest) = (0.0_f64, 0.0_f64);
     for ((d, found), exact) in cases.iter().zip(exact) {
         let gain = gain(d.wi, d.wr, &variant.optics);
@@ -158,8 +158,8 @@ fn maps_are_as_good_as_was_asked() {
             let reference =
                 Reference::new(&height, 0.0, &variant.optics, visible, all.iter().copied())
                     .unwrap();
-            let exact = reference.tristimulus_all(&all, &|_| ());
-            let found = twin.tristimulus(&all, &|_| ()).unwrap();
+            let exact = reference.tristimulus_all(&all);
+            let found = twin.tristimulus(&all).unwrap();
             colour_difference("baked", &exact, &found, auto_exposure(&exact)).unwrap().de2000.p95
         };
         let (fine, coarse) = (p95(1.0), p95(8.0));

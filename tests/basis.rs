@@ -189,8 +189,7 @@ fn difference(height: &HeightField, variant: &Variant, spoil: bool) -> ColourDif
     let converged = plan(BLAZED, "basis = \"taylor\"").1.variants[0].terms;
     let whole = Variant { basis: Basis::Taylor, terms: converged, ..variant.clone() };
     let placement = Placement { height, rotate_deg: 0.0, variant: &whole };
-    let want =
-        TwinRunner::new(placement, false).unwrap().tristimulus(&directions, &|_| ()).unwrap();
+    let want = TwinRunner::new(placement, false).unwrap().tristimulus(&directions).unwrap();
     let form = Form::new(variant, height).unwrap();
     let mut tables: Vec<Table> = specialise::tables(&form, height, 0.0).unwrap();
     tables = tables.into_iter().map(Table::rounded).collect();

@@ -30,7 +30,7 @@ fn colour(rotate_deg: f64, u: f64, v: f64) -> [f64; 3] {
         TwinRunner::new(Placement { height: &height, rotate_deg, variant: &variant }, true)
             .unwrap();
     let wr = DVec3::new(-u, -v, (1.0 - u * u - v * v).sqrt());
-    let xyz = runner.tristimulus(&[Directions { wi: DVec3::Z, wr }], &|_| ()).unwrap()[0];
+    let xyz = runner.tristimulus(&[Directions { wi: DVec3::Z, wr }]).unwrap()[0];
     to_rgb(xyz, variant.optics.colour)
 }
 

@@ -46,7 +46,7 @@ fn sixteen_bits_with_scales_keep_the_colours() {
             let placement = Placement { height, rotate_deg: 0.0, variant };
             let colours = |packed: bool| {
                 let twin = TwinRunner::new(placement, packed).unwrap();
-                twin.tristimulus(&directions, &|_| ()).unwrap()
+                twin.tristimulus(&directions).unwrap()
             };
             let found =
                 colour_difference(&variant.name, &colours(false), &colours(true), None).unwrap();

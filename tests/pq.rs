@@ -161,7 +161,7 @@ fn colours_are_in_the_ratio_of_the_line_areas() {
     let luminance = |variant: &Variant| -> f64 {
         let placement = Placement { height: &height, rotate_deg: 0.0, variant };
         let twin = TwinRunner::new(placement, true).unwrap();
-        twin.tristimulus(&directions, &|_| ()).unwrap().iter().map(|c| c[1]).sum()
+        twin.tristimulus(&directions).unwrap().iter().map(|c| c[1]).sum()
     };
     let got = luminance(&pq) / luminance(&full);
     assert!((got / ratio - 1.0).abs() < 0.03, "colours: {got} against {ratio}");

@@ -40,7 +40,7 @@ fn directions(height: &HeightField, variant: &Variant, theta_i: f64) -> Vec<Dire
 }
 
 fn exact(placement: Placement<'_>, directions: &[Directions]) -> Vec<[f64; 3]> {
-    Exact(placement).tristimulus(directions, &|_| ()).unwrap()
+    Exact(placement).tristimulus(directions).unwrap()
 }
 
 /// Lobes overlap, so that the sum over isolated lobes would be refused; no number here knows the surface.
@@ -52,7 +52,7 @@ fn colours_are_those_of_the_exact_field_at_every_angle() {
         let twin = TwinRunner::new(placement, true).unwrap();
         for theta_i in [0.0, 60.0] {
             let directions = directions(&height, &variant, theta_i);
-            let colours = twin.tristimulus(&directions, &|_| ()).unwrap();
+            let colours = twin.tristimulus(&directions).unwrap();
             let c =
                 colour_difference(name, &exact(placement, &directions), &colours, None).unwrap();
             println!("{name} {theta_i}: {:?}", c.de2000);

@@ -81,7 +81,7 @@ fn difference(smooth: &HeightField, file: &[u8]) -> ColourDifference {
     let [exact, stepped] = [smooth, &loaded(file).field].map(|height| {
         let all = directions.iter().copied();
         let reference = Reference::new(height, 0.0, &optics, Reference::VISIBLE_NM, all).unwrap();
-        reference.tristimulus_all(&directions, &|_| {})
+        reference.tristimulus_all(&directions)
     });
     colour_difference("stepped heights", &exact, &stepped, Some(diffuser_scale(&optics))).unwrap()
 }

@@ -99,7 +99,7 @@ fn finer_steps_change_nothing() {
                 )
                 .unwrap()
                 .with_coarsest_step_nm(step_nm)
-                .tristimulus_all(&directions, &|_| ())
+                .tristimulus_all(&directions)
             };
             let (standard, finer) = (at(1.0), at(0.125));
             let c = colour_difference("finer", &standard, &finer, None).unwrap();
@@ -126,7 +126,7 @@ fn the_step_follows_the_coherence_length() {
         Reference::new(&height, 0.0, &optics, Reference::VISIBLE_NM, directions.iter().copied())
             .unwrap()
             .with_coarsest_step_nm(step_nm)
-            .tristimulus_all(&directions, &|_| ())
+            .tristimulus_all(&directions)
     };
     let finest = at(0.03125);
     let distance =
@@ -143,11 +143,8 @@ fn the_twin_converges_to_the_reference() {
         let directions = map(20.0, 33);
         let distance = |variant: &Variant| {
             let placement = Placement { height: &height, rotate_deg: 15.0, variant };
-            let exact = Exact(placement).tristimulus(&directions, &|_| ()).unwrap();
-            let twin = TwinRunner::new(placement, false)
-                .unwrap()
-                .tristimulus(&directions, &|_| ())
-                .unwrap();
+            let exact = Exact(placement).tristimulus(&directions).unwrap();
+            let twin = TwinRunner::new(placement, false).unwrap().tristimulus(&directions).unwrap();
             colour_difference("twin", &exact, &twin, None).unwrap()
         };
         let fine = distance(&full(30, 3, 0.5));

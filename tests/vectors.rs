@@ -60,7 +60,7 @@ fn worst(height: &HeightField, coherence_um: f64, vectors: &[(Directions, [f64; 
     let directions: Vec<Directions> = vectors.iter().map(|(d, _)| *d).collect();
     let reference =
         Reference::new(height, 0.0, &optics, Reference::VISIBLE_NM, directions.iter().copied());
-    let colours = reference.unwrap().tristimulus_all(&directions, &|_| {});
+    let colours = reference.unwrap().tristimulus_all(&directions);
     let error = |(got, (_, want)): (&[f64; 3], &(Directions, [f64; 3]))| {
         let largest = want.iter().copied().fold(0.0, f64::max);
         (0..3).map(|c| (got[c] - want[c]).abs() / largest).fold(0.0, f64::max)

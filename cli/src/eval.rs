@@ -76,7 +76,7 @@ pub fn run(args: &Args, console: &Console, drivers: Drivers) -> Result<Outcome> 
         }
         None => {
             let bar = progress::bar(directions.len(), "evaluating");
-            let colours = runner.tristimulus(&directions, &|done| bar.inc(done as u64))?;
+            let colours = runner.tristimulus_with(&directions, &|done| bar.inc(done as u64))?;
             bar.finish_and_clear();
             ("X,Y,Z", colours.into_iter().map(Vec::from).collect())
         }

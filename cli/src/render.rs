@@ -66,7 +66,7 @@ pub fn run(args: &Args, console: &Console, drivers: Drivers) -> Result<Outcome> 
     // the twin is to see what the shader sees; the exact reference, the angle as it was given
     let light = if args.runner.runner == Runner::Twin { rounded(light) } else { light };
     let bar = progress::bar(size * size, &format!("rendering {}", runner.route()));
-    let frame = runner.brdf_map(light, size, &|done| bar.inc(done as u64))?;
+    let frame = runner.brdf_map_with(light, size, &|done| bar.inc(done as u64))?;
     bar.finish_and_clear();
     let colour = job.variant.optics.colour;
     let bytes = match format {

@@ -128,8 +128,8 @@ struct Truth {
 impl Truth {
     /// The colours of a runner in the order of the directions; the map by its own entry point.
     fn ask(&self, runner: &dyn Runner, size: usize) -> Result<Vec<[f64; 3]>> {
-        let mut colours = runner.brdf_map(self.light, size, &|_| ())?.disc();
-        colours.extend(runner.tristimulus(&self.directions[self.map..], &|_| ())?);
+        let mut colours = runner.brdf_map(self.light, size)?.disc();
+        colours.extend(runner.tristimulus(&self.directions[self.map..])?);
         Ok(colours)
     }
 

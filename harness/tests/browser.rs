@@ -89,13 +89,13 @@ fn listed_directions_and_single_wavelengths_agree_too() {
     };
     let pairs: Vec<Directions> = (0..1000).map(pair).collect();
     let twin = TwinRunner::new(placement, true).unwrap();
-    let colours = twin.tristimulus(&pairs, &|_| ()).unwrap();
+    let colours = twin.tristimulus(&pairs).unwrap();
     let responses = twin.response(&pairs, 550.0).unwrap();
     assert!(responses.iter().any(|p2| *p2 > 0.1), "no order is met");
     for api in Api::ALL {
         let web = browser.api(api).unwrap();
         let runner = DriverRunner::with(Prepared::new(placement).unwrap(), web);
-        let error = difference(&runner.tristimulus(&pairs, &|_| ()).unwrap(), &colours);
+        let error = difference(&runner.tristimulus(&pairs).unwrap(), &colours);
         assert!(error <= CENTRED, "{api}: {error}");
         for (got, wanted) in runner.response(&pairs, 550.0).unwrap().iter().zip(&responses) {
             assert!((got - wanted).abs() <= CENTRED, "{api}: {got} against {wanted}");
@@ -166,7 +166,7 @@ fn what_is_wrong_is_seen() {
     for api in Api::ALL {
         let web = browser.api(api).unwrap();
         let runner = DriverRunner::with(Prepared::new(placement).unwrap(), web);
-        let error = difference(&runner.brdf_map(light, SIZE, &|_| ()).unwrap().disc(), &twin);
+        let error = difference(&runner.brdf_map(light, SIZE).unwrap().disc(), &twin);
         assert!(error > SEEN, "mirrored u, {api}: {error}");
     }
 }
@@ -245,7 +245,7 @@ fn fingers() -> HeightField {
 }
 
 fn map(runner: &dyn Runner) -> Vec<[f64; 3]> {
-    runner.brdf_map(rounded(direction(20.0, 10.0)), SIZE, &|_| ()).unwrap().disc()
+    runner.brdf_map(rounded(direction(20.0, 10.0)), SIZE).unwrap().disc()
 }
 
 /// The term of a number in a table of two complex terms per texel; `layer` is the numbers of a layer.

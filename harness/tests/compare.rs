@@ -74,7 +74,7 @@ impl Runner for MadeRunner<'_> {
         "made".to_owned()
     }
 
-    fn tristimulus(
+    fn tristimulus_with(
         &self,
         directions: &[Directions],
         progress: Progress<'_>,
@@ -82,7 +82,7 @@ impl Runner for MadeRunner<'_> {
         if self.behaviour == Behaviour::Broken {
             return Err(Error::new("made", "the device was lost"));
         }
-        let mut colours = self.twin.tristimulus(directions, progress)?;
+        let mut colours = self.twin.tristimulus_with(directions, progress)?;
         let most = colours.iter().flatten().fold(0.0, |a: f64, b| a.max(*b));
         for value in colours.iter_mut().flatten() {
             match self.behaviour {

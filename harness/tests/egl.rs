@@ -164,7 +164,7 @@ fn row_zero_is_at_the_top() {
         let runner = DriverRunner::with(prepared.clone(), egl.clone());
         let (wi, turn) = (direction(10.0, 0.0), |i| direction(f64::from(i) * 0.06, f64::from(i)));
         let all: Vec<_> = (0..1300).map(|i| Directions { wi, wr: turn(i) }).collect();
-        let got = runner.tristimulus(&all, &|_| ()).unwrap();
+        let got = runner.tristimulus(&all).unwrap();
         assert_eq!(got.len(), all.len());
         for (got, pair) in got.iter().zip(&all) {
             assert!((DVec3::from(*got) - pair.wr).length() < 1e-6, "{got:?} {}", pair.wr);
@@ -248,13 +248,13 @@ fn runners_are_used_on_any_thread_and_within_each_other() {
     let pairs = &pairs()[..40];
     on_both(|egl| {
         let runner = EglRunner::new(placement, egl.dialect()).unwrap();
-        let wanted = runner.tristimulus(pairs, &|_| ()).unwrap();
+        let wanted = runner.tristimulus(pairs).unwrap();
         std::thread::scope(|scope| {
             for dialect in Dialect::ALL {
                 let wanted = &wanted;
                 scope.spawn(move || {
                     let runner = EglRunner::new(placement, dialect).unwrap();
-                    let got = runner.tristimulus(pairs, &|_| ()).unwrap();
+                    let got = runner.tristimulus(pairs).unwrap();
                     let same = |(a, b): (&[f64; 3], &[f64; 3])| {
                         (DVec3::from(*a) - DVec3::from(*b)).length() < 1e-5
                     };
@@ -264,14 +264,14 @@ fn runners_are_used_on_any_thread_and_within_each_other() {
         });
         // the callback of one runner runs another, of another dialect, on the same thread
         let light = direction(20.0, 0.0);
-        let wanted = runner.brdf_map(light, 40, &|_| ()).unwrap();
+        let wanted = runner.brdf_map(light, 40).unwrap();
         let inner = |_: usize| {
             for dialect in Dialect::ALL {
                 let runner = EglRunner::new(placement, dialect).unwrap();
-                assert_eq!(runner.brdf_map(light, 40, &|_| ()).unwrap().size, 40);
+                assert_eq!(runner.brdf_map(light, 40).unwrap().size, 40);
             }
         };
-        assert_eq!(runner.brdf_map(light, 40, &inner).unwrap(), wanted);
+        assert_eq!(runner.brdf_map_with(light, 40, &inner).unwrap(), wanted);
     });
 }
 
@@ -286,11 +286,11 @@ fn wgpu_in_the_same_process_does_no_harm() {
     let light = rounded(direction(20.0, 35.0));
     on_both(|egl| {
         let runner = EglRunner::new(placement, egl.dialect()).unwrap();
-        let before = runner.brdf_map(light, 40, &|_| ()).unwrap();
+        let before = runner.brdf_map(light, 40).unwrap();
         match Gpu::open(Backend::Gl, None) {
             Ok(gpu) => {
                 let shader = ShaderRunner::new(placement, gpu).unwrap();
-                let wgpu = shader.brdf_map(light, 40, &|_| ()).unwrap().disc();
+                let wgpu = shader.brdf_map(light, 40).unwrap().disc();
                 let most = before.disc().as_flattened().iter().fold(0.0_f64, |a, b| a.max(*b));
                 for (a, b) in wgpu.as_flattened().iter().zip(before.disc().as_flattened()) {
                     assert!((a - b).abs() <= CENTRED * most, "{a} {b}");
@@ -298,7 +298,7 @@ fn wgpu_in_the_same_process_does_no_harm() {
             }
             Err(e) => println!("NOT RUN: {e}"),
         }
-        assert_eq!(runner.brdf_map(light, 40, &|_| ()).unwrap(), before);
+        assert_eq!(runner.brdf_map(light, 40).unwrap(), before);
     });
 }
 
@@ -381,8 +381,8 @@ impl Results {
     fn of(runner: &dyn Runner) -> Results {
         let light = rounded(direction(20.0, 35.0));
         Results {
-            map: runner.brdf_map(light, 64, &|_| ()).unwrap().disc(),
-            probe: runner.tristimulus(&pairs(), &|_| ()).unwrap(),
+            map: runner.brdf_map(light, 64).unwrap().disc(),
+            probe: runner.tristimulus(&pairs()).unwrap(),
         }
     }
 

@@ -266,7 +266,7 @@ fn what_cannot_be_opened_says_what_is_missing() {
             let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
             let driver = Passthrough::with(Language::Spirv, gpu).unwrap();
             let runner = DriverRunner::with(Prepared::new(placement).unwrap(), driver);
-            let error = runner.brdf_map(direction(20.0, 0.0), 8, &|_| ()).unwrap_err().to_string();
+            let error = runner.brdf_map(direction(20.0, 0.0), 8).unwrap_err().to_string();
             assert!(error.contains("takes no SPIR-V"), "{error}");
         }
         Err(e) => missing(&e.to_string()),

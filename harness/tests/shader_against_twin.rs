@@ -64,10 +64,9 @@ fn difference(
 ) -> ColourDifference {
     let placement = Placement { height, rotate_deg, variant };
     let light = rounded(direction(theta_i, 10.0));
-    let twin =
-        TwinRunner::new(placement, true).unwrap().brdf_map(light, size, &|_| ()).unwrap().disc();
+    let twin = TwinRunner::new(placement, true).unwrap().brdf_map(light, size).unwrap().disc();
     let shader = ShaderRunner::new(placement, gpu.clone()).unwrap();
-    let map = shader.brdf_map(light, size, &|_| ()).unwrap().disc();
+    let map = shader.brdf_map(light, size).unwrap().disc();
     colour_difference(&format!("{} {}", variant.name, shader.route()), &twin, &map, None).unwrap()
 }
 
@@ -196,9 +195,8 @@ fn tables_read_between_their_texels_agree_with_their_twins() {
         assert!(template.contains("place / size"));
         *template = template.replace("place / size", "floor(place + 0.5) / size");
         let light = rounded(direction(20.0, 10.0));
-        let twin =
-            TwinRunner::new(placement, true).unwrap().brdf_map(light, 48, &|_| ()).unwrap().disc();
-        let wrong = DriverRunner::with(nearest, gpu).brdf_map(light, 48, &|_| ()).unwrap().disc();
+        let twin = TwinRunner::new(placement, true).unwrap().brdf_map(light, 48).unwrap().disc();
+        let wrong = DriverRunner::with(nearest, gpu).brdf_map(light, 48).unwrap().disc();
         assert!(
             colour_difference("nearest", &twin, &wrong, None).unwrap().max_abs > 10.0 * FILTERED
         );
@@ -223,12 +221,11 @@ fn wrong_shaders_are_caught() {
         let right = standard(19);
         let placement = Placement { height: &height, rotate_deg: 0.0, variant: &right };
         let light = rounded(direction(20.0, 0.0));
-        let twin =
-            TwinRunner::new(placement, true).unwrap().brdf_map(light, 64, &|_| ()).unwrap().disc();
+        let twin = TwinRunner::new(placement, true).unwrap().brdf_map(light, 64).unwrap().disc();
         let mirrored = rounded(direction(20.0, 180.0));
         let wrong = ShaderRunner::new(placement, gpu.clone())
             .unwrap()
-            .brdf_map(mirrored, 64, &|_| ())
+            .brdf_map(mirrored, 64)
             .unwrap()
             .disc();
         assert!(
@@ -236,11 +233,8 @@ fn wrong_shaders_are_caught() {
         );
         let fewer = standard(9);
         let placement = Placement { variant: &fewer, ..placement };
-        let wrong = ShaderRunner::new(placement, gpu.clone())
-            .unwrap()
-            .brdf_map(light, 64, &|_| ())
-            .unwrap()
-            .disc();
+        let wrong =
+            ShaderRunner::new(placement, gpu.clone()).unwrap().brdf_map(light, 64).unwrap().disc();
         assert!(
             colour_difference("fewer terms", &twin, &wrong, None).unwrap().max_abs > 10.0 * CENTRED
         );
@@ -263,18 +257,14 @@ fn listed_directions_agree_too() {
         })
         .collect();
     let twin = TwinRunner::new(placement, true).unwrap();
-    let colours = twin.tristimulus(&directions, &|_| ()).unwrap();
+    let colours = twin.tristimulus(&directions).unwrap();
     let responses = twin.response(&directions, 550.0).unwrap();
     assert!(responses.iter().any(|p2| *p2 > 0.1), "no order is met");
     for gpu in adapters() {
         let shader = ShaderRunner::new(placement, gpu).unwrap();
-        let c = colour_difference(
-            "probe",
-            &colours,
-            &shader.tristimulus(&directions, &|_| ()).unwrap(),
-            None,
-        )
-        .unwrap();
+        let c =
+            colour_difference("probe", &colours, &shader.tristimulus(&directions).unwrap(), None)
+                .unwrap();
         assert!(c.max_abs <= CENTRED && c.de2000.p99 <= 0.01, "{c:?}");
         for (got, want) in shader.response(&directions, 550.0).unwrap().iter().zip(&responses) {
             assert!((got - want).abs() <= CENTRED, "{got} against {want}");

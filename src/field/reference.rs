@@ -130,8 +130,14 @@ impl Reference {
         xyz.map(|c| c * gain)
     }
 
-    /// Many directions on all cores; `done` is called with the number of finished directions.
-    pub fn tristimulus_all(
+    /// Many directions on all cores.
+    pub fn tristimulus_all(&self, directions: &[Directions]) -> Vec<[f64; 3]> {
+        self.tristimulus_all_with(directions, &|_| ())
+    }
+
+    /// [`Reference::tristimulus_all`] with progress: `done` is called with the number of directions finished since the
+    /// last call.
+    pub fn tristimulus_all_with(
         &self,
         directions: &[Directions],
         done: &(dyn Fn(usize) + Sync),

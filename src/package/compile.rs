@@ -368,7 +368,7 @@ impl Built<'_> {
                 baked(columns, spec.axes.columns as usize);
             }
         };
-        let make = || Ok(spec.compute(self.surface.field, &done)?.bytes());
+        let make = || Ok(spec.compute_with(self.surface.field, &done)?.bytes());
         let content = if spec.is_expensive() {
             Cache(request.cache).content(id, table.byte_count(), make)?
         } else {
@@ -430,7 +430,7 @@ impl Built<'_> {
                 if spec.is_expensive() {
                     self.read_terms(spec, &self.table_path(id), package, last)?;
                 } else {
-                    tables.push(spec.compute(surface.field, &|_| ())?.rounded());
+                    tables.push(spec.compute(surface.field)?.rounded());
                 }
             }
             let mut twin = Twin::new(form, &tables, optics, rotate_deg);

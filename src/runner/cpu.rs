@@ -24,12 +24,14 @@ impl Runner for Exact<'_> {
         "exact".to_owned()
     }
 
-    fn tristimulus(
+    fn tristimulus_with(
         &self,
         directions: &[Directions],
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>> {
-        Ok(self.reference(Reference::VISIBLE_NM, directions)?.tristimulus_all(directions, progress))
+        Ok(self
+            .reference(Reference::VISIBLE_NM, directions)?
+            .tristimulus_all_with(directions, progress))
     }
 
     fn response(&self, directions: &[Directions], lambda_nm: f64) -> Result<Vec<f64>> {
@@ -68,7 +70,7 @@ impl Runner for TwinRunner<'_> {
         "twin".to_owned()
     }
 
-    fn tristimulus(
+    fn tristimulus_with(
         &self,
         directions: &[Directions],
         progress: Progress<'_>,

@@ -63,7 +63,7 @@ pub fn shader(
 /// baking of colours.
 pub fn tables(form: &Form, height: &HeightField, rotate_deg: f64) -> Result<Vec<Table>> {
     let specs = form.tables(Ground { surface: "", rotate_deg });
-    specs.iter().map(|spec| spec.compute(height, &|_| ())).collect()
+    specs.iter().map(|spec| spec.compute(height)).collect()
 }
 
 /// The same without their texels.

@@ -256,9 +256,18 @@ impl TableSpec {
         matches!(self, TableSpec::Terms(_) | TableSpec::Colours(_))
     }
 
-    /// The texels, unrounded, from the heights that it is named by. `done` is called with the columns of a table of colours
+    /// The texels, unrounded, from the heights that it is named by.
+    pub fn compute(&self, height: &HeightField) -> Result<Table> {
+        self.compute_with(height, &|_| ())
+    }
+
+    /// [`TableSpec::compute`] with progress: `done` is called with the columns of a table of colours
     /// that were finished since the last call, from any thread.
-    pub fn compute(&self, height: &HeightField, done: &(dyn Fn(usize) + Sync)) -> Result<Table> {
+    pub fn compute_with(
+        &self,
+        height: &HeightField,
+        done: &(dyn Fn(usize) + Sync),
+    ) -> Result<Table> {
         Ok(match self {
             TableSpec::Terms(TermsSpec { series, filtered, .. }) => {
                 let terms = Terms::new(height, series.expansion(), series.bins, series.grid);

@@ -34,7 +34,7 @@ pub(super) fn truth(
     let light: DVec3 = rounded(direction(unit.light[0], unit.light[1]));
     let directions = standard(height, &variant.optics, rotate_deg, light, unit.size);
     let map = diffraction_shaders::optics::brdf_map::view_directions(unit.size).len();
-    let colours = Exact(subject).tristimulus(&directions, &|_| ())?;
+    let colours = Exact(subject).tristimulus(&directions)?;
     // a black surface has no exposure: comparing it tells so
     let exposure = request.exposure.or_else(|| auto_exposure(&colours)).unwrap_or(1.0);
     let map_exposure = request.exposure.or_else(|| auto_exposure(&colours[..map]));

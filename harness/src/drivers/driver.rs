@@ -158,7 +158,7 @@ impl<D: Driver> Runner for DriverRunner<'_, D> {
         self.driver.route()
     }
 
-    fn tristimulus(
+    fn tristimulus_with(
         &self,
         directions: &[Directions],
         progress: Progress<'_>,
@@ -182,7 +182,7 @@ impl<D: Driver> Runner for DriverRunner<'_, D> {
     }
 
     /// The `map` entry point; its linear RGB is taken back to tristimulus values.
-    fn brdf_map(&self, light: DVec3, size: usize, progress: Progress<'_>) -> Result<BrdfMap> {
+    fn brdf_map_with(&self, light: DVec3, size: usize, progress: Progress<'_>) -> Result<BrdfMap> {
         let mut cached = self.map.borrow_mut();
         let pipeline = match cached.take() {
             Some(pipeline) => pipeline,

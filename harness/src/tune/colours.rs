@@ -67,7 +67,7 @@ impl Truth {
                 view_directions(MAP).into_iter().map(|wr| Directions { wi, wr }).collect();
             let map = directions.len();
             directions.extend(on_orders(height, optics, rotate_deg, wi, DRAWN, SEED));
-            let colours = exact.tristimulus(&directions, progress)?;
+            let colours = exact.tristimulus_with(&directions, progress)?;
             let exposure = auto_exposure(&colours).ok_or_else(|| {
                 let subject = format!("light {},{}", light[0], light[1]);
                 Error::new(subject, "the surface is black under it")
@@ -119,12 +119,12 @@ impl Lit {
         let places = || (0..self.directions.len()).step_by(LOOK);
         let directions: Vec<Directions> = places().map(|i| self.directions[i]).collect();
         let expected: Vec<[f64; 3]> = places().map(|i| self.colours[i]).collect();
-        let colours = twin.tristimulus(&directions, &|_| ())?;
+        let colours = twin.tristimulus(&directions)?;
         Ok(colour_difference(name, &expected, &colours, Some(self.exposure))?.de2000.p95)
     }
 
     fn error(&self, name: &str, twin: &TwinRunner<'_>) -> Result<LightError> {
-        let colours = twin.tristimulus(&self.directions, &|_| ())?;
+        let colours = twin.tristimulus(&self.directions)?;
         let all = colour_difference(name, &self.colours, &colours, Some(self.exposure))?;
         let map = self.map_exposure.and_then(|exposure| {
             let [expected, colours] = [&self.colours, &colours].map(|c| &c[..self.map]);

@@ -101,8 +101,8 @@ impl Results {
         };
         let pairs: Vec<Directions> = (0..420).map(pair).collect();
         Results {
-            map: runner.brdf_map(rounded(direction(20.0, 10.0)), SIZE, &|_| ()).unwrap().disc(),
-            probe: runner.tristimulus(&pairs, &|_| ()).unwrap(),
+            map: runner.brdf_map(rounded(direction(20.0, 10.0)), SIZE).unwrap().disc(),
+            probe: runner.tristimulus(&pairs).unwrap(),
         }
     }
 
