@@ -5,11 +5,10 @@ use std::error::Error;
 use std::fs;
 use std::time::Instant;
 
+use diffraction_shaders::Compiler;
 use diffraction_shaders::input;
-use diffraction_shaders::package::compile::{Request, generate, index};
 use diffraction_shaders::package::{Package, Stamp, write};
 use diffraction_shaders::plan::Target;
-use diffraction_shaders::shader::template::Sources;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = tempfile::tempdir()?;
@@ -20,22 +19,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         fs::write(&path, plan(count))?;
         let plan = input::read_plan(&path).map_err(|errors| format!("{errors:?}"))?;
         let cache = folder.path().join("cache");
-        let request = Request {
-            surfaces: &input::read_surfaces(&plan.surfaces)
-                .map_err(|errors| format!("{errors:?}"))?,
-            variants: &plan.variants,
-            targets: &Target::all(),
-            containers: &[],
-            sources: &Sources::builtin(),
-            cache: Some(&cache),
-            keep: &|_, _| false,
-        };
-        let make = || -> Result<Package, Box<dyn Error>> {
-            let made = generate(&request, &|_| ()).map_err(|errors| format!("{errors:?}"))?;
-            let mut package = made.package;
-            package.seal(index(&request)?)?;
-            Ok(package)
-        };
+        let targets = Target::all();
+        let compiler = Compiler::new(&plan).targets(&targets).cache(&cache);
+        let make = || -> Result<Package, Box<dyn Error>> { Ok(compiler.compile()?) };
         let (_, first_s) = timed(make)?;
         let (package, again_s) = timed(make)?;
         let (written, write_s) = timed(|| Ok(write(&package, &out)?))?;

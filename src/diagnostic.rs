@@ -4,7 +4,7 @@ mod render;
 
 use std::{
     collections::{BTreeMap, BTreeSet},
-    io,
+    fmt, io,
     str::FromStr,
 };
 
@@ -131,6 +131,37 @@ impl From<&Error> for Diagnostic {
 impl From<Error> for Diagnostic {
     fn from(error: Error) -> Diagnostic {
         Diagnostic::from(&error)
+    }
+}
+
+/// Everything that is wrong with one input, as an error: each finding on a line of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diagnostics(pub Vec<Diagnostic>);
+
+impl fmt::Display for Diagnostics {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let lines: Vec<&str> = self.0.iter().map(|d| d.message.as_str()).collect();
+        f.write_str(&lines.join("\n"))
+    }
+}
+
+impl std::error::Error for Diagnostics {}
+
+impl From<Vec<Diagnostic>> for Diagnostics {
+    fn from(all: Vec<Diagnostic>) -> Diagnostics {
+        Diagnostics(all)
+    }
+}
+
+impl From<Vec<Error>> for Diagnostics {
+    fn from(all: Vec<Error>) -> Diagnostics {
+        Diagnostics(all.iter().map(Diagnostic::from).collect())
+    }
+}
+
+impl From<Error> for Diagnostics {
+    fn from(error: Error) -> Diagnostics {
+        Diagnostics(vec![Diagnostic::from(error)])
     }
 }
 

@@ -1,6 +1,49 @@
 //! A shader compiler for structural colour: from a height field to validated diffraction shaders with a stated error.
 //!
-//! The order of the modules below is the order of the pipeline: a module uses only earlier ones.
+//! ```
+//! use std::path::Path;
+//!
+//! use diffraction_shaders::{Compiler, Plan};
+//!
+//! // a grating under sunlight, its colours in a table, as a shader for WebGPU
+//! let plan = r#"
+//! schema = 1
+//! [[surface]]
+//! name = "cd"
+//! grating = { kind = "lamellar", period_um = 1.6, height_um = 0.12, duty = 0.5, pixels = 64 }
+//! [variants]
+//! mode = "baked"
+//! bake_mib = 0.25
+//! [targets]
+//! emit = ["wgsl"]
+//! "#;
+//! let plan = Plan::parse(plan, Path::new("plan.toml"))?;
+//! let package = Compiler::new(&plan).compile()?;
+//! for (path, file) in package.files() {
+//!     println!("{path}: {} bytes", file.content.byte_count()?);
+//! }
+//! # assert!(package.files().keys().any(|path| path.ends_with("diffraction.wgsl")), "{:?}", package.files().keys());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! [`package::write`] puts a package into a folder, and [`package::check`] compares a folder with a fresh package. Plans in
+//! files are read by [`input::read_plan`], with the illuminants that they name.
+//!
+//! # The compiler's words
+//!
+//! - A **plan** says what is wanted: surfaces, variants, languages. [`plan`] reads it and names its axes.
+//! - A **surface** is a height field with its scale: a scan, or a synthetic grating ([`surface`]).
+//! - A **variant** is one configuration of the shader: a value for every **axis** ([`Variant`]).
+//! - A **form** is how a variant computes on a surface: which loops, how many terms, which tables ([`variant::Form`]).
+//! - A **table** is what shaders read: terms, spectra, baked colours ([`tables`]).
+//! - A **target** is a language that is emitted ([`Target`]).
+//! - A **package** holds shaders, tables, manifests, bindings and probes ([`Package`]); a **probe** is a direction with its
+//!   colour, to test an integration with.
+//! - A **gap** is a variant that a surface cannot have, with the reason ([`package::Gap`]).
+//! - The **reference** is exact, in f64, and knows no variant ([`field::reference`]). A **twin** is the f64 copy of a variant's
+//!   algorithm ([`variant::Twin`]). A **runner** evaluates by either ([`runner`]).
+//!
+//! The rooms below stand in the order of the pipeline: each uses only earlier ones.
 //!
 //! # Conventions
 //!
@@ -48,3 +91,10 @@ pub mod survey;
 pub mod shader;
 pub mod package;
 pub mod runner;
+
+pub use error::Error;
+pub use package::Package;
+pub use package::compile::Compiler;
+pub use plan::{Plan, Target, Variant};
+pub use runner::Runner;
+pub use surface::HeightField;

@@ -122,6 +122,19 @@ pub struct PackageFile {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Package {
     files: BTreeMap<String, PackageFile>,
+    notes: Vec<String>,
+    gaps: Vec<Gap>,
+}
+
+/// A variant that cannot be built on a surface, and why: a listed fact, not a failure of the others.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct Gap {
+    /// Name of the surface.
+    pub surface: String,
+    /// Name of the variant.
+    pub variant: String,
+    /// Why.
+    pub reason: String,
 }
 
 /// What `manifest.json` says of one file. Nothing here depends on the last digits of computed numbers.
@@ -166,6 +179,16 @@ impl Package {
     /// The files in the order of their paths.
     pub fn files(&self) -> &BTreeMap<String, PackageFile> {
         &self.files
+    }
+
+    /// What a user should know of: what was filled, clipped, extruded; and the gaps.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// Variants that cannot be built on a surface.
+    pub fn gaps(&self) -> &[Gap] {
+        &self.gaps
     }
 
     /// The bytes of a freshly generated file in memory.

@@ -3,10 +3,9 @@
 
 use std::{fs, io::Cursor, path::Path};
 
-use diffraction_shaders::package::compile::{Request, generate, index};
+use diffraction_shaders::Compiler;
 use diffraction_shaders::package::{self, Package};
 use diffraction_shaders::plan::{Container, Plan};
-use diffraction_shaders::shader::template::Sources;
 use diffraction_shaders::tables::TexelFormat;
 use diffraction_shaders::tables::container::{Atlas, Shape, decode, encode};
 use exr::image::{FlatSamples, read::read as reader};
@@ -218,19 +217,7 @@ tables = {tables}
 "
     );
     let plan = Plan::parse(&text, Path::new("plan.toml")).unwrap();
-    let sources = Sources::builtin();
-    let request = Request {
-        surfaces: &diffraction_shaders::input::read_surfaces(&plan.surfaces).unwrap(),
-        variants: &plan.variants,
-        targets: &plan.targets,
-        containers: &plan.containers,
-        sources: &sources,
-        keep: &|_, _| false,
-        cache: None,
-    };
-    let mut package = generate(&request, &|_| ()).unwrap_or_else(|e| panic!("{e:#?}")).package;
-    package.seal(index(&request).unwrap()).unwrap();
-    package
+    Compiler::new(&plan).compile().unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn schema(name: &str) -> jsonschema::Validator {

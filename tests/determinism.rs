@@ -3,11 +3,9 @@
 
 use std::path::Path;
 
-use diffraction_shaders::input::read_surfaces;
-use diffraction_shaders::package::compile::{Request, generate, index};
+use diffraction_shaders::Compiler;
 use diffraction_shaders::package::{MANIFEST, Package};
 use diffraction_shaders::plan::{Plan, SurfaceSpec, Target, Variant};
-use diffraction_shaders::shader::template::Sources;
 
 /// Variants that share tables and variants that differ in every axis, on surfaces of every kind of size.
 const PLAN: &str = r#"schema = 1
@@ -42,20 +40,19 @@ table = "f16"
 packing = "single"
 "#;
 
-fn package(surfaces: &[SurfaceSpec], variants: &[Variant], targets: &[Target]) -> Package {
-    let request = Request {
-        surfaces: &read_surfaces(surfaces).unwrap(),
-        variants,
-        targets,
-        containers: &[],
-        sources: &Sources::builtin(),
-        cache: None,
-        keep: &|_, _| false,
+fn package(
+    plan: &Plan,
+    surfaces: &[SurfaceSpec],
+    variants: &[Variant],
+    targets: &[Target],
+) -> Package {
+    let plan = Plan {
+        surfaces: surfaces.to_vec(),
+        variants: variants.to_vec(),
+        targets: targets.to_vec(),
+        ..plan.clone()
     };
-    let generated = generate(&request, &|_| {});
-    let mut package = generated.unwrap_or_else(|errors| panic!("{errors:?}")).package;
-    package.seal(index(&request).unwrap()).unwrap();
-    package
+    Compiler::new(&plan).compile().unwrap_or_else(|errors| panic!("{errors}"))
 }
 
 fn in_threads<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
@@ -76,8 +73,8 @@ fn neither_order_nor_threads_show() {
     let plan = Plan::parse(PLAN, Path::new("plan.toml")).unwrap();
     let (surfaces, variants, targets) = (&plan.surfaces, &plan.variants, &plan.targets);
     assert!(surfaces.len() == 3 && variants.len() > 25, "{} variants", variants.len());
-    let one = in_threads(1, || package(surfaces, variants, targets));
-    let eight = in_threads(8, || package(surfaces, variants, targets));
+    let one = in_threads(1, || package(&plan, surfaces, variants, targets));
+    let eight = in_threads(8, || package(&plan, surfaces, variants, targets));
     assert_same(&one, &eight);
 
     let mut shuffled = (surfaces.clone(), variants.clone(), targets.clone());
@@ -85,11 +82,11 @@ fn neither_order_nor_threads_show() {
     shuffle(&mut shuffled.1, 0x5eed);
     assert_ne!(&shuffled.1, variants);
     shuffled.2.reverse();
-    let other = in_threads(8, || package(&shuffled.0, &shuffled.1, &shuffled.2));
+    let other = in_threads(8, || package(&plan, &shuffled.0, &shuffled.1, &shuffled.2));
     assert_same(&one, &other);
 
     // and the comparison can fail
-    let fewer = in_threads(8, || package(surfaces, &variants[1..], targets));
+    let fewer = in_threads(8, || package(&plan, surfaces, &variants[1..], targets));
     assert!(fewer.bytes(MANIFEST) != one.bytes(MANIFEST));
 }
 

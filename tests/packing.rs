@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use diffraction_shaders::Compiler;
 use diffraction_shaders::field::comparison_directions::on_orders;
 use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::input::load_surface as load;
@@ -10,10 +11,8 @@ use diffraction_shaders::optics::brdf_map::view_directions;
 use diffraction_shaders::optics::colour_difference::colour_difference;
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::package::Package;
-use diffraction_shaders::package::compile::{Request, generate, index};
 use diffraction_shaders::plan::{Plan, TableFormat};
 use diffraction_shaders::runner::{Placement, Runner, TwinRunner};
-use diffraction_shaders::shader::template::Sources;
 use diffraction_shaders::tables::terms::Terms;
 use diffraction_shaders::tables::{TermScale, terms_table};
 use diffraction_shaders::variant::Form;
@@ -115,26 +114,15 @@ fn packages_hold_every_mode_and_list_the_gaps() {
         &format!("{BLAZED}{FLAT}"),
         "mode = [\"full\", \"pq\", \"adaptive\", \"gems\"]\nterms = 9\ntable = [\"f32\", \"f16\"]",
     );
-    let sources = Sources::builtin();
-    let request = Request {
-        surfaces: &diffraction_shaders::input::read_surfaces(&plan.surfaces).unwrap(),
-        variants: &plan.variants,
-        targets: &plan.targets,
-        containers: &plan.containers,
-        sources: &sources,
-        cache: None,
-        keep: &|_, _| false,
-    };
-    let generated = generate(&request, &|_| ()).unwrap_or_else(|e| panic!("{e:?}"));
+    let package = Compiler::new(&plan).compile().unwrap_or_else(|e| panic!("{e}"));
     let gaps: Vec<(&str, &str)> =
-        generated.gaps.iter().map(|g| (g.surface.as_str(), g.variant.as_str())).collect();
+        package.gaps().iter().map(|g| (g.surface.as_str(), g.variant.as_str())).collect();
     assert_eq!(
         gaps,
         [("flat", "adaptive-taylor-t9"), ("flat", "adaptive-taylor-t9-f16"), ("flat", "gems")]
     );
-    assert_eq!(index(&request).unwrap()["gaps"].as_array().map(Vec::len), Some(3));
-    let manifest =
-        |name: &str| json(&generated.package, &format!("shaders/blazed/{name}/manifest.json"));
+    assert_eq!(json(&package, "manifest.json")["gaps"].as_array().map(Vec::len), Some(3));
+    let manifest = |name: &str| json(&package, &format!("shaders/blazed/{name}/manifest.json"));
     let gems = manifest("gems");
     assert_eq!(
         (&gems["error_bound"], &gems["core"]["diffuser_scale"]),
@@ -152,7 +140,7 @@ fn packages_hold_every_mode_and_list_the_gaps() {
     assert_eq!(half["bindings"][1]["format"], "rgba16float");
     let description = half["tables"][0]["description"].as_str().unwrap();
     let description = description.trim_start_matches("../../../");
-    let description = json(&generated.package, description);
+    let description = json(&package, description);
     assert_eq!(description["term_scales"].as_array().map(Vec::len), Some(9));
     let bytes = description["bytes"].as_u64().unwrap();
     let (width, height) = (&description["width"], &description["height"]);

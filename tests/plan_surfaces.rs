@@ -4,12 +4,10 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use diffraction_shaders::input::{read_plan, read_surfaces};
+use diffraction_shaders::Compiler;
+use diffraction_shaders::input::read_plan;
 use diffraction_shaders::package::Package;
-use diffraction_shaders::package::compile::{Request, generate, index, input_hash};
-use diffraction_shaders::package::readme::readme;
 use diffraction_shaders::plan::{Coherence, Optics, Plan, SurfaceSpec, Variant};
-use diffraction_shaders::shader::template::Sources;
 use diffraction_shaders::survey::survey;
 use serde_json::{Value, json};
 
@@ -145,22 +143,8 @@ fn presets_are_for_the_surfaces_that_they_name() {
 fn a_surface_without_variants_is_said() {
     let plan = plan("", "", "[[preset]]\nname = \"foil\"\nsurfaces = [\"card\"]\n");
     assert_eq!(plan.notes, ["a: no variant is for this surface"]);
-    let request = |surfaces: &[SurfaceSpec]| {
-        let surfaces = read_surfaces(surfaces).unwrap();
-        let targets = plan.targets.clone();
-        let sources = Sources::builtin();
-        let request = Request {
-            surfaces: &surfaces,
-            variants: &plan.variants,
-            targets: &targets,
-            containers: &[],
-            sources: &sources,
-            cache: None,
-            keep: &|_, _| false,
-        };
-        generate(&request, &|_| ()).map(|_| ()).map_err(|errors| errors[0].message.clone())
-    };
-    let told = request(&plan.surfaces[..1]).unwrap_err();
+    let alone = Plan { surfaces: plan.surfaces[..1].to_vec(), ..plan.clone() };
+    let told = Compiler::new(&alone).compile().unwrap_err().to_string();
     assert!(told.contains("no variant is for a surface"), "{told}");
 }
 
@@ -249,17 +233,7 @@ fn illuminants_of_surfaces_are_read_from_files() {
         let plan = read_plan(&path).unwrap();
         let card = on(&plan, "full-taylor-t2", "card");
         assert!(card.optics.illuminant.content().is_some());
-        let surfaces = read_surfaces(&plan.surfaces).unwrap();
-        let sources = Sources::builtin();
-        input_hash(&Request {
-            surfaces: &surfaces,
-            variants: &plan.variants,
-            targets: &[],
-            containers: &[],
-            sources: &sources,
-            cache: None,
-            keep: &|_, _| false,
-        })
+        Compiler::new(&plan).input_hash().unwrap()
     };
     let one = hash("nm,power\n300,1\n900,1\n");
     assert_ne!(one, hash("nm,power\n300,1\n900,2\n"), "another content is another package");
@@ -313,21 +287,9 @@ fn a_package_has_the_optics_of_each_surface() {
 
 /// The sealed package, and its gaps.
 fn package(plan: &Plan) -> (Package, Vec<String>) {
-    let request = Request {
-        surfaces: &read_surfaces(&plan.surfaces).unwrap(),
-        variants: &plan.variants,
-        targets: &plan.targets,
-        containers: &plan.containers,
-        sources: &Sources::builtin(),
-        cache: None,
-        keep: &|_, _| false,
-    };
-    let made = generate(&request, &|_| ()).unwrap_or_else(|errors| panic!("{errors:#?}"));
-    let (mut package, index) = (made.package, index(&request).unwrap());
-    let readme = readme(&package, &index, &plan.rejected).unwrap();
-    package.insert("README.md", readme, diffraction_shaders::package::Equality::Bytes).unwrap();
-    package.seal(index).unwrap();
-    let gaps = made.gaps.iter().map(|gap| format!("{} {}", gap.surface, gap.variant)).collect();
+    let package = Compiler::new(plan).compile().unwrap_or_else(|errors| panic!("{errors}"));
+    let gaps =
+        package.gaps().iter().map(|gap| format!("{} {}", gap.surface, gap.variant)).collect();
     (package, gaps)
 }
 

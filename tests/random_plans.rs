@@ -7,11 +7,10 @@ mod random;
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use diffraction_shaders::Compiler;
 use diffraction_shaders::diagnostic::Diagnostic;
 use diffraction_shaders::package::Package;
-use diffraction_shaders::package::compile::{Gap, Generated, Request, generate, index};
 use diffraction_shaders::plan::Plan;
-use diffraction_shaders::shader::template::Sources;
 use proptest::prelude::*;
 use proptest::sample::Index;
 use proptest::strategy::ValueTree;
@@ -77,18 +76,18 @@ proptest! {
             Err(errors) => return only(&CONSTRAINTS, errors),
         };
         prop_assert!(!plan.variants.is_empty());
-        let (package, gaps) = match package(&plan) {
+        let package = match package(&plan) {
             Ok(made) => made,
             Err(errors) => return only(&["nothing is left to generate"], errors),
         };
         for surface in &plan.surfaces {
             for variant in &plan.variants {
                 let manifest = format!("shaders/{}/{}/manifest.json", surface.name, variant.name);
-                let is_gap = gaps.iter().any(|g| (&g.surface, &g.variant) == (&surface.name, &variant.name));
+                let is_gap = package.gaps().iter().any(|g| (&g.surface, &g.variant) == (&surface.name, &variant.name));
                 prop_assert!(is_gap || !variant.is_for(&surface.name) || package.bytes(&manifest).is_some(), "{manifest} is missing");
             }
         }
-        prop_assert!(self::package(&plan).is_ok_and(|(again, _)| again == package));
+        prop_assert!(self::package(&plan).is_ok_and(|again| again == package));
     }
 }
 
@@ -114,19 +113,8 @@ fn only<E: std::fmt::Debug>(expected: &[&str], errors: Vec<E>) -> Result<(), Tes
     Ok(())
 }
 
-fn package(plan: &Plan) -> Result<(Package, Vec<Gap>), Vec<Diagnostic>> {
-    let request = Request {
-        surfaces: &diffraction_shaders::input::read_surfaces(&plan.surfaces).unwrap(),
-        variants: &plan.variants,
-        targets: &plan.targets,
-        containers: &plan.containers,
-        sources: &Sources::builtin(),
-        cache: None,
-        keep: &|_, _| false,
-    };
-    let Generated { mut package, gaps, .. } = generate(&request, &|_| {})?;
-    package.seal(index(&request).unwrap()).unwrap();
-    Ok((package, gaps))
+fn package(plan: &Plan) -> Result<Package, Vec<Diagnostic>> {
+    Compiler::new(plan).compile().map_err(|errors| errors.0)
 }
 
 proptest! {

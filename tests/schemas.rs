@@ -8,12 +8,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
 use std::{fs, path::Path};
 
+use diffraction_shaders::Compiler;
 use diffraction_shaders::package::Package;
-use diffraction_shaders::package::compile::{Generated, Request, generate, index};
 use diffraction_shaders::package::manifest::SCHEMA_VERSION;
 use diffraction_shaders::plan::{Plan, Target, vocabulary};
 use diffraction_shaders::shader::limits::Profile;
-use diffraction_shaders::shader::template::{GENERATED, Sources};
+use diffraction_shaders::shader::template::GENERATED;
 use jsonschema::Validator;
 use schema_support::{is_of_type, places, walk};
 use serde_json::{Value, json};
@@ -191,19 +191,7 @@ struct Made {
 
 fn made(text: &str) -> Made {
     let plan = Plan::parse(text, Path::new("plan.toml")).unwrap_or_else(|e| panic!("{e}"));
-    let sources = Sources::builtin();
-    let request = Request {
-        surfaces: &diffraction_shaders::input::read_surfaces(&plan.surfaces).unwrap(),
-        variants: &plan.variants,
-        targets: &plan.targets,
-        containers: &plan.containers,
-        sources: &sources,
-        cache: None,
-        keep: &|_, _| false,
-    };
-    let Generated { mut package, .. } =
-        generate(&request, &|_| ()).unwrap_or_else(|e| panic!("{e:?}"));
-    package.seal(index(&request).unwrap()).unwrap();
+    let package = Compiler::new(&plan).compile().unwrap_or_else(|e| panic!("{e}"));
     Made { plan, package }
 }
 
@@ -407,16 +395,7 @@ fn wrong_values(schema: &Value, value: &Value) -> Vec<Value> {
 fn bounds_of_lobes_are_those_of_the_text() {
     let text = "schema = 1\n[[surface]]\nname = \"blazed\"\ngrating = { kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 60 }\n[variants]\nmode = \"adaptive\"\nterms = 9\ncoherence = [\"single\", \"ensemble\"]\n[targets]\nemit = [\"wgsl\"]\n";
     let plan = Plan::parse(text, Path::new("plan.toml")).unwrap();
-    let request = Request {
-        surfaces: &diffraction_shaders::input::read_surfaces(&plan.surfaces).unwrap(),
-        variants: &plan.variants,
-        targets: &plan.targets,
-        containers: &plan.containers,
-        sources: &Sources::builtin(),
-        cache: None,
-        keep: &|_, _| false,
-    };
-    let package = generate(&request, &|_| ()).unwrap_or_else(|e| panic!("{e:?}")).package;
+    let package = Compiler::new(&plan).compile().unwrap_or_else(|e| panic!("{e}"));
     let schema = schema("variant");
     for (variant, limit) in
         [("adaptive-taylor-t9", json!(0.2)), ("adaptive-taylor-t9-ensemble", Value::Null)]

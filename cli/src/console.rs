@@ -3,7 +3,7 @@
 use std::io::{self, IsTerminal, Write};
 
 use anyhow::Result;
-use diffraction_shaders::diagnostic::{self, Diagnostic};
+use diffraction_shaders::diagnostic::{self, Diagnostic, Diagnostics};
 use diffraction_shaders::error::Error;
 
 use crate::program::spoken;
@@ -34,19 +34,6 @@ impl std::fmt::Display for Errors {
 }
 
 impl std::error::Error for Errors {}
-
-/// Errors with places in templates, or several of one command.
-#[derive(Debug)]
-pub struct Diagnostics(pub Vec<Diagnostic>);
-
-impl std::fmt::Display for Diagnostics {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let lines: Vec<&str> = self.0.iter().map(|d| d.message.as_str()).collect();
-        f.write_str(&lines.join("\n"))
-    }
-}
-
-impl std::error::Error for Diagnostics {}
 
 impl Console {
     /// With the form of its diagnostics.

@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 
 use anyhow::{Context, Result, bail};
-use diffraction_shaders::diagnostic::Diagnostic;
+use diffraction_shaders::diagnostic::{Diagnostic, Diagnostics};
 use diffraction_shaders::input;
 use diffraction_shaders::shader::specialise;
 use diffraction_shaders::shader::template::{Origin, Sources, Specialised, specialise};
@@ -11,7 +11,7 @@ use diffraction_shaders::variant::Form;
 
 use crate::Outcome;
 use crate::args::PlanArgs;
-use crate::console::{Console, Diagnostics};
+use crate::console::Console;
 
 const EXAMPLE: &str = "Examples:
   cargo xtask explain full-taylor-t19

@@ -1,23 +1,17 @@
 //! `cargo xtask generate`: from a plan to a folder, or the comparison of the two.
 
-use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::{Context, Result};
-use diffraction_shaders::diagnostic::Diagnostic;
-use diffraction_shaders::error::Error;
-use diffraction_shaders::input::read_surfaces;
-use diffraction_shaders::package::compile::{self, Generated, Request, Step};
-use diffraction_shaders::package::readme;
-use diffraction_shaders::package::{self, Equality, Package, Report, Stamp};
+use diffraction_shaders::package::compile::{Compiler, Step};
+use diffraction_shaders::package::{self, Package, Report, Stamp};
 use diffraction_shaders::plan::{Plan, Target, Variant};
-use diffraction_shaders::shader::template::Sources;
 
 use crate::Outcome;
 use crate::args::PlanArgs;
-use crate::console::{Console, Diagnostics};
+use crate::console::Console;
 use crate::program::spoken;
 use crate::unchanged::{self, Expected};
 use crate::{interrupt, progress};
@@ -78,36 +72,9 @@ fn build(
     out: &Path,
     console: &Console,
 ) -> Result<Option<Package>> {
-    // a manifest tells all targets of the plan, whichever of them are written anew
-    let targets: BTreeSet<Target> =
-        plan.targets.iter().chain(&selection.targets).copied().collect();
-    let targets: Vec<Target> = targets.into_iter().collect();
-    let keep = |path: &str, target: Target| {
-        !selection.targets.contains(&target) && out.join(path).is_file()
-    };
-    let errors = |all: Vec<Error>| Diagnostics(all.iter().map(Diagnostic::from).collect());
-    let surfaces = read_surfaces(&plan.surfaces).map_err(errors)?;
-    let request = Request {
-        surfaces: &surfaces,
-        variants: &selection.variants,
-        targets: &targets,
-        containers: &plan.containers,
-        sources: &Sources::builtin(),
-        cache: Some(&selection.cache),
-        keep: &keep,
-    };
-    let program = selection.program.as_deref();
-    let expected = program.and_then(|p| Expected::new(&request, &plan.text_hash, out, p));
-    if let Some(stamp) = expected.as_ref().and_then(|expected| expected.unchanged(out)) {
-        stamp.notes.iter().for_each(|note| console.note(note));
-        let mib = stamp.bytes as f64 / f64::from(1 << 20);
-        let (out, files) = (out.display(), stamp.file_count());
-        console.note(&format!("{out}: {files} files, {mib:.1} MiB, unchanged"));
-        return Ok(None);
-    }
     let bar = progress::bar(plan.surfaces.len() * selection.variants.len(), "generating");
     let baked = AtomicUsize::new(0);
-    let generated = compile::generate(&request, &|step| match step {
+    let show = |step: Step<'_>| match step {
         Step::Finished(_) => {
             baked.store(0, Ordering::Relaxed);
             bar.set_message("generating");
@@ -117,27 +84,34 @@ fn build(
             let sum = baked.fetch_add(columns, Ordering::Relaxed) + columns;
             bar.set_message(format!("baking {label}, {} %", 100 * sum / of.max(1)));
         }
-    });
-    bar.finish_and_clear();
-    let Generated { mut package, notes, .. } = generated.map_err(Diagnostics)?;
-    notes.iter().for_each(|note| console.note(note));
-    let mut variants = selection.variants.clone();
+    };
+    let mut compiler = Compiler::new(plan)
+        .variants(&selection.variants)
+        .targets(&selection.targets)
+        .cache(&selection.cache)
+        .progress(&show);
     if !selection.is_whole {
-        package.overlay(out, |path| path != readme::FILE)?;
-        variants = plan
-            .variants
-            .iter()
-            .chain(selection.variants.iter().filter(|v| !plan.variants.contains(v)))
-            .cloned()
-            .collect();
+        compiler = compiler.rest_from(out);
     }
-    let index = compile::index(&Request { variants: &variants, ..request })?;
-    let readme = readme::readme(&package, &index, &plan.rejected)?;
-    package.insert(readme::FILE, readme, Equality::Bytes)?;
-    package.seal(index)?;
+    let program = selection.program.as_deref();
+    let expected = match program {
+        Some(program) => Expected::new(&compiler, plan, &selection.cache, out, program)?,
+        None => None,
+    };
+    if let Some(stamp) = expected.as_ref().and_then(|expected| expected.unchanged(out)) {
+        stamp.notes.iter().for_each(|note| console.note(note));
+        let mib = stamp.bytes as f64 / f64::from(1 << 20);
+        let (out, files) = (out.display(), stamp.file_count());
+        console.note(&format!("{out}: {files} files, {mib:.1} MiB, unchanged"));
+        return Ok(None);
+    }
+    let package = compiler.compile();
+    bar.finish_and_clear();
+    let package = package?;
+    package.notes().iter().for_each(|note| console.note(note));
     if let Some(expected) = expected {
         // it may be kept before the files are written, for it tells what they have to hold
-        expected.keep(&Stamp::new(&package, expected.inputs.clone(), notes)?);
+        expected.keep(&Stamp::new(&package, expected.inputs.clone(), package.notes().to_vec())?);
     }
     Ok(Some(package))
 }
@@ -233,6 +207,7 @@ mod tests {
     use std::fs;
 
     use clap::Parser;
+    use diffraction_shaders::package::Equality;
 
     use super::*;
     use crate::console::MessageFormat;
@@ -320,7 +295,7 @@ mod tests {
         let mut command = std::process::Command::new("sh");
         command.args([
             "-c",
-            &format!("{shell} exec \"$0\" --exact compile::tests::child --nocapture"),
+            &format!("{shell} exec \"$0\" --exact generate::tests::child --nocapture"),
         ]);
         command.arg(std::env::current_exe().unwrap()).env("GENERATE_TEST_BASE", base);
         command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped());

@@ -4,8 +4,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use diffraction_shaders::diagnostic::Diagnostics;
 use diffraction_shaders::package::Stamp;
-use diffraction_shaders::package::compile::{Request, input_hash};
+use diffraction_shaders::package::compile::Compiler;
+use diffraction_shaders::plan::Plan;
 
 /// Caches of other programs are removed when nothing was added for so long.
 const KEPT: Duration = Duration::from_secs(7 * 24 * 3600);
@@ -44,17 +46,18 @@ pub(crate) struct Expected {
 impl Expected {
     /// `None` where it cannot be told.
     pub(crate) fn new(
-        request: &Request<'_>,
-        text_hash: &str,
+        compiler: &Compiler<'_>,
+        plan: &Plan,
+        cache: &Path,
         out: &Path,
         program: &str,
-    ) -> Option<Expected> {
+    ) -> Result<Option<Expected>, Diagnostics> {
         let hash = |text: String| diffraction_shaders::hash::sha256(text.as_bytes());
-        let inputs = input_hash(request);
-        let out = std::path::absolute(out).ok()?;
+        let inputs = compiler.input_hash()?;
+        let Ok(out) = std::path::absolute(out) else { return Ok(None) };
         let name = format!("stamp-{}.json", hash(out.display().to_string()));
-        let file = request.cache?.join(name);
-        Some(Expected { file, inputs: hash(format!("{program} {text_hash} {inputs}")) })
+        let inputs = hash(format!("{program} {} {inputs}", plan.text_hash));
+        Ok(Some(Expected { file: cache.join(name), inputs }))
     }
 
     /// The stamp, if the output folder still holds all that it tells.

@@ -10,10 +10,9 @@ use std::sync::OnceLock;
 use std::time::Duration;
 
 use diffraction_harness::drivers::browser::{check_page, drive_page};
+use diffraction_shaders::Compiler;
 use diffraction_shaders::input;
-use diffraction_shaders::package::compile::{Request, generate, index};
 use diffraction_shaders::package::write;
-use diffraction_shaders::shader::template::Sources;
 use serde_json::{Value, json};
 
 #[path = "../../examples/wgpu_probe.rs"]
@@ -184,18 +183,8 @@ fn package() -> &'static Path {
     static PACKAGE: OnceLock<PathBuf> = OnceLock::new();
     PACKAGE.get_or_init(|| {
         let plan = input::read_plan(&Path::new(ROOT).join("plans/gallery.toml")).unwrap();
-        let request = Request {
-            surfaces: &input::read_surfaces(&plan.surfaces).unwrap(),
-            variants: &plan.variants,
-            targets: &plan.targets,
-            containers: &[],
-            sources: &Sources::builtin(),
-            // another build's numbers prove nothing
-            cache: None,
-            keep: &|_, _| false,
-        };
-        let mut package = generate(&request, &|_| {}).unwrap_or_else(|e| panic!("{e:?}")).package;
-        package.seal(index(&request).unwrap()).unwrap();
+        // no cache: another build's numbers prove nothing
+        let package = Compiler::new(&plan).compile().unwrap_or_else(|e| panic!("{e}"));
         let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("gallery-package");
         write(&package, &out).unwrap();
         out

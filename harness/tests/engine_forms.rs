@@ -12,12 +12,11 @@ use diffraction_harness::drivers::gpu::{
     Backend, Gpu, Program, Shader, Texture, TextureFormat, TextureLayout, Uniform,
 };
 use diffraction_harness::drivers::passthrough::{Language, Passthrough};
+use diffraction_shaders::Compiler;
 use diffraction_shaders::package::Package;
-use diffraction_shaders::package::compile::{Request, generate};
 use diffraction_shaders::plan::{Plan, Target};
 use diffraction_shaders::shader::emit::{BindingKind, BindingName, EmittedFile, EntryPoint};
 use diffraction_shaders::shader::module::Stage;
-use diffraction_shaders::shader::template::Sources;
 use diffraction_shaders::tables::{DIRECTIONS, Table, TexelFormat};
 use serde_json::Value;
 
@@ -131,16 +130,8 @@ fn function_forms_pass_the_probes_on_real_drivers() {
 
 fn package() -> Package {
     let plan = Plan::parse(PLAN, Path::new("plan.toml")).unwrap();
-    let request = Request {
-        surfaces: &diffraction_shaders::input::read_surfaces(&plan.surfaces).unwrap(),
-        variants: &plan.variants,
-        targets: &Target::all(),
-        containers: &[],
-        sources: &Sources::builtin(),
-        cache: None,
-        keep: &|_, _| false,
-    };
-    generate(&request, &|_| {}).unwrap_or_else(|errors| panic!("{errors:?}")).package
+    let targets: Vec<Target> = Target::all().into_iter().collect();
+    Compiler::new(&plan).targets(&targets).compile().unwrap_or_else(|errors| panic!("{errors}"))
 }
 
 fn required<T>(found: Vec<Result<T, diffraction_shaders::error::Error>>) -> Vec<T> {

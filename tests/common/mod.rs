@@ -4,10 +4,10 @@
 use std::collections::BTreeSet;
 use std::fs;
 
+use diffraction_shaders::Compiler;
 use diffraction_shaders::diagnostic::Diagnostic;
 use diffraction_shaders::input;
 use diffraction_shaders::package::Package;
-use diffraction_shaders::package::compile::{Request, generate, index};
 use diffraction_shaders::plan::Target;
 use diffraction_shaders::shader::emit::{EmittedFile, emit};
 use diffraction_shaders::shader::module::{Module, compile};
@@ -137,11 +137,11 @@ pub const VARIANT_FOLDER: &str = "shaders/tiny/full-taylor-t3";
 
 /// A generated package of one small surface and two variants.
 pub fn package() -> Package {
-    package_without(&|_, _| false)
+    package_in(&TARGETS)
 }
 
-/// The same without the files that are kept as they are.
-pub fn package_without(keep: &(dyn Fn(&str, Target) -> bool + Sync)) -> Package {
+/// The same in these languages.
+pub fn package_in(targets: &[Target]) -> Package {
     let folder = tempfile::tempdir().unwrap();
     let plan = folder.path().join("plan.toml");
     let text = "schema = 1
@@ -160,19 +160,8 @@ hoist = false
 ";
     fs::write(&plan, text).unwrap();
     let plan = input::read_plan(&plan).unwrap_or_else(|errors| panic!("{errors:#?}"));
-    let request = Request {
-        surfaces: &input::read_surfaces(&plan.surfaces).unwrap(),
-        variants: &plan.variants,
-        targets: &TARGETS,
-        containers: &plan.containers,
-        sources: &Sources::builtin(),
-        keep,
-        cache: None,
-    };
-    let generated = generate(&request, &|_| ()).unwrap_or_else(|errors| panic!("{errors:#?}"));
-    let mut package = generated.package;
-    package.seal(index(&request).unwrap()).unwrap();
-    package
+    let compiler = Compiler::new(&plan).targets(targets);
+    compiler.compile().unwrap_or_else(|errors| panic!("{errors}"))
 }
 
 /// `file:line:column: message` of every diagnostic.

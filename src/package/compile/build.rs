@@ -1,0 +1,228 @@
+//! The files of one variant on one surface.
+
+use std::collections::BTreeMap;
+use std::sync::PoisonError;
+
+use serde_json::json;
+
+use crate::diagnostic::Diagnostic;
+use crate::error::Error;
+use crate::hash::{TOOL_VERSION, of_value};
+use crate::package::manifest::{Described, TableEntry, describe, manifest};
+use crate::package::{Content, Equality, JSON_TOLERANCE, Package, bindings, probe};
+use crate::plan::{TableFormat, Variant};
+use crate::shader::emit::emit;
+use crate::shader::specialise;
+use crate::tables::container::encode;
+use crate::tables::{Table, TableSpec, TexelFormat};
+use crate::variant::{DIRECTIONAL, Form, Function, PROBES, Twin};
+
+use super::cache::Cache;
+use super::identity;
+use super::work::{Loaded, Work};
+
+/// A variant on a surface: its texts, and what its tables are to be.
+pub(super) struct Built<'a> {
+    pub(super) surface: &'a Loaded<'a>,
+    pub(super) variant: &'a Variant,
+    form: Form,
+    tables: Vec<TableSpec>,
+    /// Names of the tables.
+    pub(super) ids: Vec<String>,
+    /// Everything but the tables and the probes.
+    files: Vec<(String, Vec<u8>, Equality)>,
+}
+
+/// Specialises, validates and emits the texts of a variant on a surface.
+pub(super) fn build<'a>(
+    work: &Work<'_>,
+    surface: &'a Loaded<'a>,
+    variant: &'a Variant,
+) -> Result<Built<'a>, Vec<Diagnostic>> {
+    let (name, rotate_deg) = (surface.name(), surface.rotate_deg());
+    let label = format!("{name} {}", variant.name);
+    let one = |error: Error| vec![Diagnostic::from(&error).variant(&label)];
+    let form = Form::new(variant, surface.field).map_err(one)?;
+    let tables = form.tables(surface.ground());
+    let ids: Vec<String> = tables.iter().map(TableSpec::id).collect();
+    let shapes: Vec<Table> = tables.iter().map(TableSpec::shape).collect();
+    let defines = specialise::defines(variant, &form, rotate_deg, specialise::node_count(&shapes));
+    let module = specialise::shader(work.sources, &label, &form, &defines)?;
+    let mut emitted = Vec::new();
+    for &target in work.targets {
+        emitted.extend(emit(&module, target).map_err(one)?);
+    }
+    let entry = |(table, id): (&Table, &String)| TableEntry {
+        binding: table.name,
+        id: id.clone(),
+        description: format!("../../../surfaces/{name}/{id}.json"),
+        data: format!("../../../surfaces/{name}/{id}.bin"),
+    };
+    let entries = shapes.iter().zip(&ids).map(|pair| (pair.0, entry(pair))).collect();
+    let input_hash = of_value(&json!([surface.input.identity(), variant.hash(), TOOL_VERSION]));
+    let subject = Described { surface: name, variant, form: &form, tables: entries, input_hash };
+    let manifest = manifest(subject, &module, &emitted);
+    let folder = format!("shaders/{name}/{}", variant.name);
+    let rust = bindings::rust(&manifest, &shapes.iter().collect::<Vec<_>>()).map_err(one)?;
+    let manifest_path = format!("{folder}/manifest.json");
+    let text = pretty(&manifest_path, &manifest).map_err(one)?;
+    let mut files = vec![
+        (manifest_path, text.into(), Equality::Json { tolerance: JSON_TOLERANCE }),
+        (format!("{folder}/{}", bindings::FILE), rust.into(), Equality::Bytes),
+    ];
+    // two targets may share a file, as those of GLSL share the function form
+    let pathed = emitted.into_iter().map(|file| (format!("{folder}/{}", file.name), file));
+    let fresh = pathed.filter(|(path, file)| !(work.keep)(path, file.target));
+    let fresh: BTreeMap<String, Vec<u8>> = fresh.map(|(path, file)| (path, file.bytes)).collect();
+    files.extend(fresh.into_iter().map(|(path, bytes)| (path, bytes, Equality::Bytes)));
+    Ok(Built { surface, variant, form, tables, ids, files })
+}
+
+/// The term table that was read last, with its path: variants that share one come together.
+pub(super) type Last = Option<(String, Table)>;
+
+impl Built<'_> {
+    /// Adds all files. `baked` is called with the columns of a table of colours that were finished, and how many it has.
+    pub(super) fn insert(
+        mut self,
+        work: &Work<'_>,
+        package: &mut Package,
+        last: &mut Last,
+        baked: &(dyn Fn(usize, usize) + Sync),
+    ) -> Result<(), Error> {
+        for (path, bytes, compare) in std::mem::take(&mut self.files) {
+            package.insert(&path, bytes, compare)?;
+        }
+        for (spec, id) in self.tables.iter().zip(&self.ids) {
+            (work.go_on)()?;
+            self.insert_table(spec, id, work, package, baked)?;
+        }
+        let probes = self.probes(work, package, last)?;
+        let path = format!("shaders/{}/{}/probe.json", self.surface.name(), self.variant.name);
+        package.insert(&path, probes, Equality::Json { tolerance: probe::TOLERANCE })
+    }
+
+    fn insert_table(
+        &self,
+        spec: &TableSpec,
+        id: &str,
+        work: &Work<'_>,
+        package: &mut Package,
+        baked: &(dyn Fn(usize, usize) + Sync),
+    ) -> Result<(), Error> {
+        let path = self.table_path(id);
+        // the variants of a surface share a table, made once
+        if package.files().contains_key(&path) {
+            return Ok(());
+        }
+        let table = spec.shape();
+        let done = |columns: usize| {
+            if let TableSpec::Colours(spec) = spec {
+                baked(columns, spec.axes.columns as usize);
+            }
+        };
+        let make = || Ok(spec.compute_with(self.surface.field, &done)?.bytes());
+        let content = if spec.is_expensive() {
+            Cache(work.cache).content(id, table.byte_count(), make)?
+        } else {
+            Content::Bytes(make()?)
+        };
+        let (format, tolerance) = match table.format {
+            TexelFormat::Rg32Float | TexelFormat::Rgba32Float => {
+                (TableFormat::F32, TABLE_TOLERANCE)
+            }
+            TexelFormat::Rg16Float | TexelFormat::Rgba16Float => (TableFormat::F16, HALF_TOLERANCE),
+            TexelFormat::Rgb9e5Ufloat => (TableFormat::Rgb9e5, SHARED_TOLERANCE),
+        };
+        let shape = table.shape();
+        for &container in work.containers {
+            let file = encode(container, &shape, &content.read()?)?;
+            let compare = Equality::Container { container, shape, tolerance };
+            let beside = path.replace(".bin", &format!(".{}", container.as_str()));
+            package.insert(&beside, file, compare)?;
+        }
+        let compare = Equality::Table { format, tolerance, layer: shape.layer_numbers() };
+        package.insert_content(&path, content, compare)?;
+        let description = path.replace(".bin", ".json");
+        let about = pretty(&description, &describe(spec, id, work.containers))?;
+        package.insert(&description, about, Equality::Json { tolerance: JSON_TOLERANCE })
+    }
+
+    fn table_path(&self, id: &str) -> String {
+        format!("surfaces/{}/{id}.bin", self.surface.name())
+    }
+
+    fn probes(&self, work: &Work<'_>, package: &Package, last: &mut Last) -> Result<String, Error> {
+        let Built { surface, variant, form, .. } = self;
+        let (function, cache) = (&DIRECTIONAL, Cache(work.cache));
+        let (optics, rotate_deg) = (&variant.optics, surface.rotate_deg());
+        let id = identity::exact_id(function, surface.input.identity(), optics);
+        let mut known = surface.exact.lock().unwrap_or_else(PoisonError::into_inner);
+        let exact = match known.get(&id) {
+            Some(exact) => exact.clone(),
+            None => {
+                let numbers = cache.numbers(&id, 9 * PROBES, || {
+                    let exact = function.probes(surface.field, rotate_deg, optics)?;
+                    Ok(probe::to_numbers(&exact))
+                })?;
+                let exact = probe::from_numbers(&numbers);
+                known.insert(id, exact.clone());
+                exact
+            }
+        };
+        drop(known);
+        let id = identity::expected_id(function, surface.input.identity(), variant);
+        let expected = cache.numbers(&id, 3 * PROBES, || {
+            let mut tables = Vec::new();
+            for (spec, id) in self.tables.iter().zip(&self.ids) {
+                if spec.is_expensive() {
+                    self.read_terms(spec, &self.table_path(id), package, last)?;
+                } else {
+                    tables.push(spec.compute(surface.field)?.rounded());
+                }
+            }
+            let mut twin = Twin::new(form, &tables, optics, rotate_deg);
+            if let (Some((_, terms)), true) =
+                (last.as_ref(), self.tables.iter().any(TableSpec::is_expensive))
+            {
+                twin.terms = terms;
+            }
+            Ok(probe::expected(function, &twin, &exact).concat())
+        })?;
+        let (expected, _) = expected.as_chunks();
+        probe::json(surface.name(), &variant.name, optics.colour, form, &exact, expected)
+    }
+
+    /// Makes `last` the term table at a path.
+    fn read_terms(
+        &self,
+        spec: &TableSpec,
+        path: &str,
+        package: &Package,
+        last: &mut Last,
+    ) -> Result<(), Error> {
+        if last.as_ref().is_some_and(|(known, _)| known == path) {
+            return Ok(());
+        }
+        *last = None;
+        if let Some(file) = package.files().get(path) {
+            let table = spec.shape().with_bytes(&file.content.read()?);
+            *last = Some((path.to_owned(), table));
+        }
+        Ok(())
+    }
+}
+
+/// Largest difference between processors of a number in a table, relative to the layer's largest: the rounding to 32
+/// bits, once more.
+const TABLE_TOLERANCE: f64 = 2.4e-7;
+/// The same of a table of 16-bit floats.
+const HALF_TOLERANCE: f64 = 1e-3;
+/// The same of nine bits with a common exponent.
+const SHARED_TOLERANCE: f64 = 4e-3;
+
+fn pretty(path: &str, value: &impl serde::Serialize) -> Result<String, Error> {
+    let text = serde_json::to_string_pretty(value)
+        .map_err(|e| Error::new(path, "cannot be written as JSON").source(e))?;
+    Ok(text + "\n")
+}
