@@ -1,7 +1,8 @@
 //! Combinations that mean nothing, and keys that a variant leaves alone.
 
 use super::axis::Entry;
-use super::reads::{declared, is_prefiltered, reads};
+use super::mode::declared;
+use super::reads::{is_prefiltered, reads};
 use super::variant::axes;
 use super::{Basis, Coherence, CoherenceScaling, Colour, Mode, Optics, TableFormat, Variant};
 

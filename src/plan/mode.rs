@@ -1,4 +1,4 @@
-//! What a variant can compute: the modes.
+//! What a variant can compute: the modes, and which keys each of them reads.
 
 use serde::{Deserialize, Serialize};
 
@@ -37,5 +37,136 @@ impl Mode {
     /// The word of the plan.
     pub fn as_str(self) -> &'static str {
         word_of(MODES, self)
+    }
+}
+
+/// A condition on a variant, under which its mode reads a key.
+#[derive(Clone, Copy)]
+pub(super) enum When {
+    /// The number of terms is left to the tool.
+    ChoosesTerms,
+    /// The amplitude comes from a table that has the window in it.
+    IsPrefiltered,
+    /// The amplitude is a sum over bins.
+    SumsBins,
+    /// The range of wavelengths is wider than one.
+    HasRange,
+    /// The number of replicas is left to the tool.
+    CountsReplicas,
+}
+
+/// What a mode does with the entries of the canonical configuration, the mode itself apart. All others it leaves alone.
+pub(super) struct Declared {
+    /// Read by every variant of the mode.
+    pub(super) always: &'static [&'static str],
+    /// Read where a variant is such.
+    pub(super) sometimes: &'static [(&'static str, When)],
+    /// Not read, but refused with a reason where they differ from the default, by [`super::constraints::broken`].
+    pub(super) refused: &'static [&'static str],
+}
+
+const FULL: Declared = Declared {
+    always: &[
+        "basis",
+        "terms",
+        "min_nm",
+        "max_nm",
+        "table",
+        "packing",
+        "coherence_um",
+        "coherence",
+        "coherence_scaling",
+        "refractive_index",
+        "shadowing",
+        "illuminant",
+        "colour",
+    ],
+    sometimes: &[
+        ("term_error", When::ChoosesTerms),
+        ("reconstruction", When::IsPrefiltered),
+        ("window_radius", When::SumsBins),
+        ("step_nm", When::HasRange),
+        ("sampling", When::IsPrefiltered),
+        ("hoist", When::SumsBins),
+    ],
+    refused: &["hoist"],
+};
+
+const PQ: Declared = Declared {
+    always: &[
+        "basis",
+        "terms",
+        "window_radius",
+        "periods",
+        "min_nm",
+        "max_nm",
+        "table",
+        "packing",
+        "refractive_index",
+        "shadowing",
+        "illuminant",
+        "colour",
+    ],
+    sometimes: &[
+        ("term_error", When::ChoosesTerms),
+        ("step_nm", When::HasRange),
+        ("coherence_um", When::CountsReplicas),
+    ],
+    refused: &["reconstruction", "hoist", "coherence", "coherence_scaling"],
+};
+
+const ADAPTIVE: Declared = Declared {
+    always: &[
+        "basis",
+        "terms",
+        "min_nm",
+        "max_nm",
+        "table",
+        "packing",
+        "coherence_um",
+        "coherence",
+        "coherence_scaling",
+        "refractive_index",
+        "shadowing",
+        "illuminant",
+        "colour",
+    ],
+    sometimes: &[
+        ("term_error", When::ChoosesTerms),
+        ("reconstruction", When::IsPrefiltered),
+        ("sampling", When::IsPrefiltered),
+    ],
+    refused: &["hoist"],
+};
+
+const BAKED: Declared = Declared {
+    always: &[
+        "min_nm",
+        "max_nm",
+        "table",
+        "sampling",
+        "bake_error",
+        "bake_mib",
+        "coherence_um",
+        "coherence",
+        "coherence_scaling",
+        "refractive_index",
+        "shadowing",
+        "illuminant",
+        "colour",
+    ],
+    sometimes: &[],
+    refused: &[],
+};
+
+const GEMS: Declared = Declared { always: &[], sometimes: &[], refused: &["colour"] };
+
+pub(super) fn declared(mode: Mode) -> &'static Declared {
+    match mode {
+        Mode::Full => &FULL,
+        Mode::Pq => &PQ,
+        Mode::Adaptive => &ADAPTIVE,
+        Mode::Baked => &BAKED,
+        Mode::Gems => &GEMS,
     }
 }
