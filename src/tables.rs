@@ -27,10 +27,7 @@ pub use corridor::{BROADEST, Corridor, LEAST_SQUARED, LobeGeometry, OUTER_NODES,
 pub use meaning::{Meaning, NODE_LEVELS};
 pub use period::strongest_period_um;
 pub use series::{Choice, LaidExpansion, Reach, Series};
-pub use spec::{
-    CoefficientsSpec, ColoursSpec, GratingSpec, LevelsSpec, LobesSpec, NodesSpec, RotationSpec,
-    SettingsSpec, TableSpec, TermsSpec,
-};
+pub use spec::*;
 
 /// Texel format of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -86,12 +86,12 @@ pub(super) fn broken(variant: &Variant) -> Vec<(&'static str, String)> {
                 "pq repeats the patch a whole number of times, the same for all wavelengths",
             );
         }
-        Mode::Adaptive | Mode::Baked => {}
         Mode::Gems => refuse(
             optics.colour == Colour::Thesis,
             "colour",
             "gems maps wavelengths to RGB without tristimulus values, which the matrices of the texts need",
         ),
+        _ => {}
     }
     refuse(
         !variant.hoist && matches!(mode, Mode::Pq | Mode::Adaptive),
