@@ -23,11 +23,11 @@ use crate::plan::Coherence;
 use crate::surface::HeightField;
 
 /// Weights of the window below this are left out; the sum of `|c|²` is 1, so the amplitude errs by little more.
-const LEAST_WEIGHT: f64 = 1e-12;
+const MIN_WEIGHT: f64 = 1e-12;
 /// Allowed error of the interpolation in `z`.
 const NODE_ERROR: f64 = 1e-11;
 /// More bins than this to either side of a frequency, and the window is split (see [`Field`]).
-const MOST_BINS: f64 = 12.0;
+const MAX_BINS: f64 = 12.0;
 
 /// `P(f; z)` straight from the definition: `f` in cycles per µm, `z` in 1/µm, window of standard deviation `sigma_um`.
 pub fn amplitude_brute(height: &HeightField, f: DVec2, z: f64, sigma_um: f64) -> Complex64 {
@@ -122,14 +122,14 @@ impl SplitAxis {
     /// `sigma_um`: least and greatest standard deviation of the window on the signal.
     fn new(patch: GridAxis, origin_um: f64, sigma_um: (f64, f64)) -> SplitAxis {
         let whole = GridAxis { start_um: origin_um, ..patch };
-        if cut_bins(patch.period_um, sigma_um.0) <= MOST_BINS {
+        if cut_bins(patch.period_um, sigma_um.0) <= MAX_BINS {
             return SplitAxis { axis: whole, applied_um: f64::INFINITY };
         }
         let applied_um = std::f64::consts::SQRT_2 * sigma_um.1;
         let rest_um = remaining_um(sigma_um.1, applied_um);
         let pitch_um = patch.period_um / patch.count as f64;
         // images of the tile meet the window's product at exp(-L'²/2(σ1² + σ2²))
-        let period_um = (-2.0 * LEAST_WEIGHT.ln()).sqrt() * applied_um.hypot(rest_um);
+        let period_um = (-2.0 * MIN_WEIGHT.ln()).sqrt() * applied_um.hypot(rest_um);
         let count = (period_um / pitch_um).ceil() as usize;
         let first = ((-0.5 * count as f64 * pitch_um - origin_um) / pitch_um).round();
         let axis = GridAxis {
@@ -174,7 +174,7 @@ impl SplitAxis {
 
 /// Bins to either side at which a window of `sigma_um` falls to the least weight.
 fn cut_bins(period_um: f64, sigma_um: f64) -> f64 {
-    (-2.0 * LEAST_WEIGHT.ln()).sqrt() * period_um / (TAU * sigma_um)
+    (-2.0 * MIN_WEIGHT.ln()).sqrt() * period_um / (TAU * sigma_um)
 }
 
 /// `σ2` of `1/σ² = 1/σ1² + 1/σ2²`.

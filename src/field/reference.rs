@@ -66,7 +66,7 @@ impl Reference {
         };
         let subject = format!("surface of {} × {} pixels", height.columns(), height.rows());
         let bytes = Field::bytes_needed(height, &domain);
-        if bytes > MOST_BYTES {
+        if bytes > MAX_BYTES {
             let cause =
                 format!("its exact field needs {:.1} GiB", bytes as f64 / f64::from(1 << 30));
             return Err(
@@ -152,7 +152,7 @@ impl Reference {
         let uv = (wi + wr).truncate().length();
         let needed_nm = sigma_cpum * (min_nm * 1e-3).powi(2) / uv.max(1e-9) * 1e3;
         let mut step_nm = self.coarsest_step_nm;
-        while step_nm > needed_nm && step_nm > LEAST_STEP_NM {
+        while step_nm > needed_nm && step_nm > MIN_STEP_NM {
             step_nm *= 0.5;
         }
         1.0 / step_nm
@@ -177,6 +177,6 @@ pub fn evaluate_all<S: Default>(
     out
 }
 
-const MOST_BYTES: usize = 6 << 30;
+const MAX_BYTES: usize = 6 << 30;
 /// Steps are not made finer than this; it serves coherence lengths up to 4 mm.
-const LEAST_STEP_NM: f64 = 1.0 / 128.0;
+const MIN_STEP_NM: f64 = 1.0 / 128.0;

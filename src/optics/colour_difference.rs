@@ -101,7 +101,7 @@ pub fn colour_difference(
 
 /// Least share of lit pixels that says something about a map: on a grating of one period it is a line's, or that of a line's
 /// skirts, and the drawn directions say more.
-const LEAST_LIT: f64 = 0.05;
+const MIN_LIT: f64 = 0.05;
 /// Share of the brightest direction's luminance below which a map's pixel does not count: a map of a grating may meet none
 /// of its orders, and then shows their last skirts alone.
 const DIM: f64 = 1e-6;
@@ -121,7 +121,7 @@ pub fn map_difference(
     let share = expected.len() as f64 / reference.len() as f64;
     let compared = colour_difference(subject, &expected, &colours, Some(exposure)).ok()?;
     let lit = compared.lit * share;
-    (lit >= LEAST_LIT).then_some(ColourDifference { lit, ..compared })
+    (lit >= MIN_LIT).then_some(ColourDifference { lit, ..compared })
 }
 
 fn expose(xyz: [f64; 3], exposure: f64) -> [f64; 3] {

@@ -25,8 +25,8 @@ const BEYOND: f64 = 1.12;
 const DOT: f64 = 5.0;
 
 /// Decibels shown below the strongest order, at least and at most.
-const LEAST_DB: f64 = 30.0;
-const MOST_DB: f64 = 80.0;
+const MIN_DB: f64 = 30.0;
+const MAX_DB: f64 = 80.0;
 
 /// Powers below this are rounding.
 const ROUNDING_DB: f64 = -140.0;
@@ -95,7 +95,7 @@ fn decibel_range(power: &[f64]) -> (f64, f64) {
     // by Parseval some order has power, though perhaps beyond what is shown
     let top = sorted.last().copied().unwrap_or(0.0).ceil();
     let bulk = sorted.get(sorted.len() / 100).copied().unwrap_or(0.0).floor();
-    (bulk.clamp(top - MOST_DB, top - LEAST_DB), top)
+    (bulk.clamp(top - MAX_DB, top - MIN_DB), top)
 }
 
 /// What one pixel shows along an axis.

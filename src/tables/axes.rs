@@ -53,11 +53,11 @@ impl BakedAxes {
         let stretch = (1.0 / (LOBE_ROWS * lobe * PACE)).round().max(1.0);
         let sized = |fineness: f64| {
             let columns = fineness * TAU / (LOBE_COLUMNS * lobe);
-            let pages = (columns / f64::from(MOST_COLUMNS)).ceil().max(1.0) as u32;
+            let pages = (columns / f64::from(MAX_COLUMNS)).ceil().max(1.0) as u32;
             let page = (columns / f64::from(8 * pages)).ceil().clamp(2.0, 1e6) as u32 * 8;
             let pace = (fineness * PACE).round().max(4.0);
             BakedAxes {
-                columns: pages * page.min(MOST_COLUMNS),
+                columns: pages * page.min(MAX_COLUMNS),
                 pages,
                 rows: (pace * (2.0 * stretch).asinh()).ceil() as u32 + 1,
                 levels: (fineness * TURN_LEVELS * turns).ceil() as u32 + 2,
@@ -72,12 +72,12 @@ impl BakedAxes {
         };
         let fits = |axes: &BakedAxes| {
             axes.texels() as f64 * texel <= aim.mib * f64::from(1 << 20)
-                && axes.pages * axes.levels <= MOST_LAYERS
-                && axes.rows <= MOST_COLUMNS
+                && axes.pages * axes.levels <= MAX_LAYERS
+                && axes.rows <= MAX_COLUMNS
         };
         let mut fineness = (STANDARD_ERROR / aim.error).sqrt();
         let mut axes = sized(fineness);
-        while !fits(&axes) && fineness > LEAST_FINENESS {
+        while !fits(&axes) && fineness > MIN_FINENESS {
             fineness *= SHRINKING;
             axes = sized(fineness);
         }
@@ -155,10 +155,10 @@ const TURN_LEVELS: f64 = 8.5;
 /// Factor by which all axes are made coarser, until the table is small enough.
 const SHRINKING: f64 = 0.98;
 /// Nothing is gained by going on.
-const LEAST_FINENESS: f64 = 1e-3;
+const MIN_FINENESS: f64 = 1e-3;
 /// Columns of a page, and rows: a multiple of eight, with one more within what every profile allows.
-const MOST_COLUMNS: u32 = 2040;
+const MAX_COLUMNS: u32 = 2040;
 /// Layers that every profile allows.
-const MOST_LAYERS: u32 = 256;
+const MAX_LAYERS: u32 = 256;
 /// Slope of [`octant`] at 0.
 pub const BEND: f64 = 1.35;

@@ -103,7 +103,7 @@ impl Expansion {
             Basis::Taylor | Basis::TaylorZero => remainder(x, *terms) <= error,
             _ => self.cut(*terms) + self.between(self.nodes_for(*terms)) <= error,
         };
-        let terms = (1..=MOST_TERMS).find(enough).unwrap_or(MOST_TERMS);
+        let terms = (1..=MAX_TERMS).find(enough).unwrap_or(MAX_TERMS);
         Expansion { terms, ..self }
     }
 
@@ -143,8 +143,8 @@ impl Expansion {
     }
 
     fn nodes_for(&self, terms: u32) -> usize {
-        let mut count = FEWEST_NODES;
-        while count < MOST_NODES && self.between(count) > INTERPOLATION * self.cut(terms) {
+        let mut count = MIN_NODES;
+        while count < MAX_NODES && self.between(count) > INTERPOLATION * self.cut(terms) {
             count *= 2;
         }
         count
@@ -167,16 +167,16 @@ pub fn is_tabulated(basis: Basis) -> bool {
 }
 
 /// Fewest nodes of a table of coefficients.
-const FEWEST_NODES: usize = 64;
+const MIN_NODES: usize = 64;
 /// Most nodes: the width of a texture that every profile allows.
-const MOST_NODES: usize = 2048;
+const MAX_NODES: usize = 2048;
 /// Error of interpolation, in parts of the error of the terms left out.
 const INTERPOLATION: f64 = 0.05;
 
 /// Jacobi and Anger: `exp(i phase s x) = Σ (2 - δ_n0) i^n J_n(phase s) T_n(x)`; after `T` terms an error of
 /// `Σ_{n≥T} 2 max|J_n|`.
 fn chebyshev(phase: f64) -> (Vec<Curve>, Vec<f64>) {
-    let count = enough_nodes(phase).min(MOST_TERMS as usize);
+    let count = enough_nodes(phase).min(MAX_TERMS as usize);
     let twice = |n: usize| if n == 0 { 1.0 } else { 2.0 };
     let values: Vec<Vec<f64>> =
         nodes(enough_nodes(phase)).iter().map(|s| bessel(count, phase * s)).collect();
@@ -234,7 +234,7 @@ fn measured(curves: &[Curve], phase: f64, levels: &[Level]) -> Vec<f64> {
 const SLACK: f64 = 1.02;
 
 /// More terms than this are never chosen nor accepted.
-pub const MOST_TERMS: u32 = 200;
+pub const MAX_TERMS: u32 = 200;
 
 /// Greatest `|z| = k|w|` at wavelengths from `min_nm` up: both directions along the normal.
 pub fn greatest_z(min_nm: f64) -> f64 {

@@ -16,18 +16,18 @@ pub const OUTER_NODES: u32 = 2;
 /// Colour weights change by their own size over this wavenumber at the fastest, 1/µm: 15 nm in the middle of the spectrum.
 const FASTEST_CHANGE: f64 = 0.05;
 /// Greatest width of a narrow lobe, 1/µm, however flat the surface: colours differ within it.
-const GREATEST_WIDTH: f64 = 0.06;
+const MAX_WIDTH: f64 = 0.06;
 /// Greatest phase `2π w H s`, `|w| = 2`, of an intensity over a narrow lobe of width `s`. Taken at two wavenumbers it errs by
 /// the phase's fourth power over 48 of the amplitude's square.
-const GREATEST_PHASE: f64 = 0.5;
+const MAX_PHASE: f64 = 0.5;
 /// Greatest error of the colours of a lobe between two columns of their table, linear.
 const COLUMN_ERROR: f64 = 1e-3;
 /// Greatest error of the colours of a lobe by the nearest row, where colours change fastest.
 const ROW_ERROR: f64 = 2e-2;
 /// Most columns and rows: a texture that every profile allows.
-const MOST_TEXELS: f64 = 2048.0;
+const MAX_TEXELS: f64 = 2048.0;
 /// Most nodes, but for those beyond the ends.
-const MOST_NODES: u32 = 1024;
+const MAX_NODES: u32 = 1024;
 
 /// Static bounds of the loops over bins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -129,7 +129,7 @@ impl LobeGeometry {
         let width = BROADEST * self.pace(nodes) * self.sigma_at(self.range[1])
             / self.sigma_at(self.range[0]);
         let rows = (width / FASTEST_CHANGE).powi(2) / (4.0 * ROW_ERROR);
-        let count = |most: f64| most.ceil().clamp(8.0, MOST_TEXELS - 3.0) as u32 + 1;
+        let count = |most: f64| most.ceil().clamp(8.0, MAX_TEXELS - 3.0) as u32 + 1;
         [count(columns).max(nodes), count(rows)]
     }
 
@@ -138,7 +138,7 @@ impl LobeGeometry {
     pub fn span(&self, place: [f64; 2], uv: [f64; 2]) -> [f64; 2] {
         let along = uv[0] * place[0] + uv[1] * place[1];
         let half = REACH_SIGMAS / SQRT_2 * self.sigma_cpum;
-        let squared = |v: [f64; 2]| (v[0] * v[0] + v[1] * v[1]).max(LEAST_SQUARED);
+        let squared = |v: [f64; 2]| (v[0] * v[0] + v[1] * v[1]).max(MIN_SQUARED);
         if self.scales {
             // a Gaussian in λ: the window's spectrum at λ is that at 550 nm, wider by 550 nm/λ
             let half_um = half * optics::REFERENCE_NM * 1e-3 / squared(place).sqrt();
@@ -190,10 +190,10 @@ impl LobeGeometry {
         }
         // the greatest phase of an intensity per wavenumber
         let turn = 4.0 * PI * height_um;
-        let width = (GREATEST_PHASE / turn).min(GREATEST_WIDTH);
+        let width = (MAX_PHASE / turn).min(MAX_WIDTH);
         // of a window that follows the wavelength, lobes are broader at the other end
         let pace = width / BROADEST * self.sigma_at(self.range[0]) / self.sigma_at(self.range[1]);
-        ((range / pace).ceil() as u32).min(MOST_NODES) + 1 + 2 * OUTER_NODES
+        ((range / pace).ceil() as u32).min(MAX_NODES) + 1 + 2 * OUTER_NODES
     }
 
     /// Bins within reach of a node.
@@ -236,10 +236,10 @@ impl LobeGeometry {
 
     /// Width of the lobes of a direction over that of the broadest narrow ones; from 1 on they are broad.
     pub fn breadth(&self, uv: [f64; 2], nodes: u32) -> f64 {
-        let length = (uv[0] * uv[0] + uv[1] * uv[1]).max(LEAST_SQUARED).sqrt();
+        let length = (uv[0] * uv[0] + uv[1] * uv[1]).max(MIN_SQUARED).sqrt();
         self.sigma_at(self.range[0]) / (BROADEST * self.pace(nodes) * length)
     }
 }
 
 /// Squares of lengths are not taken smaller than this, so that nothing is divided by zero.
-pub const LEAST_SQUARED: f64 = 1e-12;
+pub const MIN_SQUARED: f64 = 1e-12;

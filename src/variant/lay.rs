@@ -51,6 +51,6 @@ pub(super) fn bins(size_um: [f64; 2], min_nm: f64, margin: [usize; 2]) -> Bins {
 
 /// The fewest bins to each side for which `tail` is at most `wanted`, from `least` on; at most 64.
 pub(super) fn radius(least: u32, wanted: f64, tail: impl Fn(u32) -> f64) -> u32 {
-    const MOST: u32 = 64;
-    (least..=MOST).find(|&radius| tail(radius) <= wanted).unwrap_or(MOST)
+    const MAX_RADIUS: u32 = 64;
+    (least..=MAX_RADIUS).find(|&radius| tail(radius) <= wanted).unwrap_or(MAX_RADIUS)
 }

@@ -17,7 +17,7 @@ pub(super) const MODEL_P95: f64 = 1.5;
 /// Error of linear interpolation in the grid, the root of its mean square over that of the amplitude.
 pub const GRID_ERROR: f64 = 0.008;
 /// Most samples of the transform along an axis: two of them make a gigabyte.
-const MOST_SAMPLES: usize = 8192;
+const MAX_SAMPLES: usize = 8192;
 
 /// Share of what oscillates fastest along 1/λ that the nodes may take for something slower.
 ///
@@ -61,9 +61,9 @@ fn grid(variant: &Variant, height: &HeightField) -> Result<Grid> {
     let pitch_um = [height.pitch_x_um(), height.pitch_y_um()];
     let wanted_um = sigma_um * (interpolation() / GRID_ERROR).sqrt();
     let samples = pitch_um.map(|pitch_um| smooth((wanted_um / pitch_um).ceil() as usize));
-    if let Some(most) = samples.iter().max().filter(|most| **most > MOST_SAMPLES) {
+    if let Some(most) = samples.iter().max().filter(|most| **most > MAX_SAMPLES) {
         let cause = format!(
-            "a window of coherence_um = {} takes {most} samples on an axis, above {MOST_SAMPLES}",
+            "a window of coherence_um = {} takes {most} samples on an axis, above {MAX_SAMPLES}",
             variant.optics.coherence_um
         );
         return Err(Error::new(&variant.name, cause)

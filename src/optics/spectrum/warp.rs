@@ -7,7 +7,7 @@ use super::{Sample, Spectrum};
 /// Power of the weights that the density of nodes follows: few nodes where little light is, but not none.
 const POWER: f64 = 0.3;
 /// Least density, over the greatest.
-const LEAST: f64 = 0.05;
+const MIN_DENSITY: f64 = 0.05;
 /// Cells that weights are added up over, at equal steps of 1/λ.
 const CELLS: usize = 4096;
 
@@ -50,7 +50,7 @@ impl Warp {
         for cell in &cells {
             let (before, sum) = (weights[weights.len() - 1], density[density.len() - 1]);
             weights.push(std::array::from_fn(|c| before[c] + cell[c]));
-            density.push(sum + (light(cell) / most).powf(POWER).max(LEAST));
+            density.push(sum + (light(cell) / most).powf(POWER).max(MIN_DENSITY));
         }
         let all = density[CELLS];
         density.iter_mut().for_each(|sum| *sum /= all);

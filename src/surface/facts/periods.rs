@@ -9,10 +9,10 @@ use serde::Serialize;
 use crate::surface::{HeightField, level};
 
 /// Most peaks that are told.
-const MOST_PEAKS: usize = 5;
+const MAX_PEAKS: usize = 5;
 
 /// Least share of the power of a peak that is told.
-const LEAST_SHARE: f64 = 0.01;
+const MIN_SHARE: f64 = 0.01;
 
 /// Half width of the main lobe of the Hann window, in bins: peaks closer than this are one, and lower frequencies cannot
 /// be told from the trend (Harris 1978, table I).
@@ -263,7 +263,7 @@ fn direction_deg(x: f64, y: f64) -> f64 {
 
 /// Those that are worth telling, of peaks by falling rank; far down the list are none.
 fn told(peaks: impl Iterator<Item = Peak>) -> Vec<Peak> {
-    peaks.take(8 * MOST_PEAKS).filter(|peak| peak.share >= LEAST_SHARE).take(MOST_PEAKS).collect()
+    peaks.take(8 * MAX_PEAKS).filter(|peak| peak.share >= MIN_SHARE).take(MAX_PEAKS).collect()
 }
 
 fn transposed(data: &[Complex64], width: usize) -> Vec<Complex64> {

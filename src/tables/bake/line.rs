@@ -21,7 +21,7 @@ const REACH_SIGMAS: f64 = 4.5;
 /// step integrates to 1e-8.
 const STEP_SIGMAS: f64 = 0.7;
 /// Fewest wavelengths of a row: what the colour weights need, 5 nm apart.
-const LEAST_NODES: f64 = 80.0;
+const MIN_NODES: f64 = 80.0;
 /// Greatest error of the phase function's terms.
 const TERM_ERROR: f64 = 1e-3;
 
@@ -243,12 +243,12 @@ impl Recipe {
         let ends = [1e3 / range.max_nm, 1e3 / range.min_nm];
         let span = ends[1] - ends[0];
         let steps = |halvings: u32| row.radius * span / step_cpum * f64::from(1_u32 << halvings);
-        let halvings = (0..MOST_HALVINGS).find(|&h| steps(h) >= LEAST_NODES);
-        let halvings = halvings.unwrap_or(MOST_HALVINGS);
-        let point = halvings == MOST_HALVINGS;
+        let halvings = (0..MAX_HALVINGS).find(|&h| steps(h) >= MIN_NODES);
+        let halvings = halvings.unwrap_or(MAX_HALVINGS);
+        let point = halvings == MAX_HALVINGS;
         // in wavenumbers 1/λ
         let pace = match point {
-            true => span / LEAST_NODES,
+            true => span / MIN_NODES,
             false => step_cpum / f64::from(1_u32 << halvings) / row.radius,
         };
         let first = (ends[0] / pace).ceil() as usize;
@@ -299,7 +299,7 @@ impl Recipe {
     }
 
     fn is_point(&self) -> bool {
-        self.halvings == MOST_HALVINGS
+        self.halvings == MAX_HALVINGS
     }
 
     fn step(&self, step_cpum: f64) -> f64 {
@@ -308,7 +308,7 @@ impl Recipe {
 }
 
 /// A row that would need more halvings of the step is the mirror direction itself.
-const MOST_HALVINGS: u32 = 16;
+const MAX_HALVINGS: u32 = 16;
 
 /// A piece of the line of every lane, `[place][number][lane]`.
 #[derive(Default)]

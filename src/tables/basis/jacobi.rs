@@ -10,7 +10,7 @@ pub fn singular(mut columns: Vec<Vec<f64>>) -> Vec<(f64, Vec<f64>)> {
     let count = columns.len();
     let mut right: Vec<Vec<f64>> =
         (0..count).map(|i| (0..count).map(|j| f64::from(u8::from(i == j))).collect()).collect();
-    for _ in 0..MOST_SWEEPS {
+    for _ in 0..MAX_SWEEPS {
         let mut turned = false;
         for p in 0..count {
             for q in p + 1..count {
@@ -37,7 +37,7 @@ pub fn singular(mut columns: Vec<Vec<f64>>) -> Vec<(f64, Vec<f64>)> {
     found
 }
 
-const MOST_SWEEPS: usize = 40;
+const MAX_SWEEPS: usize = 40;
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()

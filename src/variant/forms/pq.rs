@@ -27,7 +27,7 @@ pub struct Pq {
 }
 
 /// Most replicas along an axis.
-const MOST_PERIODS: f64 = 10000.0;
+const MAX_PERIODS: f64 = 10000.0;
 
 impl Pq {
     pub(in crate::variant) fn new(variant: &Variant, height: &HeightField) -> Result<Pq> {
@@ -36,7 +36,7 @@ impl Pq {
         let coherence_um = variant.optics.coherence_um;
         let expansion = lay::expansion(variant, height)?;
         let periods = variant.periods.unwrap_or_else(|| {
-            patch_um.map(|size_um| (coherence_um / size_um).round().clamp(1.0, MOST_PERIODS) as u32)
+            patch_um.map(|size_um| (coherence_um / size_um).round().clamp(1.0, MAX_PERIODS) as u32)
         });
         let (window_radius, reach) = match variant.window_radius {
             Auto::Value(radius) => (radius, Reach::Radius(radius)),

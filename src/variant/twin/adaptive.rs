@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 
 use crate::field::reference::Directions;
 use crate::optics::{gain, path_difference};
-use crate::tables::{BROADEST, LEAST_SQUARED, LobeGeometry, OUTER_NODES, REACH_SIGMAS};
+use crate::tables::{BROADEST, LobeGeometry, MIN_SQUARED, OUTER_NODES, REACH_SIGMAS};
 use crate::variant::Lobes;
 
 use super::Twin;
@@ -35,7 +35,7 @@ pub fn corridor(twin: &Twin<'_>, form: &Lobes, path: DVec3) -> DVec3 {
     let size_um = turn(DVec2::from(form.series.size_um));
     let range = wavenumbers(twin, form);
     let reach = REACH_SIGMAS * window_width(form, range.y);
-    let squared = uv.length_squared().max(LEAST_SQUARED);
+    let squared = uv.length_squared().max(MIN_SQUARED);
     let slope = uv.y / if uv.x == 0.0 { 1.0 } else { uv.x };
     let ends = uv.x * range;
     let first = ((ends.min_element() - reach) * size_um.x).ceil();
@@ -91,7 +91,7 @@ fn lobe_breadth(twin: &Twin<'_>, form: &Lobes, length: f64, range: DVec2) -> f64
 /// Wavenumber at which the segment passes a bin.
 fn lobe_centre(form: &Lobes, place: DVec2, uv: DVec2, squared: f64) -> f64 {
     if form.geometry.scales {
-        place.length_squared() / uv.dot(place).max(LEAST_SQUARED)
+        place.length_squared() / uv.dot(place).max(MIN_SQUARED)
     } else {
         uv.dot(place) / squared
     }

@@ -7,9 +7,9 @@ use crate::field::reference::Directions;
 use super::Twin;
 
 /// Below this share of its square a direction is a rounding error.
-const LEAST_SHARE: f64 = 1e-8;
+const MIN_SHARE: f64 = 1e-8;
 /// Below this square a vector has no direction.
-const LEAST_SQUARE: f64 = 1e-36;
+const MIN_SQUARE: f64 = 1e-36;
 
 /// The uniform block `MeshParams`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,10 +70,9 @@ pub struct OrientationMap {
 /// The vertex stage.
 pub fn mesh_vert(params: &MeshParams, vertex: &Vertex) -> MeshVertex {
     let place = params.model * vertex.position.extend(1.0);
-    let upright = unit(world_normal(params, vertex.normal), LEAST_SQUARE);
-    let along =
-        unit((params.model * vertex.tangent.truncate().extend(0.0)).truncate(), LEAST_SQUARE);
-    let flat = unit(along - along.dot(upright) * upright, LEAST_SHARE);
+    let upright = unit(world_normal(params, vertex.normal), MIN_SQUARE);
+    let along = unit((params.model * vertex.tangent.truncate().extend(0.0)).truncate(), MIN_SQUARE);
+    let flat = unit(along - along.dot(upright) * upright, MIN_SHARE);
     let handedness = if vertex.tangent.w * model_volume(params) < 0.0 { -1.0 } else { 1.0 };
     let across = handedness * upright.cross(flat);
     let (sin, cos) = vertex.orientation_angle.sin_cos();
@@ -103,9 +102,9 @@ pub fn mesh(
 
 /// A direction of the world in the frame of a fragment, of unit length; zero where there is no frame.
 pub fn in_frame(map: &OrientationMap, direction: DVec3, at: &MeshVertex) -> DVec3 {
-    let upright = unit(at.normal, LEAST_SHARE);
+    let upright = unit(at.normal, MIN_SHARE);
     let tangent = at.tangent.truncate();
-    let straight = unit(tangent - tangent.dot(upright) * upright, LEAST_SHARE);
+    let straight = unit(tangent - tangent.dot(upright) * upright, MIN_SHARE);
     let across = if at.tangent.w < 0.0 { -1.0 } else { 1.0 } * upright.cross(straight);
     if across.length_squared() < 0.5 {
         return DVec3::ZERO;
@@ -113,8 +112,8 @@ pub fn in_frame(map: &OrientationMap, direction: DVec3, at: &MeshVertex) -> DVec
     let turn = orientation(map, at.uv);
     let along = turn.x * straight + turn.y * across;
     let beside = turn.x * across - turn.y * straight;
-    let ray = unit(direction, LEAST_SQUARE);
-    unit(DVec3::new(ray.dot(along), ray.dot(beside), ray.dot(upright)), LEAST_SHARE)
+    let ray = unit(direction, MIN_SQUARE);
+    unit(DVec3::new(ray.dot(along), ray.dot(beside), ray.dot(upright)), MIN_SHARE)
 }
 
 /// Cosine and sine of the map's angle.
@@ -128,7 +127,7 @@ fn orientation(map: &OrientationMap, uv: DVec2) -> DVec2 {
     let below = turn(0.0, 1.0).lerp(turn(1.0, 1.0), share.x);
     let turn = above.lerp(below, share.y);
     let squared = turn.length_squared();
-    if squared > LEAST_SHARE { turn / squared.sqrt() } else { DVec2::X }
+    if squared > MIN_SHARE { turn / squared.sqrt() } else { DVec2::X }
 }
 
 /// Cosine and sine at a texel of the map, which repeats.
