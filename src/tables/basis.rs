@@ -63,8 +63,8 @@ impl Expansion {
             Basis::TaylorZero => (low_um, high_um - low_um),
             _ => (0.5 * (low_um + high_um), 0.5 * (high_um - low_um)),
         };
-        let z_max = greatest_z(min_nm);
-        let best_z = greatest_z(best_nm.max(min_nm));
+        let z_max = max_z(min_nm);
+        let best_z = max_z(best_nm.max(min_nm));
         let (curves, truncation) = match basis {
             Basis::Taylor | Basis::TaylorZero => (Vec::new(), Vec::new()),
             Basis::Chebyshev => chebyshev(z_max * reach_um),
@@ -237,7 +237,7 @@ const SLACK: f64 = 1.02;
 pub const MAX_TERMS: u32 = 200;
 
 /// Greatest `|z| = k|w|` at wavelengths from `min_nm` up: both directions along the normal.
-pub fn greatest_z(min_nm: f64) -> f64 {
+pub fn max_z(min_nm: f64) -> f64 {
     2.0 * std::f64::consts::TAU / (min_nm * 1e-3)
 }
 
