@@ -1,22 +1,22 @@
-//! What a variant can compute: the modes.
+//! Modes: the methods by which a variant can compute colours.
 
 use serde::{Deserialize, Serialize};
 
 use super::words::{Words, word_of};
 
-/// What a variant computes.
+/// The method by which a variant computes colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Mode {
-    /// Window over the bins, uniform wavelengths.
+    /// Sum over bins under the window, at uniform wavelengths.
     Full,
-    /// Replicas of the patch without a window, uniform wavelengths.
+    /// A finite number of replicas of the patch, without a window, at uniform wavelengths.
     Pq,
-    /// Bins near the segment that the wavelengths walk in the frequency plane.
+    /// Sum over the bins near the segment that the wavelengths trace in the frequency plane.
     Adaptive,
     /// The order sum of GPU Gems (2004), chapter 8: a comparator without a stated error.
     Gems,
-    /// Colours from a table over `(u, v, w)`: the wavelengths are integrated beforehand.
+    /// Colours from a table over `(u, v, w)`. The integral over wavelengths is in the table.
     Baked,
 }
 
@@ -34,7 +34,7 @@ impl Mode {
         MODES.iter().map(|(_, mode)| *mode)
     }
 
-    /// The word of the plan.
+    /// The mode's word in plans.
     pub fn as_str(self) -> &'static str {
         word_of(MODES, self)
     }
