@@ -53,7 +53,7 @@ impl Waves {
     ) -> Waves {
         let (mut x, mut y) = (Vec::new(), Vec::new());
         let whole =
-            |random: &mut SplitMix64, most: usize| (random.share() * (most + 1) as f64).floor();
+            |random: &mut SplitMix64, max: usize| (random.share() * (max + 1) as f64).floor();
         for _ in 0..modes {
             let (mut kx, ky) = (whole(random, max_x), whole(random, max_y));
             if kx == 0.0 && ky == 0.0 {
