@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-/// Flags and constants of one specialisation.
+/// Flags and constants of one specialised shader.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Defines {
     /// Every flag that a template may test, on or off.
@@ -17,7 +17,7 @@ impl Defines {
         self.flags.insert(name.to_owned(), on);
     }
 
-    /// Adds a whole number; one above the greatest `i32` becomes that.
+    /// Adds a whole number. Numbers above the largest `i32` become the largest `i32`.
     pub fn count(&mut self, name: &str, count: usize, meaning: &'static str) {
         let count = i32::try_from(count).unwrap_or(i32::MAX);
         self.constants.insert(name.to_owned(), Constant::new(Value::I32(count), meaning));
@@ -32,9 +32,10 @@ impl Defines {
 /// A generated constant: `const NAME: TYPE = VALUE; // meaning`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Constant {
-    /// The value, which has the type.
+    /// The value. It determines the type.
     pub value: Value,
-    /// One line, at least a word: the comment behind the declaration. It is a literal, so that no computed number gets into it.
+    /// The comment behind the declaration: one line of at least one word. It is a literal, so it cannot contain a
+    /// computed number.
     pub meaning: &'static str,
 }
 

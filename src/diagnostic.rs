@@ -1,4 +1,4 @@
-//! Findings with a place: grouped over variants, shown to people or written as JSON lines.
+//! Findings with a place, grouped over variants, written as text for people or as JSON lines.
 
 mod render;
 
@@ -53,19 +53,19 @@ pub struct Diagnostic {
     pub severity: Severity,
     /// What is wrong: lower case, without a full stop.
     pub message: String,
-    /// Where it is wrong, in what a person wrote.
+    /// Where it is wrong, in a file that a person wrote.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub primary: Option<Place>,
-    /// Where that ended up in the generated text of the first variant that shows the finding.
+    /// The matching line in the generated text of the first variant that has the finding.
     #[serde(rename = "generated", skip_serializing_if = "Option::is_none")]
     pub secondary: Option<GeneratedLine>,
-    /// What else is known.
+    /// Further facts.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
-    /// What to do about it.
+    /// What to do about it, if that is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub help: Option<String>,
-    /// The variants that show it.
+    /// The variants that have it.
     #[serde(skip_serializing_if = "BTreeSet::is_empty")]
     pub variants: BTreeSet<String>,
 }
@@ -89,28 +89,28 @@ impl Diagnostic {
         Diagnostic { severity: Severity::Warning, ..Diagnostic::error(message) }
     }
 
-    /// Says where it is wrong.
+    /// Adds the place.
     #[must_use]
     pub fn at(mut self, place: Place) -> Diagnostic {
         self.primary = Some(place);
         self
     }
 
-    /// Adds what else is known.
+    /// Adds a further fact.
     #[must_use]
     pub fn note(mut self, note: impl Into<String>) -> Diagnostic {
         self.notes.push(note.into());
         self
     }
 
-    /// Says what to do about it.
+    /// Adds what to do about it.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Diagnostic {
         self.help = Some(help.into());
         self
     }
 
-    /// Names a variant that shows it.
+    /// Adds a variant that has the finding.
     #[must_use]
     pub fn variant(mut self, name: impl Into<String>) -> Diagnostic {
         self.variants.insert(name.into());
@@ -167,7 +167,7 @@ impl From<Error> for Diagnostics {
 
 /// Merges findings that differ only in their variants, generated lines and naga's handle numbers.
 ///
-/// The order is that of the first occurrence; notes and generated line are those of the first occurrence.
+/// Findings keep the order in which each first occurs, and the notes and generated line of that first one.
 pub fn group(diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
     let mut grouped: Vec<Diagnostic> = Vec::new();
     let mut seen = BTreeMap::new();

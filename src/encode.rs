@@ -1,4 +1,4 @@
-//! Pictures and float images as bytes: the one PNG writer and the one OpenEXR writer.
+//! Pictures and float images as bytes. The only PNG writer and the only OpenEXR writer of the library.
 
 use std::io::Cursor;
 
@@ -22,15 +22,17 @@ pub struct Picture {
     pub texels: Vec<[u8; 4]>,
 }
 
-/// A PNG file of a picture. Without a transparent texel it has no alpha channel.
+/// A PNG file of a picture. It has an alpha channel only if a texel is transparent.
 pub fn png(picture: &Picture) -> Result<Vec<u8>> {
     animation(std::slice::from_ref(picture), 0)
 }
 
-/// A PNG file of pictures of one size, each shown for `delay_ms`, repeated without end.
+/// An animated PNG file of pictures of the same size, each shown for `delay_ms`, in an endless loop.
 pub fn animation(frames: &[Picture], delay_ms: u16) -> Result<Vec<u8>> {
     let fail = |error: EncodingError| failed("PNG").source(error);
-    let first = frames.first().ok_or_else(|| Error::new("PNG picture", "has no frame"))?;
+    let first = frames.first().ok_or_else(|| {
+        Error::new("PNG picture", "has no frames").remedy("pass at least one picture")
+    })?;
     let opaque = frames.iter().flat_map(|frame| &frame.texels).all(|texel| texel[3] == 255);
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, first.width, first.height);
@@ -57,17 +59,19 @@ pub struct Floats<'a> {
     pub size: [usize; 2],
     /// Name and samples of each channel, `[row][column]`, rows from the top.
     pub channels: Vec<(&'static str, FlatSamples)>,
-    /// Text for whoever opens the file.
+    /// Comment for people who open the file.
     pub comment: Option<&'a str>,
-    /// Whether channels hold colours; otherwise they hold other numbers, and the file is not compressed.
+    /// Whether channels hold colours. If not, they hold other numbers and the file is not compressed.
     pub colours: bool,
 }
 
-/// An OpenEXR file of one layer in scan lines.
+/// An OpenEXR file with one layer, stored as scan lines.
 pub fn exr(image: Floats<'_>) -> Result<Vec<u8>> {
     let [width, height] = image.size;
     if i32::try_from(width.max(height)).is_err() {
-        return Err(Error::new("EXR file", "is larger than the format allows"));
+        let cause =
+            format!("{width} × {height} pixels, above the format's limit of {} per side", i32::MAX);
+        return Err(Error::new("EXR file", cause).remedy("write a smaller image"));
     }
     let channel = |(name, sample_data)| AnyChannel {
         name: Text::from(name),

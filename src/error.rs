@@ -1,4 +1,4 @@
-//! The one error type of the library: what failed, on what, why, and what to do about it.
+//! The only error type of the library: what failed, on what, why, and what to do about it.
 
 use std::fmt;
 
@@ -35,19 +35,19 @@ impl Error {
         self
     }
 
-    /// Adds the error of another library or of the system that lies beneath.
+    /// Adds the underlying error of another library or of the operating system.
     #[must_use]
     pub fn source(mut self, source: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Error {
         self.0.source = Some(source.into());
         self
     }
 
-    /// The file, key or variant that it failed on.
+    /// The file, key or variant that the error is about.
     pub fn subject(&self) -> &str {
         &self.0.subject
     }
 
-    /// `subject: cause`, with the error beneath, without the remedy.
+    /// `subject: cause` and the source error, without the remedy.
     pub fn message(&self) -> String {
         let Inner { subject, cause, source, .. } = &*self.0;
         match source {
@@ -56,7 +56,7 @@ impl Error {
         }
     }
 
-    /// What the user can do about it, where that is known.
+    /// What the user can do about it, if that is known.
     pub fn advice(&self) -> Option<&str> {
         self.0.remedy.as_deref()
     }

@@ -1,7 +1,7 @@
 //! The windowed amplitude `P(f; z)` of a periodic patch and its mean square over window positions.
 //!
-//! Two independent ways: straight from the definition (slow, obvious), and [`Field`], exact to 1e-9 where the peak is 1.
-//! Neither knows the term bases, so that they can judge them.
+//! Two independent ways compute it: straight from the definition (slow, obvious), and [`Field`], exact to 1e-9 of the
+//! peak. Neither uses a term basis, so both can judge every basis.
 //!
 //! `P(f; z) = Σ_rs c_rs(z) ĝ(f - (r/Lx, s/Ly))`, `c_rs(z) = 1/(NM) Σ_xy exp(i z h) exp(2πi(r x/Lx + s y/Ly))`, origin at
 //! the patch centre, `ĝ(f) = exp(-2π²σs²|f|²)` with peak 1 (Stam 1999, eqs. 9–13, with a Gaussian coherence window).
@@ -22,14 +22,14 @@ use crate::field::transform::{Bins, GridAxis, axes, heights_upwards_um, ifft2};
 use crate::plan::Coherence;
 use crate::surface::HeightField;
 
-/// Weights of the window below this are left out; the sum of `|c|²` is 1, so the amplitude errs by little more.
-const LEAST_WEIGHT: f64 = 1e-12;
-/// Allowed error of the interpolation in `z`.
+/// Minimum weight of the window that is summed. The sum of `|c|²` is 1, so the amplitude's error is little more than this.
+const MIN_WEIGHT: f64 = 1e-12;
+/// Maximum error of the interpolation in `z`.
 const NODE_ERROR: f64 = 1e-11;
-/// More bins than this to either side of a frequency, and the window is split (see [`Field`]).
-const MOST_BINS: f64 = 12.0;
+/// Maximum number of bins to either side of a frequency. With more, the window is split (see [`Field`]).
+const MAX_BINS: f64 = 12.0;
 
-/// `P(f; z)` straight from the definition: `f` in cycles per µm, `z` in 1/µm, window of standard deviation `sigma_um`.
+/// `P(f; z)` straight from the definition. `f` is in cycles per µm, `z` in 1/µm, `sigma_um` is the window's standard deviation.
 pub fn amplitude_brute(height: &HeightField, f: DVec2, z: f64, sigma_um: f64) -> Complex64 {
     brute_bins(height, f, sigma_um)
         .map(|(r, s, weight)| coefficient_brute(height, r, s, z) * weight)
@@ -77,16 +77,16 @@ fn brute_bins(
     })
 }
 
-/// What a [`Field`] will be asked.
+/// The arguments that a [`Field`] must cover.
 #[derive(Clone, Copy, Debug)]
 pub struct Domain {
-    /// Reading of the sum over orders.
+    /// Whether amplitudes or intensities of the orders add.
     pub coherence: Coherence,
-    /// Least and greatest standard deviation of the window, µm.
+    /// Minimum and maximum standard deviation of the window, µm.
     pub sigma_um: (f64, f64),
-    /// Least and greatest `z = k·w`, 1/µm.
+    /// Minimum and maximum `z = k·w`, 1/µm.
     pub z: (f64, f64),
-    /// Greatest `|f|` on either axis, cycles per µm.
+    /// Maximum `|f|` on either axis, cycles per µm.
     pub reach_cpum: f64,
 }
 
@@ -96,9 +96,9 @@ pub struct Domain {
 ///   values at Chebyshev nodes; the number of nodes follows from the Jacobi–Anger tail. Each node is one transform of
 ///   `exp(i z h)` itself. The ensemble's `|c_rs|²` is interpolated likewise, at twice the type.
 /// * **In f**: all bins whose weight counts. Where a short coherence length would need very many, the Gaussian is split
-///   into a product, `1/σs² = 1/σ1² + 1/σ2²`: the first factor is applied in space to a tile just large enough, which
-///   has fewer bins, and the second remains as the sum over bins. In the ensemble the signal is the autocorrelation of
-///   `exp(i z h)` under a window √2 wider.
+///   into a product, `1/σs² = 1/σ1² + 1/σ2²`. The first factor is applied in space to a tile just large enough for it,
+///   which has fewer bins. The second factor remains as the sum over bins. In the ensemble the signal is the
+///   autocorrelation of `exp(i z h)` under a window √2 wider.
 ///
 /// Table: `[s][r][node]`, complex (`single`) or real (`ensemble`).
 pub struct Field {
@@ -114,22 +114,22 @@ pub struct Field {
 #[derive(Clone, Copy, Debug)]
 struct SplitAxis {
     axis: GridAxis,
-    /// Standard deviation of the factor applied in space, µm; infinite where none is.
+    /// Standard deviation of the factor applied in space, µm; infinite if no factor is.
     applied_um: f64,
 }
 
 impl SplitAxis {
-    /// `sigma_um`: least and greatest standard deviation of the window on the signal.
+    /// `sigma_um`: minimum and maximum standard deviation of the window on the signal.
     fn new(patch: GridAxis, origin_um: f64, sigma_um: (f64, f64)) -> SplitAxis {
         let whole = GridAxis { start_um: origin_um, ..patch };
-        if cut_bins(patch.period_um, sigma_um.0) <= MOST_BINS {
+        if cut_bins(patch.period_um, sigma_um.0) <= MAX_BINS {
             return SplitAxis { axis: whole, applied_um: f64::INFINITY };
         }
         let applied_um = std::f64::consts::SQRT_2 * sigma_um.1;
         let rest_um = remaining_um(sigma_um.1, applied_um);
         let pitch_um = patch.period_um / patch.count as f64;
         // images of the tile meet the window's product at exp(-L'²/2(σ1² + σ2²))
-        let period_um = (-2.0 * LEAST_WEIGHT.ln()).sqrt() * applied_um.hypot(rest_um);
+        let period_um = (-2.0 * MIN_WEIGHT.ln()).sqrt() * applied_um.hypot(rest_um);
         let count = (period_um / pitch_um).ceil() as usize;
         let first = ((-0.5 * count as f64 * pitch_um - origin_um) / pitch_um).round();
         let axis = GridAxis {
@@ -172,9 +172,9 @@ impl SplitAxis {
     }
 }
 
-/// Bins to either side at which a window of `sigma_um` falls to the least weight.
+/// Number of bins to either side at which a window of `sigma_um` falls to [`MIN_WEIGHT`].
 fn cut_bins(period_um: f64, sigma_um: f64) -> f64 {
-    (-2.0 * LEAST_WEIGHT.ln()).sqrt() * period_um / (TAU * sigma_um)
+    (-2.0 * MIN_WEIGHT.ln()).sqrt() * period_um / (TAU * sigma_um)
 }
 
 /// `σ2` of `1/σ² = 1/σ1² + 1/σ2²`.
@@ -182,7 +182,7 @@ fn remaining_um(sigma_um: f64, applied_um: f64) -> f64 {
     1.0 / (1.0 / (sigma_um * sigma_um) - 1.0 / (applied_um * applied_um)).sqrt()
 }
 
-/// Sizes that a domain leads to, before any work is done.
+/// Sizes that follow from a domain, before any work is done.
 struct Layout {
     nodes: Nodes,
     split: [SplitAxis; 2],
@@ -219,7 +219,7 @@ impl Layout {
     }
 }
 
-/// Where sample 0 of the transformed signal lies: pixel 0 of the patch, or lag 0 of its autocorrelation.
+/// Position of sample 0 of the transformed signal: pixel 0 of the patch, or lag 0 of its autocorrelation.
 fn origin_um(coherence: Coherence, patch: GridAxis) -> f64 {
     match coherence {
         Coherence::Single => patch.start_um,
@@ -228,7 +228,7 @@ fn origin_um(coherence: Coherence, patch: GridAxis) -> f64 {
 }
 
 impl Field {
-    /// Transforms `exp(i z h)` at every node. Time: nodes × one two-dimensional transform.
+    /// Transforms `exp(i z h)` at every node. Time: one two-dimensional transform per node.
     pub fn new(height: &HeightField, domain: &Domain) -> Field {
         let layout = Layout::new(height, domain);
         let stride = layout.stride();
@@ -258,13 +258,13 @@ impl Field {
         Field { coherence, axes: split, bins, nodes, height_middle_um, table }
     }
 
-    /// Bytes of the table that [`Field::new`] would make.
+    /// Bytes of the table that [`Field::new`] would allocate.
     pub fn bytes_needed(height: &HeightField, domain: &Domain) -> usize {
         let layout = Layout::new(height, domain);
         layout.bins.len().saturating_mul(layout.stride()).saturating_mul(size_of::<f64>())
     }
 
-    /// Number of transforms that were made.
+    /// Number of transforms that were computed.
     pub fn node_count(&self) -> usize {
         self.nodes.z.len()
     }
@@ -274,8 +274,8 @@ impl Field {
         self.table.len() * size_of::<f64>()
     }
 
-    /// `|P(f; z)|²`, or its ensemble mean; `f` in cycles per µm and within the domain's reach, `sigma_um` the window's
-    /// standard deviation.
+    /// `|P(f; z)|²`, or its ensemble mean. `f` is in cycles per µm, within the domain's reach; `sigma_um` is the
+    /// window's standard deviation.
     pub fn intensity(&self, f: DVec2, z: f64, sigma_um: f64, scratch: &mut Scratch) -> f64 {
         match self.coherence {
             Coherence::Single => self.sum(f, z, sigma_um, scratch).norm_sqr(),
@@ -283,7 +283,7 @@ impl Field {
         }
     }
 
-    /// `P(f; z)` itself, phase included; `None` for an ensemble, which has none.
+    /// `P(f; z)` itself, phase included. `None` for an ensemble, which has no phase.
     pub fn amplitude(
         &self,
         f: DVec2,
@@ -327,7 +327,7 @@ pub struct Scratch {
     sums: Vec<f64>,
 }
 
-/// Periodic samples laid on the tile, under the part of the window that is applied in space.
+/// The periodic samples on the tile, multiplied by the factor of the window that is applied in space.
 fn tile(
     signal: &[Complex64],
     patch: [GridAxis; 2],
@@ -384,7 +384,7 @@ struct Nodes {
 }
 
 impl Nodes {
-    /// Enough nodes on `z` for `exp(i z t)`, `|t| <= half_type_um`, to the allowed error.
+    /// Enough nodes in `z` to interpolate `exp(i z t)`, `|t| <= half_type_um`, within [`NODE_ERROR`].
     fn new((low, high): (f64, f64), half_type_um: f64) -> Nodes {
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
         let count = node_count(half * half_type_um);
@@ -423,7 +423,7 @@ impl Nodes {
     }
 }
 
-/// Least `n` with `4 Σ_{k≥n} |J_k(a)|` within the allowed error: the tail of the Jacobi–Anger series, aliased once.
+/// Smallest `n` with `4 Σ_{k≥n} |J_k(a)|` within [`NODE_ERROR`]: the tail of the Jacobi–Anger series, aliased once.
 fn node_count(a: f64) -> usize {
     let a = a.abs();
     let mut count = a.ceil() as usize + 64;

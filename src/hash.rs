@@ -1,4 +1,4 @@
-//! Hashes that name things by what they are made from.
+//! Hashes of inputs, used as names.
 
 use std::io::{self, Read};
 
@@ -17,7 +17,7 @@ fn hex(digest: &[u8]) -> String {
     digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// SHA-256 of what a reader gives, hexadecimal; in memory is a part of it at a time.
+/// SHA-256 of everything that a reader returns, hexadecimal. Reads it in parts, to limit memory.
 pub fn sha256_of(mut reader: impl Read) -> io::Result<String> {
     let mut hasher = Sha256::new();
     let mut part = vec![0; 1 << 20];

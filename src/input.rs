@@ -1,7 +1,7 @@
-//! What a run reads from files: a plan, and the spectra and height fields that it names.
+//! Reads all input files: a plan, and the spectra and height fields that it names.
 //!
-//! Every file is read once and hashed as it is read, so a file that changes meanwhile cannot lend its name to numbers of
-//! another content. What was read is handed on as bytes; nothing behind this module opens an input.
+//! Every file is read once and hashed as it is read. So the hash always belongs to the numbers that are computed, even
+//! if the file changes meanwhile. Later modules receive the bytes; no other module opens an input.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -18,14 +18,14 @@ use crate::plan::{FileSource, Illuminant, Plan, SurfaceSource, SurfaceSpec};
 use crate::surface::read::{MAX_FILE_BYTES, Reading};
 use crate::surface::{self, Origin, Surface};
 
-/// Largest plan that is read.
+/// Maximum size of a plan, in bytes.
 pub const MAX_PLAN_BYTES: u64 = 4 << 20;
 
-/// Largest illuminant table that is read.
+/// Maximum size of an illuminant table, in bytes.
 const MAX_ILLUMINANT_BYTES: u64 = 1 << 20;
 
-/// Reads and checks a plan and the illuminants that it names, files relative to its folder; returns all errors, those of the
-/// plan in the order of its text.
+/// Reads and checks a plan and the illuminants that it names. Paths are relative to the plan's folder. Returns all
+/// errors; errors of the plan itself are in the order of its text.
 pub fn read_plan(path: &Path) -> Result<Plan, Vec<Error>> {
     let text = read_text(path).map_err(|error| vec![error])?;
     let mut plan = Plan::parse_all(&text, path)?;
@@ -53,7 +53,7 @@ pub fn read_plan(path: &Path) -> Result<Plan, Vec<Error>> {
 fn read_text(path: &Path) -> Result<String> {
     let error = |cause: &str| Error::new(path.display(), cause);
     let unreadable = |e: std::io::Error| {
-        let remedy = "write one, or name another with --plan";
+        let remedy = "check the path, or name another plan with --plan";
         error("cannot be read").source(e).remedy(remedy)
     };
     let file = File::open(path).map_err(unreadable)?;
@@ -64,9 +64,8 @@ fn read_text(path: &Path) -> Result<String> {
     let mut bytes = Vec::new();
     file.take(MAX_PLAN_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
     if bytes.len() as u64 > MAX_PLAN_BYTES {
-        return Err(
-            error("is larger than 4 MiB").remedy("a plan is a short text: is this the right file?")
-        );
+        return Err(error("is larger than 4 MiB, the limit for a plan")
+            .remedy("check that this is the right file"));
     }
     String::from_utf8(bytes).map_err(|e| {
         let valid = e.utf8_error().valid_up_to();
@@ -83,20 +82,22 @@ fn read_illuminant(folder: &Path, illuminant: &Illuminant) -> Result<Illuminant>
             .remedy(spectrum::ILLUMINANT_REMEDY)
     };
     if !path.is_file() {
-        return Err(fail("is neither a known illuminant nor a file beside the plan".to_owned()));
+        return Err(fail(
+            "is neither a known illuminant nor a file relative to the plan's folder".to_owned(),
+        ));
     }
     let mut bytes = Vec::new();
     File::open(&path)
         .and_then(|file| file.take(MAX_ILLUMINANT_BYTES + 1).read_to_end(&mut bytes))
         .map_err(|e| fail("cannot be read".to_owned()).source(e))?;
     if bytes.len() as u64 > MAX_ILLUMINANT_BYTES {
-        return Err(fail("is longer than 1 MiB".to_owned())
-            .remedy("an illuminant table has at most a few thousand lines"));
+        return Err(fail("is larger than 1 MiB, the limit for an illuminant table".to_owned())
+            .remedy("check that this is the right file; a few thousand lines suffice"));
     }
     Ok(illuminant.clone().with_content(bytes))
 }
 
-/// A surface of a plan with the bytes of its file, which are decoded when its heights are first asked for.
+/// A surface of a plan with the bytes of its file. They are decoded when the heights are first needed.
 #[derive(Debug)]
 pub struct SurfaceInput {
     spec: SurfaceSpec,
@@ -106,7 +107,7 @@ pub struct SurfaceInput {
 }
 
 impl SurfaceInput {
-    /// Reads the file of a surface; a synthetic one has none.
+    /// Reads the file of a surface, if it has one. A synthetic surface has no file.
     pub fn read(spec: &SurfaceSpec) -> Result<SurfaceInput> {
         let bytes = match &spec.source {
             SurfaceSource::Grating(_) => None,
@@ -121,18 +122,18 @@ impl SurfaceInput {
         &self.spec
     }
 
-    /// Hash of what the heights are made from: the formula, or the file's bytes with scale and preparation. Neither name nor
-    /// path counts.
+    /// Hash of everything that the heights are made from: the formula, or the file's bytes, scale and preparation. The
+    /// surface's name and the path of the file are not part of it.
     pub fn identity(&self) -> &str {
         &self.identity
     }
 
-    /// The heights, prepared; decoded once.
+    /// The prepared heights. They are decoded only once.
     pub fn surface(&self) -> Result<&Surface> {
         self.surface_with_origin().map(|(surface, _)| surface)
     }
 
-    /// Like [`SurfaceInput::surface`], with what the file held.
+    /// Like [`SurfaceInput::surface`], with facts about the file itself.
     pub fn surface_with_origin(&self) -> Result<&(Surface, Origin)> {
         if let Some(prepared) = self.prepared.get() {
             return Ok(prepared);
@@ -142,7 +143,7 @@ impl SurfaceInput {
     }
 }
 
-/// Reads the files of all surfaces, or returns every error that they have.
+/// Reads the files of all surfaces, or returns all their errors.
 pub fn read_surfaces(specs: &[SurfaceSpec]) -> Result<Vec<SurfaceInput>, Vec<Error>> {
     let (mut inputs, mut errors) = (Vec::new(), Vec::new());
     for spec in specs {
@@ -168,28 +169,34 @@ pub fn load_surface(spec: &SurfaceSpec) -> Result<Surface> {
         .ok_or_else(|| Error::new(surface::subject(spec), "has no heights"))
 }
 
-/// Reads and decodes the file of surface `name`, before anything is prepared.
+/// Reads and decodes the file of surface `name`, without preparing the heights.
 pub fn read_heights(source: &FileSource, name: &str) -> Result<Reading> {
     let bytes = height_bytes(source, &surface::read::subject(name, &source.path))?;
     surface::read::parse(source, name, &bytes)
 }
 
-/// The whole file; its size is checked before anything is allocated.
+/// The whole file. Its size is checked before memory is allocated.
 fn height_bytes(source: &FileSource, subject: &str) -> Result<Vec<u8>> {
     let error = |cause: &str| Error::new(subject, cause);
     surface::read::check_source(source, subject)?;
     let meta = fs::metadata(&source.path).map_err(|e| {
-        error("cannot be read").source(e).remedy("`file` is relative to the folder of the plan")
+        error("cannot be read")
+            .source(e)
+            .remedy("check `file`; it is relative to the folder of the plan")
     })?;
     if !meta.is_file() {
-        return Err(error("is not a regular file").remedy("give the path of a height field"));
+        return Err(
+            error("is not a regular file").remedy("set `file` to the path of a height field")
+        );
     }
     surface::read::check_extension(&source.path, subject)?;
     if meta.len() > MAX_FILE_BYTES {
-        let cause = format!("the file has {} bytes, the limit is {MAX_FILE_BYTES}", meta.len());
+        let cause =
+            format!("the file has {} bytes, above the limit of {MAX_FILE_BYTES}", meta.len());
         return Err(error(&cause).remedy("crop the surface"));
     }
-    fs::read(&source.path).map_err(|e| error("cannot be read").source(e))
+    fs::read(&source.path)
+        .map_err(|e| error("cannot be read").source(e).remedy("check its permissions"))
 }
 
 fn identity(spec: &SurfaceSpec, bytes: Option<&[u8]>) -> String {

@@ -1,4 +1,4 @@
-//! What happens to light at one direction and wavelength: directions, gain, coherence, spectra and colours.
+//! Optics of one direction and wavelength: directions, gain, coherence, spectra and colours.
 //!
 //! Conventions: the surface normal is `(0, 0, 1)`; `wi` points from the surface to the light, `wr` to the viewer, both
 //! unit; `(u, v, w) = -wi - wr`. Angles are degrees: `theta` from the normal, `phi` counter-clockwise from `+x`.

@@ -41,13 +41,13 @@ pub struct SurfaceSpec {
     pub name: String,
     /// Where the heights come from.
     pub source: SurfaceSource,
-    /// Rotation of the surface about its normal, degrees, counter-clockwise seen from above; rotates `(u, v)` exactly.
+    /// Rotation of the surface about its normal in degrees, counter-clockwise seen from above. It rotates `(u, v)` exactly.
     pub rotate_deg: f64,
     /// Levelling applied to the heights.
     pub level: Level,
-    /// Share of the heights, in percent, clipped at each end as outliers.
+    /// Percentage of the heights clipped as outliers at each end.
     pub clip_percent: f64,
-    /// Light and material of this surface, over `[optics]`.
+    /// Light and material of this surface. They override `[optics]`.
     #[serde(skip_serializing_if = "SurfaceOptics::is_empty")]
     pub optics: SurfaceOptics,
 }
@@ -64,11 +64,11 @@ pub enum SurfaceSource {
 /// A measured height field.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FileSource {
-    /// Already resolved against the plan's folder.
+    /// Path, already resolved against the plan's folder.
     pub path: PathBuf,
-    /// Width of the patch in µm; excludes `pixel_um`.
+    /// Width of the patch in µm; not together with `pixel_um`.
     pub size_um: Option<f64>,
-    /// Pixel pitch in µm; excludes `size_um`.
+    /// Pixel pitch in µm; not together with `size_um`.
     pub pixel_um: Option<f64>,
     /// Height of the full grey range of an integer file, µm.
     pub height_um: Option<f64>,
@@ -76,7 +76,7 @@ pub struct FileSource {
     pub z_unit_um: Option<f64>,
 }
 
-/// A synthetic surface; `x` grows with the column, one period (or one patch) is tiled.
+/// A synthetic surface. `x` grows with the column. One period (or one patch) tiles the plane.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Grating {
@@ -124,7 +124,7 @@ pub enum Grating {
         height_um: f64,
         /// Pixels per period.
         pixels: usize,
-        /// Place of the apex, `0 < apex < 1`.
+        /// Position of the apex as a share of the period, `0 < apex < 1`.
         apex: f64,
     },
     /// `h(x, y) = hx(x) + hy(y)` of two one-dimensional gratings.
@@ -142,7 +142,7 @@ pub enum Grating {
     Rows(Rough),
 }
 
-/// Keys of the random surfaces; the module of synthetic height fields has their formulas.
+/// Keys of the random surfaces. Their formulas are in [`crate::surface::synthetic`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rough {
@@ -156,16 +156,16 @@ pub struct Rough {
     pub height_um: f64,
     /// Seed of the generator.
     pub seed: u64,
-    /// Order of the placement, from 0 (as irregular as the kind allows) to 1 (a perfect lattice).
+    /// Regularity of the placement, from 0 (as irregular as the kind allows) to 1 (a perfect lattice).
     #[serde(default = "default_regularity")]
     pub regularity: f64,
-    /// Distance of features along y, µm: of rows of fingers (default `2.6·pitch_um`), of pits (`0.6·pitch_um`), of
-    /// domes (`pitch_um`).
+    /// Distance between features along y, µm. Defaults: `2.6·pitch_um` between rows of fingers, `0.6·pitch_um` between
+    /// pits, `pitch_um` between domes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length_um: Option<f64>,
 }
 
-/// About what the *Elaphe* scan shows: finger spacings within 10 % of their mean.
+/// About the regularity of the *Elaphe* scan, where finger spacings are within 10 % of their mean.
 fn default_regularity() -> f64 {
     0.7
 }
@@ -197,27 +197,27 @@ pub enum Basis {
     Optimal,
 }
 
-/// How the amplitude at any frequency comes from a table.
+/// How the amplitude at a frequency is computed from a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Reconstruction {
-    /// A sum over the bins of the patch under the window's spectrum.
+    /// As a sum over the bins of the patch, weighted by the window's spectrum.
     Window,
-    /// One value between the texels of a table that has the window in it already.
+    /// As one interpolated value of a table whose terms were multiplied by the window.
     Prefiltered,
 }
 
-/// How a shader reads what lies between the texels of a table.
+/// How a shader interpolates between the texels of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Sampling {
-    /// Four loads, mixed by the shader.
+    /// It loads four texels and mixes them.
     Load,
-    /// One sample through a linear filter.
+    /// It takes one sample through a linear filter.
     Filter,
 }
 
-/// A number that may be left to the tool.
+/// A number, or `auto`: the tool chooses it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Auto<T> {
     /// As configured.
@@ -252,7 +252,7 @@ pub struct Wavelengths {
     pub min_nm: f64,
     /// Last sample, nm.
     pub max_nm: f64,
-    /// Distance of samples, nm.
+    /// Distance between samples, nm.
     pub step_nm: f64,
 }
 
@@ -264,11 +264,12 @@ pub enum TableFormat {
     F32,
     /// 16-bit float, with a scale for each term.
     F16,
-    /// Three numbers of nine bits with one exponent, of `baked` only: colours have no sign.
+    /// Three numbers of nine bits with one common exponent. Only for `baked`, since the format has no sign and colours
+    /// need none.
     Rgb9e5,
 }
 
-/// A file form of tables beside the raw texels, which are always written.
+/// A file format of tables, in addition to the raw texels, which are always written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Container {
@@ -278,7 +279,7 @@ pub enum Container {
     Exr,
 }
 
-/// How complex terms lie in texels.
+/// How complex terms are stored in texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Packing {
@@ -288,7 +289,7 @@ pub enum Packing {
     Single,
 }
 
-/// A combination of the product that cannot be built, and why.
+/// A combination of axis values that cannot be built, and the reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Rejected {
     /// The name that the variant would have had.
@@ -304,18 +305,18 @@ pub struct Plan {
     pub folder: PathBuf,
     /// SHA-256 of the text, hexadecimal.
     pub text_hash: String,
-    /// In the order of the file.
+    /// The surfaces in the order of the file.
     pub surfaces: Vec<SurfaceSpec>,
-    /// `[optics]`, the base of every variant's; surfaces may have their own over it, see [`Variant::on`].
+    /// `[optics]`, the defaults of every variant. Surfaces may override them, see [`Variant::on`].
     pub optics: Optics,
-    /// Product first, then presets; names are unique.
+    /// The variants: first the product of the axes, then the presets. Names are unique.
     pub variants: Vec<Variant>,
-    /// Combinations of the product that a constraint rejects, in the order of the product.
+    /// Combinations of axis values that a constraint rejects, in the order of the product.
     pub rejected: Vec<Rejected>,
-    /// Languages to emit.
+    /// Target languages to emit.
     pub targets: Vec<Target>,
-    /// File forms of tables beside `.bin`, each once.
+    /// File formats of tables in addition to `.bin`, each once.
     pub containers: Vec<Container>,
-    /// What a user may want to know though nothing is wrong.
+    /// Notes for the user. They are not errors.
     pub notes: Vec<String>,
 }

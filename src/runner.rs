@@ -1,4 +1,4 @@
-//! Ways to evaluate a variant: exactly, or by its twin in f64. The harness adds its shader on drivers.
+//! Ways to evaluate a variant: exactly, or by its twin in f64. The harness adds runners that run its shader on drivers.
 
 mod cpu;
 
@@ -24,7 +24,7 @@ pub struct Placement<'a> {
     pub variant: &'a Variant,
 }
 
-/// Called with the number of directions finished since the last call; from any thread.
+/// Called with the number of directions finished since the last call, from any thread.
 pub type Progress<'a> = &'a (dyn Fn(usize) + Sync);
 
 /// One way to evaluate a variant.
@@ -45,10 +45,10 @@ pub trait Runner {
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>>;
 
-    /// `|P|²` at one wavelength, nm, without the gain; an error for a variant that has no wavelengths.
+    /// `|P|²` at one wavelength in nm, without the gain. It is an error if the variant does not have wavelengths.
     fn response(&self, directions: &[Directions], lambda_nm: f64) -> Result<Vec<f64>>;
 
-    /// A BRDF map; by its own entry point where there is one.
+    /// A BRDF map, drawn by an entry point of its own if there is one.
     fn brdf_map(&self, light: DVec3, size: usize) -> Result<BrdfMap> {
         self.brdf_map_with(light, size, &|_| ())
     }
@@ -61,15 +61,15 @@ pub trait Runner {
     }
 }
 
-/// Refuses a response at one wavelength from a form that has none; `name`: the variant's.
+/// Returns an error if the form cannot compute a response at one wavelength. `name`: name of the variant.
 pub fn has_wavelengths(name: &str, form: &Form) -> Result<()> {
     match form.no_wavelength_axis() {
         None => Ok(()),
-        Some(cause) => Err(Error::new(name, cause).remedy("ask it for colours")),
+        Some(cause) => Err(Error::new(name, cause).remedy("compute its colours instead")),
     }
 }
 
-/// The nearest vector of 32-bit floats: what a shader receives.
+/// The nearest vector of 32-bit floats, as a shader receives it.
 pub fn rounded(v: DVec3) -> DVec3 {
     v.as_vec3().as_dvec3()
 }

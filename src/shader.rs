@@ -1,4 +1,4 @@
-//! The text of a variant: templates specialised, parsed, judged and written in every language.
+//! The text of a variant: templates are specialised, parsed, validated and written in every target language.
 
 pub mod limits;
 pub mod template;

@@ -1,7 +1,7 @@
 //! Height fields: heights in µm on a regular grid with a physical pitch.
 //!
-//! [`prepare`] turns one surface of a plan into a [`HeightField`]: decode or synthesise, fill voids, level, clip outliers,
-//! extrude a profile. Everything it did that a user should know of comes back as a note.
+//! [`prepare`] turns one surface of a plan into a [`HeightField`]: decode or synthesise, fill voids, level, clip
+//! outliers, extrude a profile. It returns a note for every change that a user should know about.
 
 pub mod gsf;
 pub mod facts;
@@ -16,26 +16,27 @@ use crate::plan::{SurfaceSource, SurfaceSpec};
 
 pub use gsf::write_gsf;
 
-/// Most pixels along one axis: three times the largest scan that atomic-force microscopes commonly deliver (4096 to
-/// 5120).
+/// Maximum number of pixels along one axis: three times the largest scan that atomic-force microscopes commonly deliver
+/// (4096 to 5120).
 pub const MAX_SIDE: usize = 16384;
 
-/// Most pixels of a surface: 8192², 512 MiB of heights. Its transforms would need 1 GiB per term.
+/// Maximum number of pixels of a surface: 8192², which is 512 MiB of heights. Its transforms would need 1 GiB per term.
 pub const MAX_PIXELS: usize = 8192 * 8192;
 
-/// Largest peak-to-valley height, µm. The model is for reliefs of the order of a wavelength; a hundred times that is a wrong unit.
+/// Maximum peak-to-valley height, µm. The model is for reliefs of about a wavelength. A hundred times that means a wrong unit.
 pub const MAX_HEIGHT_UM: f64 = 100.0;
 
-/// Largest pixel pitch, µm; a scan in which a pixel is a millimetre is a wrong unit.
+/// Maximum pixel pitch, µm. Pixels of a millimetre mean a wrong unit.
 pub const MAX_PITCH_UM: f64 = 1000.0;
 
-/// Smallest pixel pitch, µm: a tenth of an atom's diameter.
+/// Minimum pixel pitch, µm: a tenth of an atom's diameter.
 pub const MIN_PITCH_UM: f64 = 1e-5;
 
-/// Rows that a profile is repeated into. Any number gives the same spectrum; four keep the transforms two-dimensional.
+/// Number of equal rows that a profile is extruded to. Any number gives the same spectrum; four keep the transforms
+/// two-dimensional.
 pub const EXTRUDED: usize = 4;
 
-/// A prepared surface and what was done to it.
+/// A prepared surface, with notes about its preparation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
     /// The heights.
@@ -44,22 +45,22 @@ pub struct Surface {
     pub notes: Vec<String>,
 }
 
-/// What a file held before it was prepared; a synthetic surface has neither steps nor voids.
+/// Facts about a file before its heights were prepared. A synthetic surface has neither steps nor voids.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Origin {
     /// Step between neighbouring heights of an integer file, µm.
     pub step_um: Option<f64>,
-    /// Void pixels, which were filled from their neighbours.
+    /// Number of void pixels, which were filled from their neighbours.
     pub void_pixels: usize,
-    /// Pixels of the file.
+    /// Number of pixels of the file.
     pub file_pixels: usize,
 }
 
-/// Decodes or synthesises a surface and prepares it: voids → level → clip → extrude; with what the file held. `bytes`: the
-/// content of its file, where it has one.
+/// Decodes or synthesises a surface and prepares it: voids → level → clip → extrude. Also returns facts about the file.
+/// `bytes`: the content of the file, if the surface has one.
 ///
 /// Errors name the surface, its file, the key, its value and what to do. The rotation of the surface is not applied
-/// here: it rotates `(u, v)` exactly, later.
+/// here: later code rotates `(u, v)` instead, which is exact.
 pub fn prepare(spec: &SurfaceSpec, bytes: Option<&[u8]>) -> Result<(Surface, Origin)> {
     let mut origin = Origin::default();
     let subject = subject(spec);
@@ -85,8 +86,7 @@ pub fn prepare(spec: &SurfaceSpec, bytes: Option<&[u8]>) -> Result<(Surface, Ori
     }
     let along = if field.rows == 1 { "x" } else { "y" };
     let extruded = field.extruded().map_err(|_| {
-        Error::new(&subject, "a single pixel is no surface")
-            .remedy("a profile needs two pixels or more")
+        Error::new(&subject, "has only one pixel").remedy("use a file with at least two pixels")
     })?;
     notes.push(format!(
         "a profile of {} pixels along {along}, extruded to {} × {} pixels",
@@ -97,7 +97,7 @@ pub fn prepare(spec: &SurfaceSpec, bytes: Option<&[u8]>) -> Result<(Surface, Ori
     Ok((Surface { field: extruded, notes }, origin))
 }
 
-/// What errors about a surface begin with: its name, and its file where it has one.
+/// Subject of errors about a surface: its name, and its file if it has one.
 pub fn subject(spec: &SurfaceSpec) -> String {
     match &spec.source {
         SurfaceSource::Grating(_) => format!("surface {}", spec.name),
@@ -129,7 +129,8 @@ impl HeightField {
     ) -> Result<HeightField> {
         let subject = format!("height field of {columns} × {rows} pixels");
         if columns == 0 || rows == 0 || columns.checked_mul(rows) != Some(heights_um.len()) {
-            return Err(Error::new(subject, format!("has {} heights", heights_um.len())));
+            let cause = format!("{} heights were given", heights_um.len());
+            return Err(Error::new(subject, cause).remedy("give one height for each pixel"));
         }
         if !(pitch_x_um.is_finite()
             && pitch_x_um > 0.0
@@ -138,16 +139,16 @@ impl HeightField {
         {
             let cause =
                 format!("pixel pitch {pitch_x_um} × {pitch_y_um} µm is not positive and finite");
-            return Err(Error::new(subject, cause));
+            return Err(Error::new(subject, cause).remedy("give the pitch in µm"));
         }
         if let Some(at) = heights_um.iter().position(|h| !h.is_finite()) {
             let cause = format!(
-                "height {} at column {}, row {}",
-                heights_um[at],
+                "the height at column {}, row {} is {}",
                 at % columns,
-                at / columns
+                at / columns,
+                heights_um[at]
             );
-            return Err(Error::new(subject, cause));
+            return Err(Error::new(subject, cause).remedy("heights must be finite"));
         }
         Ok(HeightField { columns, rows, pitch_x_um, pitch_y_um, heights_um })
     }
@@ -193,14 +194,13 @@ impl HeightField {
         (fold(f64::min, f64::INFINITY), fold(f64::max, f64::NEG_INFINITY))
     }
 
-    /// A profile (one row or one column) repeated into [`EXTRUDED`] equal ones, at the pitch of the other axis; any
-    /// other field unchanged. A single pixel is an error.
+    /// Extrudes a profile (one row or one column) to [`EXTRUDED`] equal rows or columns, with the same pitch on both
+    /// axes. Any other field is returned unchanged. A single pixel is an error.
     pub fn extruded(&self) -> Result<HeightField> {
         let HeightField { columns, rows, pitch_x_um, pitch_y_um, .. } = *self;
         match (columns, rows) {
-            (1, 1) => {
-                Err(Error::new("height field of 1 × 1 pixels", "a single pixel is no profile"))
-            }
+            (1, 1) => Err(Error::new("height field of 1 × 1 pixels", "cannot be extruded")
+                .remedy("a profile needs at least two pixels")),
             (_, 1) => HeightField::new(
                 columns,
                 EXTRUDED,
@@ -216,9 +216,9 @@ impl HeightField {
         }
     }
 
-    /// Checks that the pitch resolves every direction: `|u|, |v| ≤ 2` needs a pitch of at most `λmin/4` on both axes.
+    /// Checks that the pitch resolves every direction: `|u|, |v| ≤ 2` requires a pitch of at most `λmin/4` on both axes.
     ///
-    /// `subject` names the surface; the error says which pitch would do, and how many pixels that is.
+    /// `subject` names the surface. The error states the maximum pitch and the number of pixels that it needs.
     pub fn check_pitch(&self, subject: &str, lambda_min_nm: f64) -> Result<()> {
         let limit_um = lambda_min_nm / 4000.0;
         let axes =
@@ -230,7 +230,7 @@ impl HeightField {
                     pitch_um * 1000.0
                 );
                 let remedy = format!(
-                    "a pitch of {:.4} nm or less would do: {} pixels over {size_um:.4} µm (check `size_um` or `pixel_um` of a file, `pixels` of a grating), or a wavelength from {:.0} nm up",
+                    "use a pitch of at most {:.4} nm, which is {} pixels over {size_um:.4} µm (check `size_um` or `pixel_um` of a file, `pixels` of a grating), or wavelengths of at least {:.0} nm",
                     limit_um * 1000.0,
                     (size_um / limit_um * (1.0 - 1e-12)).ceil(),
                     (pitch_um * 4000.0).ceil()
@@ -251,33 +251,35 @@ fn check_um(subject: &str, key: &str, value_um: f64, max_um: f64) -> Result<()> 
     }
     if value_um > max_um {
         return Err(error(format!("`{key} = {value_um}` is above {max_um} µm"))
-            .remedy("lengths are in µm: is this number in nm?"));
+            .remedy("lengths are in µm; check whether this number is in nm"));
     }
     Ok(())
 }
 
-/// Checks a pixel pitch, µm, against [`MIN_PITCH_UM`] and [`MAX_PITCH_UM`]; `origin` says where it comes from.
+/// Checks a pixel pitch, µm, against [`MIN_PITCH_UM`] and [`MAX_PITCH_UM`]; `origin` names the key that it comes from.
 fn check_pixel(subject: &str, origin: &str, pitch_um: f64) -> Result<()> {
     if (MIN_PITCH_UM..=MAX_PITCH_UM).contains(&pitch_um) {
         return Ok(());
     }
     let cause = format!(
-        "{origin} makes the pixel pitch {pitch_um} µm, outside {MIN_PITCH_UM} to {MAX_PITCH_UM} µm"
+        "{origin} gives a pixel pitch of {pitch_um} µm, outside {MIN_PITCH_UM} to {MAX_PITCH_UM} µm"
     );
     let guess = if pitch_um > MAX_PITCH_UM { "nm" } else { "m or mm" };
-    Err(Error::new(subject, cause).remedy(format!("lengths are in µm: is this number in {guess}?")))
+    Err(Error::new(subject, cause)
+        .remedy(format!("lengths are in µm; check whether this number is in {guess}")))
 }
 
-/// Checks the number of pixels before anything is allocated.
+/// Checks the number of pixels before memory is allocated.
 fn check_pixels(subject: &str, columns: u64, rows: u64) -> Result<(usize, usize)> {
     let error = |cause: String| Error::new(subject, cause);
     if columns == 0 || rows == 0 {
-        return Err(error(format!("{columns} × {rows} pixels: there are no heights")));
+        return Err(error(format!("has {columns} × {rows} pixels, so it has no heights"))
+            .remedy("check that this is the right file"));
     }
     let side = columns.max(rows);
     if side > MAX_SIDE as u64 || columns * rows > MAX_PIXELS as u64 {
         let cause = format!(
-            "{columns} × {rows} pixels is above the limit of {MAX_SIDE} per side and 8192² in all"
+            "{columns} × {rows} pixels are above the limit of {MAX_SIDE} per side and 8192² in all"
         );
         return Err(
             error(cause).remedy("crop the surface, or scale it down to a pitch of about 95 nm")

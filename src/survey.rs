@@ -1,4 +1,4 @@
-//! What a user asks first about a surface, and two pictures of it.
+//! Survey of a surface: the facts that users need first, and two pictures.
 
 mod canvas;
 mod font;
@@ -25,69 +25,69 @@ pub use window::Window;
 /// Errors of the phase function for which terms are counted.
 pub const TERM_ERRORS: [f64; 3] = [1e-1, 1e-2, 1e-3];
 
-/// Shortest wavelength where no variant says one, nm.
+/// Shortest wavelength if the plan has no variants, nm.
 const SHORTEST_NM: f64 = 380.0;
 
-/// All that is known of a surface before anything is generated.
+/// Facts about a surface that are known before anything is generated.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Survey {
     /// Size, relief, tilt.
     #[serde(flatten)]
     pub facts: Facts,
-    /// Rotation that is applied to the directions later, degrees; what is told here is the surface before it.
+    /// Rotation that is applied to the directions later, degrees. The survey describes the surface without it.
     pub rotate_deg: f64,
     /// Step between neighbouring heights of an integer file, µm.
     pub step_um: Option<f64>,
     /// Void pixels of the file.
     pub void_pixels: usize,
-    /// Share of the file that was void.
+    /// Share of the file's pixels that are void.
     pub void_share: f64,
-    /// Shortest wavelength of the plan's variants, nm; 380 without variants.
+    /// Shortest wavelength of the plan's variants, nm; 380 if there are none.
     pub wanted_nm: f64,
-    /// Pitch that this wavelength needs, µm.
+    /// Maximum pitch for this wavelength, µm.
     pub wanted_pitch_um: f64,
-    /// What repeats.
+    /// Periods of the heights.
     pub periods: Periods,
-    /// Terms that each basis needs.
+    /// Number of terms that each basis needs.
     pub terms: Vec<TermCounts>,
-    /// The coherence window against the patch.
+    /// The coherence window in comparison with the patch.
     pub window: Window,
-    /// What the plan's variants become on this surface.
+    /// Cost of the plan's variants on this surface.
     pub variants: Vec<VariantCost>,
-    /// What was done to the heights that a user should know of.
+    /// Notes about changes of the heights.
     pub notes: Vec<String>,
 }
 
-/// Terms of one basis for each of [`TERM_ERRORS`].
+/// Numbers of terms of one basis for each of [`TERM_ERRORS`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TermCounts {
     /// Which basis.
     pub basis: Basis,
-    /// Bounds of the error of `exp(i z h)`.
+    /// Bounds of the error of `exp(i z h)`, the same as [`TERM_ERRORS`].
     pub errors: [f64; 3],
-    /// Terms of the surface as it is.
+    /// Numbers of terms for the surface as it is.
     pub terms: [u32; 3],
-    /// Terms if its least-squares plane were taken off (`level = "plane"`).
+    /// Numbers of terms after subtraction of its least-squares plane (`level = "plane"`).
     pub levelled: [u32; 3],
-    /// Terms if moreover its outliers were clipped (`clip_percent = 0.1`).
+    /// Numbers of terms if its outliers are also clipped (`clip_percent = 0.1`).
     pub trimmed: [u32; 3],
 }
 
-/// A variant with every number known.
+/// The cost of a variant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct VariantCost {
     /// The variant's name.
     pub name: String,
-    /// Number of terms, where it adds up a series.
+    /// Number of terms, if the variant sums a series.
     pub terms: Option<u32>,
-    /// Bins to each side of the nearest one, where it has such a number.
+    /// Number of bins to each side of the nearest one, if the variant has such a number.
     pub window_radius: Option<u32>,
     /// Static cost of a lit pixel.
     #[serde(flatten)]
     pub cost: Cost,
 }
 
-/// Reads or synthesises a surface of a plan and measures it; the field is for the pictures.
+/// Reads or synthesises a surface of a plan and measures it. Also returns the heights, for the pictures.
 pub fn survey(plan: &Plan, spec: &SurfaceSpec) -> Result<(Survey, HeightField)> {
     let input = SurfaceInput::read(spec)?;
     let (surface::Surface { field, notes }, origin) = input.surface_with_origin()?.clone();
@@ -139,7 +139,7 @@ fn term_counts(
     min_nm: f64,
 ) -> Result<TermCounts> {
     let counts = |peak_to_valley_um: f64| -> Result<[u32; 3]> {
-        // as if levelling and clipping left the shape of the relief as it is
+        // assumes that levelling and clipping do not change the shape of the relief
         let share = if facts.peak_to_valley_um > 0.0 {
             peak_to_valley_um / facts.peak_to_valley_um
         } else {

@@ -1,4 +1,4 @@
-//! The tables that shaders read: what each is made from ([`TableSpec`]), its texels, the files that hold them.
+//! The tables that shaders read: the inputs of each ([`TableSpec`]), its texels, and the files that contain them.
 
 pub mod basis;
 pub mod terms;
@@ -23,7 +23,7 @@ use crate::tables::basis::Expansion;
 use crate::tables::terms::Terms;
 
 pub use axes::{Aim, BEND, BakedAxes, octant};
-pub use corridor::{BROADEST, Corridor, LEAST_SQUARED, LobeGeometry, OUTER_NODES, REACH_SIGMAS};
+pub use corridor::{BROADEST, Corridor, LobeGeometry, MIN_SQUARED, OUTER_NODES, REACH_SIGMAS};
 pub use meaning::{Meaning, NODE_LEVELS};
 pub use period::strongest_period_um;
 pub use series::{Choice, LaidExpansion, Reach, Series};
@@ -41,12 +41,12 @@ pub enum TexelFormat {
     Rg32Float,
     /// Four 32-bit floats.
     Rgba32Float,
-    /// Three numbers of nine bits with a common exponent of five.
+    /// Three numbers of nine bits with a common exponent of five bits.
     Rgb9e5Ufloat,
 }
 
 impl TexelFormat {
-    /// Numbers in a texel.
+    /// Number of channels.
     pub fn channels(self) -> usize {
         match self {
             TexelFormat::Rg16Float | TexelFormat::Rg32Float => 2,
@@ -76,7 +76,7 @@ impl TexelFormat {
     }
 }
 
-/// Texel format of colours in a number format.
+/// Texel format of a table of colours in a number format.
 pub fn colour_format(format: TableFormat) -> TexelFormat {
     match format {
         TableFormat::F32 => TexelFormat::Rgba32Float,
@@ -90,7 +90,7 @@ pub fn colour_format(format: TableFormat) -> TexelFormat {
 pub struct Table {
     /// Name of the binding in the shader: `terms`, `spectrum`.
     pub name: &'static str,
-    /// Binding in group 0; 0 is the uniform block, 3 the probe's directions.
+    /// Binding in group 0. Binding 0 is the uniform block, 3 the probe's directions.
     pub binding: u32,
     /// Texel format.
     pub format: TexelFormat,
@@ -98,16 +98,16 @@ pub struct Table {
     pub width: usize,
     /// Texels along y.
     pub height: usize,
-    /// Array layers; 0 for a plain two-dimensional texture.
+    /// Number of array layers; 0 for a plain two-dimensional texture.
     pub layers: usize,
-    /// Whether shaders read it through the linear filter of binding [`SAMPLER`], between texels; else texel by texel.
+    /// Whether shaders read it between texels, through the linear filter of binding [`SAMPLER`]. If not, they read single texels.
     pub filtered: bool,
-    /// Numbers, row-major; empty where only the shape is known.
+    /// The numbers, row-major. Empty if only the shape is known.
     pub texels: Vec<f64>,
 }
 
 impl Table {
-    /// No table.
+    /// Stands for a missing table.
     pub const ABSENT: Table = Table {
         name: "",
         binding: 0,
@@ -119,19 +119,19 @@ impl Table {
         texels: Vec::new(),
     };
 
-    /// Numbers as the shader sees them: rounded to the texel format.
+    /// The table with numbers as the shader reads them: rounded to the texel format.
     #[must_use]
     pub fn rounded(mut self) -> Table {
         self.format.round(&mut self.texels);
         self
     }
 
-    /// Little-endian bytes, as uploaded and as written to `.bin`.
+    /// The bytes to upload and to write to `.bin`, little-endian.
     pub fn bytes(&self) -> Vec<u8> {
         self.format.encode(&self.texels)
     }
 
-    /// The same with the numbers of [`Table::bytes`], as rounded there.
+    /// The table with the (rounded) numbers of [`Table::bytes`].
     #[must_use]
     pub fn with_bytes(self, bytes: &[u8]) -> Table {
         Table { texels: self.format.decode(bytes), ..self }
@@ -142,7 +142,7 @@ impl Table {
         self.width * self.height * self.layers.max(1) * self.format.texel_bytes()
     }
 
-    /// A texel; missing channels are 0, as after `textureLoad` except that alpha is 0 too.
+    /// A texel. Missing channels are 0, alpha included; after `textureLoad` a missing alpha would be 1.
     pub fn load(&self, column: i64, row: i64, layer: usize) -> [f64; 4] {
         let inside =
             (0..self.width as i64).contains(&column) && (0..self.height as i64).contains(&row);
@@ -156,8 +156,8 @@ impl Table {
     }
 }
 
-/// What a linear filter that clamps to the edge makes of the texels of one layer at `place`, in texels: whole numbers are
-/// their middles. Exact; drivers round the weights, some to 8 bits.
+/// The value of a linear filter, clamped to the edge, on one layer. `place` is in texels; whole numbers are the centres
+/// of texels. The result is exact, whereas drivers round the weights, some to 8 bits.
 pub fn bilinear(table: &Table, place: [f64; 2], layer: usize) -> [f64; 4] {
     let last = [table.width, table.height].map(|count| count as f64 - 1.0);
     let inside = [0, 1].map(|axis| place[axis].clamp(0.0, last[axis]));
@@ -183,23 +183,24 @@ pub const DIRECTIONS: u32 = 3;
 pub const COEFFICIENTS: u32 = 4;
 /// Binding of the sampler.
 pub const SAMPLER: u32 = 5;
-/// Name of the sampler in the templates. `linear` alone is a word of HLSL; by this one Unity knows what it has to do.
+/// Name of the sampler in the templates. `linear` is a keyword of HLSL. From this name Unity derives the filter and the
+/// address mode.
 pub const SAMPLER_NAME: &str = "linear_clamp";
 
 /// Scales of the terms in a table of 16-bit floats: term `n` is stored divided by `first · ratio^n`.
 ///
-/// A geometric sequence costs the shader nothing but one texel a pixel: the ratio goes into the argument of the power
-/// series, the first scale into its result. Both are 32-bit numbers, so that packer, shader and twin use the same.
+/// A geometric sequence costs the shader only one texel per pixel: the ratio is a factor of the series' argument, the
+/// first scale a factor of its result. Both are 32-bit numbers, so that packer, shader and twin use the same values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TermScale {
     /// Scale of term 0.
     pub first: f64,
-    /// Scale of a term over that of the term before.
+    /// Scale of a term divided by the scale of the previous term.
     pub ratio: f64,
 }
 
 impl TermScale {
-    /// What a table of 32-bit floats has.
+    /// The scales of a table of 32-bit floats.
     pub const NONE: TermScale = TermScale { first: 1.0, ratio: 1.0 };
 
     /// Scale of a term.
@@ -208,8 +209,9 @@ impl TermScale {
     }
 }
 
-/// The term table, 2-D array. `paired`: texel `(r, s)` of layer `p` holds terms `2p` (red, green) and `2p+1` (blue,
-/// alpha; zero if there is none); `single`: layer `n` holds term `n`. Column 0 is bin `-r_max`, row 0 is bin `-s_max`.
+/// The term table, a 2-D array. `paired`: texel `(r, s)` of layer `p` has terms `2p` (red, green) and `2p+1` (blue,
+/// alpha; zero if this term does not exist). `single`: layer `n` has term `n`. Column 0 is bin `-r_max`, row 0 is bin
+/// `-s_max`.
 pub fn terms_table(
     terms: &Terms,
     packing: Packing,
@@ -240,7 +242,7 @@ pub fn terms_shape(bins: Bins, terms: usize, packing: Packing, format: TableForm
         (Packing::Single, TableFormat::F32) => (TexelFormat::Rg32Float, 1),
         (Packing::Paired, TableFormat::F16) => (TexelFormat::Rgba16Float, 2),
         (Packing::Single, TableFormat::F16) => (TexelFormat::Rg16Float, 1),
-        // no terms: the colours have a table of their own
+        // there are no terms: the colours have a table of their own
         (_, TableFormat::Rgb9e5) => (TexelFormat::Rgb9e5Ufloat, 1),
     };
     let layers = terms.div_ceil(per_texel);
@@ -256,8 +258,8 @@ pub fn terms_shape(bins: Bins, terms: usize, packing: Packing, format: TableForm
     }
 }
 
-/// The table of coefficients, 2-D, of `width` columns: column `i` of `count` is `z = (i/(count - 1) - 1)·z_max`; row `q` holds terms `4q` to
-/// `4q + 3`, zero if there is none.
+/// The table of coefficients, 2-D, with `width` columns. Column `i` is `z = (i/(width - 1) - 1)·z_max`. Row `q` has the
+/// coefficients of terms `4q` to `4q + 3`, zero for terms that do not exist.
 pub fn coefficients_table(expansion: &Expansion, width: usize) -> Table {
     let terms = expansion.terms as usize;
     let shape = coefficients_shape(expansion.terms, width);
@@ -288,7 +290,7 @@ fn coefficients_shape(terms: u32, width: usize) -> Table {
     }
 }
 
-/// Numbers that every spectrum table has in its row 1.
+/// Numbers in row 1 of every spectrum table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// Rotation of the surface, degrees.
@@ -297,22 +299,22 @@ pub struct Settings {
     pub scale: TermScale,
 }
 
-/// The spectrum table, 2-D. Row 0: one texel per node, X, Y, Z weights (quadrature included, of uniform wavelengths; per
-/// 1/µm, of wavenumbers) and λ in µm. Row 1, first texel: cosine and sine of the surface's rotation, scale of the first
-/// term, ratio of the scales.
+/// The spectrum table, 2-D. Row 0: one texel per node, with X, Y, Z weights (for uniform wavelengths with the
+/// quadrature weight; for wavenumbers per 1/µm) and λ in µm. Row 1, first texel: cosine and sine of the surface's
+/// rotation, scale of the first term, ratio of the scales.
 pub fn spectrum_table(samples: &[Sample], settings: Settings) -> Table {
     let texels =
         samples.iter().map(|s| [s.xyz[0], s.xyz[1], s.xyz[2], s.lambda_nm * 1e-3]).collect();
     two_rows(texels, settings)
 }
 
-/// A spectrum table of one wavelength, nm, with weight 1: a shader then returns `C·|P|²` there.
+/// A spectrum table of one wavelength in nm with weight 1. A shader with it returns `C·|P|²` at that wavelength.
 pub fn single_wavelength(lambda_nm: f64, settings: Settings) -> Table {
     spectrum_table(&[Sample { lambda_nm, xyz: [1.0; 3] }], settings)
 }
 
-/// The spectrum table of nodes that depend on `|(u, v)|`: a row for every level, the first of them in row 0, the others from
-/// row 2 on; row 1 as in [`spectrum_table`]. Texels after the last node of a row are 0.
+/// The spectrum table of nodes that depend on `|(u, v)|`. Each level has a row: the first level row 0, the others rows
+/// from 2 on. Row 1 is as in [`spectrum_table`]. Texels after the last node of a row are 0.
 pub fn levels_table(levels: &[Vec<Sample>], settings: Settings) -> Table {
     let width = levels.iter().map(Vec::len).max().unwrap_or(1);
     let mut rows = levels.iter().map(|samples| {
@@ -327,19 +329,20 @@ pub fn levels_table(levels: &[Vec<Sample>], settings: Settings) -> Table {
     table
 }
 
-/// The table of the order sum in place of a spectrum. Row 0, first texel: the grating's period as a vector, µm, from one
-/// groove to the next. Row 1 as in [`spectrum_table`].
+/// Spectrum table of the order sum `gems`. Row 0, first texel: the grating's period in µm, as a vector from one groove
+/// to the next. Row 1 is as in [`spectrum_table`].
 pub fn grating_table([x_um, y_um]: [f64; 2], rotate_deg: f64) -> Table {
     two_rows(vec![[x_um, y_um, 0.0, 0.0]], Settings { rotate_deg, scale: TermScale::NONE })
 }
 
-/// Spectrum table for shaders that need only the rotation. Row 1 as in [`spectrum_table`].
+/// Spectrum table for shaders that need only the rotation. Row 1 is as in [`spectrum_table`].
 pub fn rotation_table(rotate_deg: f64) -> Table {
     two_rows(vec![[0.0; 4]], Settings { rotate_deg, scale: TermScale::NONE })
 }
 
-/// The spectrum table of sums over lobes: row 0 one texel per node, X, Y, Z of the lobe about it and the wavelength in µm at
-/// which it counts; row 1 as in [`spectrum_table`]; then the same of narrow lobes, `[half][row][column]`.
+/// The spectrum table of sums over lobes. Row 0: one texel per node, with X, Y, Z of the lobe about it and the
+/// wavelength in µm at which its bin is evaluated. Row 1 is as in [`spectrum_table`]. The following rows have the same
+/// for narrow lobes, `[half][row][column]`.
 pub fn lobe_table(
     nodes: Vec<[f64; 4]>,
     narrow: Vec<[f64; 4]>,

@@ -1,5 +1,5 @@
-//! How variants compute: a [`Form`] for every way, with its counts, template constants, tables, cost, tolerances and
-//! description; the [`Function`]s that a shader offers; and the [`Twin`], each form's algorithm in f64.
+//! How variants compute colours: a [`Form`] for each way, with its counts, template constants, tables, cost, tolerances
+//! and description; the [`Function`]s that shaders offer; and the [`Twin`], the algorithm of each form in f64.
 
 mod bound;
 mod computation;

@@ -10,9 +10,9 @@
 // first term, ratio of the scales.
 #else
 // Row 0: X, Y, Z of the lobe about each node and the wavelength in µm at which its bin is evaluated. Row 1: cosine and
-// sine of the surface's rotation, scale of the first term, ratio of the scales. From row 2: the same as in row 0 for
-// narrow lobes, divided by their width; columns by their centre, rows by their width, from 0 to the broadest. Then the
-// same number of rows for the second halves of these lobes.
+// sine of the surface's rotation, scale of the first term, ratio of the scales. From row 2: the same as row 0 for
+// narrow lobes, divided by the lobe's width. Columns are equal steps of the lobe's centre, rows equal steps of its
+// width, from 0 to the broadest. The same number of rows follows for the second halves of these lobes.
 #endif
 @group(0) @binding(2) var spectrum: texture_2d<f32>;
 
@@ -25,9 +25,9 @@ fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
     return factor * corridor(path_difference(wi, wr));
 }
 
-// X, Y, Z without the gain: the sum over the bins of a strip along the segment. The strip is walked column by column,
-// a few rows each; row by row where the segment is steep. Where lobes are broad, the sum is over the bins about each
-// node.
+// X, Y, Z without the gain: the sum over the bins of a strip along the segment. The loop goes through the strip column
+// by column, with a few bins each, or row by row where the segment is steep. Where lobes are broad, the sum is over the
+// bins about each node.
 fn corridor(path: vec3f) -> vec3f {
     let steep = abs(path.y) > abs(path.x);
     let patch_um = vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM);
@@ -196,12 +196,13 @@ fn window_exponent(offset: vec2f, uv: vec2f, sharpness: vec2f) -> f32 {
     return sharpness.x * dot(offset, offset) + sharpness.y * along * along;
 }
 
-// The weight itself, 0 to 1.
+// Weight of the window for a bin's intensity, 0 to 1.
 fn window_share(exponent: f32, squared: f32, width: f32, pace: f32) -> f32 {
     return width * inverseSqrt(width * width - pace * pace * squared) * exp(-exponent);
 }
 
-// Standard deviation of the window's spectrum, cycles per µm. That of the window is a quarter of the coherence length.
+// Standard deviation of the window's spectrum, cycles per µm. The standard deviation of the window itself is a quarter
+// of the coherence length.
 fn window_width(wavenumber: f32) -> f32 {
 #ifdef COHERENCE_SCALES
     return REFERENCE_UM * wavenumber / (6.2831853 * 0.25 * COHERENCE_UM);

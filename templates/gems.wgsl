@@ -1,8 +1,9 @@
 //- Twin: src/variant/twin/gems.rs.
 
 // The order sum of "Simulating Diffraction" (J. Stam, GPU Gems, 2004, chapter 8), for comparison: a grating of one
-// period, a rainbow over each order's wavelength, a highlight in place of the zero order. The constants are the
-// chapter's. It leaves the roughness and the colour of the highlight to the artist; here they are 10 per µm and white.
+// period, a rainbow over each order's wavelength, a highlight in place of the zero order. The constants are those of
+// the chapter. The chapter leaves the roughness and the colour of the highlight to the artist; here they are 10 per µm
+// and white.
 
 // Row 0, first texel: the vector from one groove to the next, in µm. Row 1: cosine and sine of the surface's rotation.
 @group(0) @binding(2) var spectrum: texture_2d<f32>;

@@ -25,8 +25,8 @@ fn response(path: vec3f, lambda_um: f32) -> f32 {
     return factor * factor * dot(amplitude, amplitude);
 }
 
-// Interpolation weight of a bin at an offset t in bins, for N pixels: the periodic sinc with the phase of pixels that
-// begin half a pixel before the patch's centre line, e^(-iπt/N) sin πt / (N sin(πt/N)).
+// Interpolation weight of a bin at an offset t in bins, for N pixels: the periodic sinc, with a phase because the
+// middle of the pixels is half a pixel before the patch's centre, e^(-iπt/N) sin πt / (N sin(πt/N)).
 fn kernel(offset: f32, pixels: f32) -> vec2f {
     let part = offset / pixels;
     let half_sine = 1.5707964 * part * sinc(0.5 * part);

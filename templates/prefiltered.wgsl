@@ -31,7 +31,7 @@ fn intensity(path: vec3f, lambda_um: f32) -> f32 {
 
 #ifdef TABULATED
 // The complex amplitude at a place in texels from the central texel: the sum of coefficient times term. The
-// coefficients are those of the nearest column.
+// coefficients come from the nearest column.
 fn amplitude(place: vec2f, argument: f32) -> vec2f {
     let index = i32(argument + 0.5);
     var sum = vec2f(0.0);

@@ -1,8 +1,8 @@
 //- Algorithm 3.3 of the texts, as it is printed, for `hoist = false`. Nothing is moved out of a loop, on purpose.
 //- Twin: src/variant/twin/full.rs. Both templates compute the same sum in another order and share the twin.
 
-// The full sum, term by term: all bins within a radius of the nearest one for the first term, then for the next. The
-// window's weights are computed again for each term.
+// The full sum, term by term: for each term, the sum over all bins within a radius of the nearest one. The window's
+// weights are computed again for each term.
 
 // |P|² at one wavelength in µm, relative to a mirror.
 fn response(path: vec3f, lambda_um: f32) -> f32 {

@@ -43,7 +43,7 @@ fn content_must_match_the_extension() {
     assert_says(open_integers("a.tif", &grey_png()), &["PNG", "`tif`", "TIFF", "rename"]);
     assert_says(open_integers("a.txt", &grey_png()), &["PNG", "`txt`"]);
     assert_says(open("a.png", b"1 2\n3 4\n"), &["text", "`png`"]);
-    assert_says(open("a.npy", b"\x00\x01\x02\x03 garbage"), &["not NPY", "damaged or misnamed"]);
+    assert_says(open("a.npy", b"\x00\x01\x02\x03 garbage"), &["not NPY", "has the wrong name"]);
     assert_says(open("a.gsf", &npy_of("<f4", false, "(1, 1)", &[0; 4])), &["NPY", "`gsf`"]);
 }
 
@@ -131,7 +131,7 @@ fn announced_sizes_are_checked_before_allocating() {
         &["256000000 bytes", "truncated"],
     );
     // width and height of a PNG lie at bytes 16 to 24, and its checksum over them at 29
-    for (side, part) in [(20000u32, "limit"), (8000, "announces")] {
+    for (side, part) in [(20000u32, "limit"), (8000, "declares")] {
         let mut bytes = grey_png();
         bytes[16..20].copy_from_slice(&side.to_be_bytes());
         bytes[20..24].copy_from_slice(&side.to_be_bytes());
@@ -239,7 +239,7 @@ fn text_errors_have_lines() {
     assert_says(open("a.txt", b"# c\n1 2 3\n4 5\n"), &["line 3 has 2", "line 2 has 3"]);
     assert_says(open("a.csv", b"x,y\n1,2\n"), &["line 1", "`x`", "not a number", "#"]);
     assert_says(open("a.csv", b"1,2\n3,\n"), &["line 2", "field 2 is empty", "nan"]);
-    assert_says(open("a.csv", b"1,5;2,5\n"), &["`1,5`", "decimal points"]);
+    assert_says(open("a.csv", b"1,5;2,5\n"), &["`1,5`", "decimal point"]);
     assert_says(open("a.txt", b"1 2\n3 \xff\n"), &["UTF-8"]);
     assert_says(open("a.txt", b"# 1 2 3\n"), &["no numbers"]);
     assert_says(open("a.txt", b"1 2\ninf 4\n"), &["column 0, row 1", "inf"]);
@@ -264,7 +264,7 @@ fn gsf_errors() {
     assert_says(open("a.gsf", &gsf("XRes = 2\nYRes = 2\n", &[0.0; 5])), &["16 bytes", "20"]);
     assert_says(
         open("a.gsf", &gsf("XRes = 2\nYRes = 2\nZUnits = V\n", &[0.0; 4])),
-        &["no length", "z_unit_um"],
+        &["not a unit of length", "z_unit_um"],
     );
     assert_says(open("a.gsf", b"Gwyddion Simple Field 1.0\nXRes = 2\n"), &["NUL"]);
 }
@@ -289,7 +289,7 @@ fn exr_chunks_of_another_level_are_refused() {
     let table = at + mark.len() + 4 + 9 + 1;
     let chunk = u64::from_le_bytes(bytes[table..table + 8].try_into().unwrap()) as usize;
     bytes[chunk + 12..chunk + 16].copy_from_slice(&16u32.to_le_bytes());
-    assert_says(open("a.exr", &bytes), &["table of chunks leads to other layers or levels"]);
+    assert_says(open("a.exr", &bytes), &["points to other layers or levels"]);
 }
 
 #[test]

@@ -81,9 +81,10 @@ fn illuminants_are_names_or_files_beside_the_plan() {
     let white = |illuminant| Spectrum::new(illuminant).unwrap().white();
     assert_ne!(white(&lamp), white(&other));
 
-    for (name, words) in
-        [("D66", "neither a known illuminant nor a file"), ("lamp.csv", "beside the plan")]
-    {
+    for (name, words) in [
+        ("D66", "neither a known illuminant nor a file"),
+        ("lamp.csv", "relative to the plan's folder"),
+    ] {
         let told = with(name).unwrap_err()[0].to_string();
         assert!(told.contains(name) && told.contains(words) && told.contains("D65"), "{told}");
     }

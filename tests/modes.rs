@@ -65,17 +65,23 @@ fn combinations_without_a_meaning_are_rejected_with_the_reason() {
     for (keys, reason) in [
         ("mode = \"pq\"\ncoherence = \"ensemble\"", "without a coherence window"),
         ("mode = \"pq\"\ncoherence_scaling = \"wavelength\"", "the same for all wavelengths"),
-        ("mode = \"pq\"\nhoist = false", "no other mode has such a form"),
-        ("mode = \"adaptive\"\nhoist = false", "no other mode has such a form"),
-        ("coherence = \"ensemble\"\nhoist = false", "an ensemble adds intensities"),
-        ("table = \"rgb9e5\"", "have no sign"),
-        ("mode = \"baked\"\nwavelengths = { min_nm = 550, max_nm = 550 }", "a single one leaves"),
+        ("mode = \"pq\"\nhoist = false", "only mode = \"full\" has this form"),
+        ("mode = \"adaptive\"\nhoist = false", "only mode = \"full\" has this form"),
+        ("coherence = \"ensemble\"\nhoist = false", "adds the intensities of bins"),
+        ("table = \"rgb9e5\"", "cannot store negative numbers"),
+        (
+            "mode = \"baked\"\nwavelengths = { min_nm = 550, max_nm = 550 }",
+            "make max_nm larger than min_nm",
+        ),
         ("mode = \"baked\"\nsampling = \"filter\"", "32-bit floats"),
-        ("mode = \"gems\"\ncolour = \"thesis\"", "without tristimulus values"),
+        ("mode = \"gems\"\ncolour = \"thesis\"", "needs tristimulus values"),
     ] {
         let text = format!("{SURFACE}[variants]\n{keys}\n");
         let told = Plan::parse(&text, Path::new("plan.toml")).expect_err(keys).to_string();
-        assert!(told.contains("no variant is left") && told.contains(reason), "{keys}: {told}");
+        assert!(
+            told.contains("every combination of [variants] is rejected") && told.contains(reason),
+            "{keys}: {told}"
+        );
         let text = format!("{SURFACE}[[preset]]\nname = \"p\"\n{keys}\n");
         let told = Plan::parse(&text, Path::new("plan.toml")).expect_err(keys).to_string();
         assert!(told.contains("plan.toml:") && told.contains(reason), "{keys}: {told}");

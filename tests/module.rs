@@ -229,10 +229,10 @@ fn resources_that_every_target_has() {
     let other = ("@vertex", "@group(0) @binding(2) var other: sampler;\n@vertex");
     assert_finding(&[other], rule, "17:23: `other` is a sampler that is not declared");
     let elsewhere = ("@vertex", "@group(0) @binding(2) var linear: sampler;\n@vertex");
-    let message = "17:23: `linear` is a sampler at another place than binding 5 of group 0";
+    let message = "17:23: `linear` is a sampler that is not at binding 5 of group 0";
     assert_finding(&[elsewhere], rule, message);
     let compares = ("@vertex", "@group(0) @binding(5) var linear: sampler_comparison;\n@vertex");
-    assert_finding(&[compares], rule, "17:23: `linear` is a sampler that compares");
+    assert_finding(&[compares], rule, "17:23: `linear` is a comparison sampler");
     let buffer = ("@vertex", "@group(0) @binding(2) var<storage> data: array<vec4f>;\n@vertex");
     assert_finding(&[buffer], rule, "17:23: `data` is a storage buffer");
     let image = (
@@ -258,7 +258,7 @@ fn textures_per_stage() {
         ])
     };
     assert_eq!(findings(&many(15)), []);
-    let message = "41:4: entry point `map` reads 17 textures, the limit is 16";
+    let message = "41:4: entry point `map` reads 17 textures, above the limit of 16";
     assert_eq!(findings(&many(16)), [("texture-count".to_owned(), message.to_owned())]);
 }
 
@@ -269,7 +269,7 @@ fn uniform_blocks() {
     assert_finding(
         &[("vec4f, 4>", "vec4f, 1021>")],
         rule,
-        "5:23: uniform block `params` has 16400 bytes, the limit is 16384",
+        "5:23: uniform block `params` has 16400 bytes, above the limit of 16384",
     );
     for ty in ["f32", "vec3f", "mat3x3f", "array<vec2u, 2>"] {
         let edited = with(&[("    view:", &format!("    odd: {ty},\n    view:"))]);
@@ -288,7 +288,7 @@ fn uniform_blocks() {
         with(&[("@vertex", &format!("{}@vertex", (0..count).map(declare).collect::<String>()))])
     };
     assert_eq!(findings(&blocks(11)), []);
-    let message = "28:24: uniform block `b11x` is one too many, the limit is 12";
+    let message = "28:24: uniform block `b11x` is number 13, above the limit of 12 blocks";
     assert_eq!(findings(&blocks(12)), [(rule.to_owned(), message.to_owned())]);
 }
 

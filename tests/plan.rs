@@ -76,7 +76,7 @@ fn faults_of_a_surface_are_told() {
         (blazed("period_um = inf, height_um = 0.3, pixels = 100"), "period_um = inf: must be positive and finite"),
         (blazed("period_um = 2.5, height_um = 0.3, pixels = 1.5"), "pixels = 1.5: is a float (expected a whole number"),
         (blazed("period_um = 2.5, height_um = 0.3, pixels = -4"), "pixels = -4: must be a whole number from 2"),
-        (blazed("period_um = 2.5, height_um = 0.3, pixels = 20"), "pixels = 20: a pitch of 0.1250 µm is above λmin/4 = 0.095 µm (use at least 27 pixels"),
+        (blazed("period_um = 2.5, height_um = 0.3, pixels = 20"), "pixels = 20: a pitch of 0.1250 µm is above a quarter of the shortest wavelength, 0.095 µm (use at least 27 pixels"),
         (blazed("period_um = 2.5, height_um = 0.3"), "surface.a.grating.pixels is missing"),
         (
             blazed("period_um = 2.5, hieght_um = 0.3, height_um = 0.3, pixels = 100"),
@@ -88,14 +88,14 @@ fn faults_of_a_surface_are_told() {
         ("name = \"a\"\ngrating = 3".into(), "surface.a.grating = 3: is an integer"),
         ("name = \"a\"".into(), "surface.a has neither grating nor file"),
         ("name = \"a\"\nfile = \"x.png\"\ngrating = { kind = \"flat\" }".into(), "surface.a has both grating and file"),
-        ("name = \"A\"\nfile = \"x.png\"".into(), "surface[1].name = \"A\": is no name"),
-        ("name = \"a/b\"\nfile = \"x.png\"".into(), "is no name"),
-        ("name = \"..\"\nfile = \"x.png\"".into(), "is no name"),
-        ("name = \"\"\nfile = \"x.png\"".into(), "is no name"),
+        ("name = \"A\"\nfile = \"x.png\"".into(), "surface[1].name = \"A\": is not a valid name"),
+        ("name = \"a/b\"\nfile = \"x.png\"".into(), "is not a valid name"),
+        ("name = \"..\"\nfile = \"x.png\"".into(), "is not a valid name"),
+        ("name = \"\"\nfile = \"x.png\"".into(), "is not a valid name"),
         ("name = 3\nfile = \"x.png\"".into(), "surface[1].name = 3: is an integer"),
         ("name = \"a\"\nfile = \"x.png\"\nsize_um = 3\npixel_um = 0.01".into(), "size_um and pixel_um both set the scale"),
         ("name = \"a\"\nfile = \"x.png\"\nheight_um = 3\nz_unit_um = 1".into(), "height_um and z_unit_um both set the heights"),
-        ("name = \"a\"\nfile = \"x.png\"\npixel_um = 0.2".into(), "pixel_um = 0.2: a pitch above λmin/4 = 0.095 µm"),
+        ("name = \"a\"\nfile = \"x.png\"\npixel_um = 0.2".into(), "pixel_um = 0.2: a pitch above a quarter of the shortest wavelength, 0.095 µm"),
         ("name = \"a\"\nfile = \"x.png\"\nlevel = \"plain\"".into(), "level = \"plain\": unknown value (did you mean \"plane\"?)"),
         ("name = \"a\"\nfile = \"x.png\"\nclip_percent = 50".into(), "clip_percent = 50: must be from 0 to below 50"),
         ("name = \"a\"\nfile = \"x.png\"\nclip_percent = -1".into(), "clip_percent = -1: must be"),
@@ -129,7 +129,7 @@ fn faults_of_optics_variants_presets_and_targets_are_told() {
         ),
         (
             "[optics]\nrefractive_index = 1",
-            "refractive_index = 1: must be above 1 and at most 5 (an index of 1 reflects nothing",
+            "refractive_index = 1: must be above 1 and at most 5 (the refractive index of the material",
         ),
         (
             "[optics]\nshadowing = \"yes\"",
@@ -137,7 +137,7 @@ fn faults_of_optics_variants_presets_and_targets_are_told() {
         ),
         ("[optics]\nshadowing = [true]", "optics.shadowing = [true]: is an array"),
         ("[optics]\ncolor = \"srgb\"", "unknown key optics.color (did you mean \"colour\"?)"),
-        ("[optics]\nilluminant = \"\"", "names no illuminant"),
+        ("[optics]\nilluminant = \"\"", "is not the name of an illuminant or a file"),
         ("[variants]\nterms = [0]", "variants.terms[1] = 0: must be a whole number from 1 to 200"),
         (
             "[variants]\nterms = [31, 201]",
@@ -190,10 +190,10 @@ fn faults_of_optics_variants_presets_and_targets_are_told() {
         ),
         (
             "[variants]\nmode = \"baked\"\nsampling = \"filter\"",
-            "no variant is left: baked-filter: WebGPU and WebGL2 filter no tables of 32-bit floats",
+            "is rejected; the first is baked-filter: WebGPU and WebGL2 cannot filter tables of 32-bit floats",
         ),
         ("[variants]\nterm_error = 0", "term_error = 0: must be above 0"),
-        ("[variants]\nperiods = [[1, 2, 3]]", "periods[1] = [1, 2, 3]: has not two numbers"),
+        ("[variants]\nperiods = [[1, 2, 3]]", "periods[1] = [1, 2, 3]: has 3 numbers, not two"),
         (
             "[[preset]]\nname = \"p\"\nmode = \"baked\"\nbake_error = 0",
             "plan.toml:8: preset.p.bake_error = 0: ",
@@ -204,7 +204,7 @@ fn faults_of_optics_variants_presets_and_targets_are_told() {
         ),
         (
             "[[preset]]\nname = \"p\"\nreconstruction = \"prefiltered\"\ncoherence_scaling = \"wavelength\"",
-            "a prefiltered table has one window in it",
+            "a prefiltered table contains one window",
         ),
         (
             "[[preset]]\nname = \"p\"\nreconstruction = \"prefiltered\"\nmode = \"pq\"",
@@ -212,11 +212,11 @@ fn faults_of_optics_variants_presets_and_targets_are_told() {
         ),
         (
             "[[preset]]\nname = \"p\"\nreconstruction = \"prefiltered\"\nhoist = false",
-            "a prefiltered table needs no such loop",
+            "a prefiltered table is read without such a loop",
         ),
         (
             "[[preset]]\nname = \"p\"\nreconstruction = \"prefiltered\"\nsampling = \"filter\"",
-            "filter no tables of 32-bit floats; use table = \"f16\"",
+            "cannot filter tables of 32-bit floats; use table = \"f16\"",
         ),
         (
             "[[preset]]\nname = \"p\"\nsampling = \"nearest\"",
@@ -363,11 +363,9 @@ fn names_and_hashes_tell_configurations_apart() {
     assert_eq!((names.len(), hashes.len()), (count, count));
     // term_error is read for "auto" only, the step not for a single wavelength.
     assert_eq!(count, 2 * (1 + 1 + 2) * 3 * 4 * 16);
-    assert!(
-        plan.notes
-            .iter()
-            .any(|note| note.contains("combinations differ only in keys that it does not read"))
-    );
+    assert!(plan.notes.iter().any(|note| {
+        note.contains("combinations of [variants] differ only in keys that this mode does not read")
+    }));
     let plain = |name: &&String| {
         name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-')
     };
@@ -478,7 +476,7 @@ fn the_shortest_wavelength_of_the_variants_sets_the_pitch() {
             SURFACE.replace("pixels = 100", "pixels = 25")
         )
     };
-    assert!(errors(&text("{}")).contains("λmin/4"));
+    assert!(errors(&text("{}")).contains("a quarter of the shortest wavelength"));
     parse(&text("{ min_nm = 400 }"));
 }
 

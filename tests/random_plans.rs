@@ -97,10 +97,10 @@ const CONSTRAINTS: [&str; 9] = [
     "pq repeats",
     "pq has no coherence window",
     "gems maps",
-    "no variant is left",
+    "every combination of [variants] is rejected",
     "a prefiltered table",
-    "filter no tables of 32-bit floats",
-    "numbers with a shared exponent",
+    "cannot filter tables of 32-bit floats",
+    "cannot store negative numbers",
     "baked integrates",
 ];
 

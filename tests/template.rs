@@ -170,7 +170,7 @@ fn undeclared_flags() {
         ]
     );
     assert_eq!(got[0].help.as_deref(), Some("did you mean `PAIRED`?"));
-    assert_eq!(got[1].help.as_deref(), Some("it is a constant, and only flags can be tested"));
+    assert_eq!(got[1].help.as_deref(), Some("it is a constant; only flags can be tested"));
 }
 
 #[test]
@@ -180,8 +180,8 @@ fn unused_defines() {
     assert_eq!(
         errors("// N\n#constants\n#ifdef A\n#endif\n", &defines),
         [
-            "1:1: flag `B` is declared, but no template reached from here tests it",
-            "2:1: constant `N` is given, but no template reached from here uses it",
+            "1:1: flag `B` is declared, but this template and its imports do not test it",
+            "2:1: constant `N` is given, but this template and its imports do not use it",
         ]
     );
 }
@@ -204,7 +204,7 @@ fn the_constants_block_has_one_place() {
     );
     assert_eq!(
         errors("#ifdef A\nN\n#endif\n", &defines),
-        ["1:1: constants are given, but the template has no `#constants`"]
+        ["1:1: constants are given, but the template does not contain `#constants`"]
     );
 }
 
@@ -234,7 +234,10 @@ fn notes_are_dropped() {
     let mut defines = flags([]);
     defines.count("N", 1, "one");
     let got = errors("#constants\n//- N\n", &defines);
-    assert_eq!(got, ["1:1: constant `N` is given, but no template reached from here uses it"]);
+    assert_eq!(
+        got,
+        ["1:1: constant `N` is given, but this template and its imports do not use it"]
+    );
     // the lines below keep their places
     let sources: Sources = [("root", "//- a\nb\n")].into_iter().collect();
     let origins = specialise(&sources, "root", &flags([])).unwrap().origins;
@@ -243,13 +246,13 @@ fn notes_are_dropped() {
 
 #[test]
 fn notes_hide_no_code() {
-    let message = "a note stands on a line of its own, outside block comments";
+    let message = "a note must be on a line of its own, outside block comments";
     assert_eq!(errors("let a = 1; //- why\n", &flags([])), [format!("1:12: {message}")]);
     assert_eq!(errors("/*\n//- */ let a = 1;\n", &flags([])), [format!("2:1: {message}")]);
     assert_eq!(errors("/* //- */ let a = 1;\n", &flags([])), [format!("1:4: {message}")]);
     for line_break in ['\u{b}', '\u{c}', '\u{85}', '\u{2028}', '\u{2029}'] {
         let got = errors(&format!("//- why{line_break}let a = 1;\n"), &flags([]));
-        assert_eq!(got, ["1:1: a line break within a note, which would hide code"]);
+        assert_eq!(got, ["1:1: a note contains a line break, so code would be dropped with it"]);
     }
 }
 

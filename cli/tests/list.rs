@@ -56,7 +56,7 @@ fn json_has_everything_in_the_order_of_the_plan() {
         serde_json::json!(["wgsl", "glsl450", "glsl-es300", "spirv", "hlsl", "msl"])
     );
     assert_eq!(list["rejected"][0]["name"], "pq-taylor-t31-lcwave");
-    let reason = "pq repeats the patch a whole number of times, the same for all wavelengths";
+    let reason = "pq repeats the patch a whole number of times, the same for all wavelengths, so it needs coherence_scaling = \"fixed\"";
     assert_eq!(list["rejected"][0]["reason"], reason);
 }
 

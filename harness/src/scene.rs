@@ -58,4 +58,4 @@ impl Light {
 }
 
 /// Most lights of a picture.
-pub const MOST_LIGHTS: usize = 4;
+pub const MAX_LIGHTS: usize = 4;

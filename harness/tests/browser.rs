@@ -65,7 +65,7 @@ fn texts_agrees_within_its_own_bound() {
     let twin = map(&TwinRunner::new(placement, true).unwrap());
     // terms of a series about the lowest height cancel from exp(z H) down to 1, each rounded to 24 bits
     let (low_um, high_um) = height.range_um();
-    let z_max = basis::greatest_z(380.0);
+    let z_max = basis::max_z(380.0);
     let bound = (z_max * (high_um - low_um)).exp() * 2.0_f64.powi(-24);
     for api in Api::ALL {
         let web = browser.api(api).unwrap();
@@ -118,7 +118,7 @@ fn what_is_wrong_is_seen() {
         }),
         ("f16 not scaled", TableFormat::F16, |prepared| {
             // powers of heights in µm, without the factor z^n/n! that terms have here, and without the scales of the format
-            let (scale, z) = (prepared.form.series().unwrap().scale(), basis::greatest_z(380.0));
+            let (scale, z) = (prepared.form.series().unwrap().scale(), basis::max_z(380.0));
             let factor = |term: usize| (1..=term).fold(1.0, |f, n| f * z / n as f64);
             let layer = prepared.terms.width * prepared.terms.height * 4;
             for (i, v) in prepared.terms.texels.iter_mut().enumerate() {

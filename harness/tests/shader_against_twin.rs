@@ -28,7 +28,7 @@ const FILTERED: f64 = 3e-3;
 /// each is rounded to 24 bits: `exp(z H)·2⁻²⁴` is 2.3e-4 for H = 0.25 µm at z = 33.
 fn texts_bound(height: &HeightField) -> f64 {
     let (low_um, high_um) = height.range_um();
-    let z_max = diffraction_shaders::tables::basis::greatest_z(380.0);
+    let z_max = diffraction_shaders::tables::basis::max_z(380.0);
     (z_max * (high_um - low_um)).exp() * 2.0_f64.powi(-24)
 }
 

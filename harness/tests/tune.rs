@@ -323,7 +323,7 @@ fn a_preset_is_read_like_one_of_the_plan() {
     let read = plan.preset("[[preset]]\nname = \"x\"\nterms = \"auto\"\n").expect("a preset");
     assert_eq!((read.terms, read.name.as_str()), (Auto::Auto, "x"));
     for (text, told) in [
-        ("", "is not one [[preset]]"),
+        ("", "is not exactly one [[preset]]"),
         ("[[preset]]\nname = \"x\"\nterm = 3\n", "did you mean \"terms\""),
         ("[[preset]]\nname = \"x\"\n[[preset]]\nname = \"y\"\nterms = 4\n", "is not one"),
         ("[optics]\ncoherence_um = 3\n", "unknown key optics"),

@@ -13,10 +13,10 @@ use codespan_reporting::{
 
 use super::{Diagnostic, Place, Severity};
 
-/// Variants named before the rest is only counted.
+/// Maximum number of variants that are named; the others are only counted.
 const VARIANTS_NAMED: usize = 8;
 
-/// Writes one diagnostic and an empty line.
+/// Writes one diagnostic, followed by an empty line.
 pub fn human(diagnostic: &Diagnostic, colour: bool, out: &mut dyn io::Write) -> io::Result<()> {
     let mut excerpts = Excerpts(Vec::new());
     let mut labels = Vec::new();
@@ -70,7 +70,7 @@ fn variants(diagnostic: &Diagnostic) -> Option<String> {
     }
 }
 
-/// Bytes of the word, or of the one character, at the place's column.
+/// Range of bytes to underline: the word, or else the single character, at the place's column.
 fn mark(place: &Place) -> Range<usize> {
     let skipped = place.column.saturating_sub(1) as usize;
     let start = place.text.char_indices().nth(skipped).map_or(place.text.len(), |(at, _)| at);
@@ -80,7 +80,7 @@ fn mark(place: &Place) -> Range<usize> {
     start..start + length
 }
 
-/// Single lines that bear the number they have in their file.
+/// Single lines, each with its line number in its file.
 struct Excerpts<'a>(Vec<(&'a str, usize, &'a str)>);
 
 impl<'a> Excerpts<'a> {

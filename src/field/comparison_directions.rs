@@ -1,4 +1,4 @@
-//! Where colours are compared: a map's pixels, and directions drawn where the light is.
+//! Directions in which colours are compared: the pixels of a map, and random directions where the light is.
 
 use std::f64::consts::TAU;
 
@@ -12,14 +12,14 @@ use crate::optics::brdf_map::view_directions;
 use crate::plan::Optics;
 use crate::surface::HeightField;
 
-/// Directions that are drawn beside the pixels of a map.
+/// Number of random directions, in addition to the pixels of a map.
 const DRAWN: usize = 4096;
-/// Seed of the drawn directions.
+/// Seed of the random directions.
 const SEED: u64 = 1;
-/// Orders that directions are drawn on, the strongest first.
+/// Maximum number of orders that random directions lie on, the strongest first.
 const ORDERS: usize = 64;
 
-/// The directions of a comparison: the pixel centres of a map of `size × size` under a light, and 4096 drawn by
+/// The directions of a comparison: the pixel centres of a map of `size × size` under a light, and 4096 directions of
 /// [`on_orders`].
 pub fn standard(
     height: &HeightField,
@@ -34,9 +34,9 @@ pub fn standard(
     all
 }
 
-/// `count` viewing directions on the surface's strongest orders, one in four around the mirror direction: `wr = -wi - λ f`
-/// with `λ` between 400 and 700 nm and `f` at most 2σf from the order. Evanescent ones are drawn again. The same seed gives
-/// the same directions, but for the last bits of the transform that ranks the orders.
+/// `count` random viewing directions on the surface's strongest orders, one in four near the mirror direction: `wr =
+/// -wi - λ f` with `λ` between 400 and 700 nm and `f` at most 2σf from the order. Evanescent directions are replaced.
+/// The same seed gives the same directions, except for the last bits of the transform that ranks the orders.
 pub fn on_orders(
     height: &HeightField,
     optics: &Optics,
@@ -58,7 +58,7 @@ pub fn on_orders(
     out
 }
 
-/// A viewing direction within 2σf of an order; `None` where it is evanescent, or nearly.
+/// A viewing direction within 2σf of an order; `None` if it is evanescent, or nearly so.
 fn near(
     order: DVec2,
     optics: &Optics,
@@ -78,7 +78,7 @@ fn near(
     (squared < 0.99).then(|| Directions { wi: light, wr: across.extend((1.0 - squared).sqrt()) })
 }
 
-/// Lights of a pool, `[theta, phi]` in degrees.
+/// Lights of [`pool`], `[theta, phi]` in degrees.
 const LIGHTS: [[f64; 2]; 8] = [
     [20.0, 0.0],
     [0.0, 0.0],
@@ -90,9 +90,9 @@ const LIGHTS: [[f64; 2]; 8] = [
     [10.0, 250.0],
 ];
 
-/// Candidates for a package's probes, of every kind more than are taken, all components rounded to 32 bits: within 2σf of
-/// the mirror direction of several lights; on their strong orders; lights and viewers spread over the hemisphere, first
-/// any, then those on strong orders.
+/// Candidates for a package's probes, more of each kind than are chosen, all components rounded to 32 bits. The kinds:
+/// within 2σf of the mirror direction of several lights; on strong orders of these lights; lights and viewers spread
+/// over the hemisphere, first uniformly, then on strong orders.
 pub fn pool(height: &HeightField, optics: &Optics, rotate_deg: f64) -> [Vec<Directions>; 3] {
     const KIND: usize = 28;
     const ANYWHERE: usize = 28;
@@ -133,7 +133,7 @@ pub fn pool(height: &HeightField, optics: &Optics, rotate_deg: f64) -> [Vec<Dire
     [mirror, on_orders, spread].map(|all| all.into_iter().map(rounded).collect())
 }
 
-/// Components as 32-bit floats, so that every consumer reads the same.
+/// Components as 32-bit floats, so that every consumer reads the same numbers.
 fn rounded(Directions { wi, wr }: Directions) -> Directions {
     Directions { wi: wi.as_vec3().as_dvec3(), wr: wr.as_vec3().as_dvec3() }
 }
@@ -155,15 +155,15 @@ fn strongest(height: &HeightField, light: DVec3) -> Vec<DVec2> {
             let s = (i / bins.width()) as f64 - bins.s_max as f64;
             (c.norm_sqr(), DVec2::new(r / x_um, s / y_um))
         })
-        // what no viewer sees would be drawn for ever
+        // an order that no viewer sees would be retried for ever
         .filter(|(_, f)| (light.truncate() + 0.4 * *f).length_squared() < 0.98)
         .collect();
     let largest = ranked.iter().map(|r| r.0).fold(0.0, f64::max);
     // equally strong orders stay in the order of their bins, whatever their last digits
     let rank = |strength: f64| (strength / largest * 1e9).round();
     ranked.sort_by(|a, b| rank(b.0).total_cmp(&rank(a.0)));
-    let least = 1e-5 * largest;
-    ranked.into_iter().take(ORDERS).filter(|r| r.0 >= least).map(|r| r.1).collect()
+    let min = 1e-5 * largest;
+    ranked.into_iter().take(ORDERS).filter(|r| r.0 >= min).map(|r| r.1).collect()
 }
 
 /// SplitMix64 (Steele, Lea & Flood 2014): numbers in [0, 1).
@@ -190,8 +190,8 @@ mod tests {
         let optics = Optics::standard();
         let kinds = pool(&height, &optics, 0.0);
         assert_eq!(kinds, pool(&height, &optics, 0.0));
-        for (kind, least) in kinds.iter().zip([22, 22, 64]) {
-            assert!(kind.len() >= least, "{}", kind.len());
+        for (kind, min) in kinds.iter().zip([22, 22, 64]) {
+            assert!(kind.len() >= min, "{}", kind.len());
             for v in kind.iter().flat_map(|d| [d.wi, d.wr]) {
                 assert!((v.length() - 1.0).abs() < 2e-7 && v.z > 0.0, "{v}");
                 assert_eq!(v, v.as_vec3().as_dvec3());

@@ -1,4 +1,4 @@
-//! Exact colours: the truth that everything else is compared with.
+//! Exact colours, with which all other results are compared.
 
 use std::f64::consts::TAU;
 
@@ -66,7 +66,7 @@ impl Reference {
         };
         let subject = format!("surface of {} × {} pixels", height.columns(), height.rows());
         let bytes = Field::bytes_needed(height, &domain);
-        if bytes > MOST_BYTES {
+        if bytes > MAX_BYTES {
             let cause =
                 format!("its exact field needs {:.1} GiB", bytes as f64 / f64::from(1 << 30));
             return Err(
@@ -81,14 +81,14 @@ impl Reference {
     /// The colour range of the tables, 380–780 nm: what the reference always integrates.
     pub const VISIBLE_NM: (f64, f64) = (TABLE_MIN_NM, TABLE_MAX_NM);
 
-    /// Halves, quarters … the wavelength step; for showing that finer changes nothing.
+    /// Sets an upper limit of the wavelength step, to show that finer steps change nothing.
     #[must_use]
     pub fn with_coarsest_step_nm(mut self, step_nm: f64) -> Reference {
         self.coarsest_step_nm = step_nm;
         self
     }
 
-    /// The exact field beneath.
+    /// The exact field that colours are computed from.
     pub fn field(&self) -> &Field {
         &self.field
     }
@@ -108,9 +108,9 @@ impl Reference {
 
     /// Relative tristimulus values of `ρ`, gain included.
     ///
-    /// Trapezoid in λ over 380–780 nm. The step is 1 nm or less: along the radial segment `f = (u, v)/λ` the response
-    /// is a sum of Gaussians no narrower than `σf/√2`, and a step of one such standard deviation integrates them to
-    /// 3e-9, so the step is halved until it is that small for this direction.
+    /// Trapezoidal rule in λ over 380–780 nm. Along the radial segment `f = (u, v)/λ` the response is a sum of
+    /// Gaussians no narrower than `σf/√2`. A step of one such standard deviation integrates them to 3e-9. So the step
+    /// starts at 1 nm and is halved until it is that small for the direction.
     pub fn tristimulus(&self, directions: Directions, scratch: &mut Scratch) -> [f64; 3] {
         let gain = optics::gain(directions.wi, directions.wr, &self.optics);
         if gain == 0.0 {
@@ -130,7 +130,7 @@ impl Reference {
         xyz.map(|c| c * gain)
     }
 
-    /// Many directions on all cores.
+    /// [`Reference::tristimulus`] of many directions, on all cores.
     pub fn tristimulus_all(&self, directions: &[Directions]) -> Vec<[f64; 3]> {
         self.tristimulus_all_with(directions, &|_| ())
     }
@@ -152,7 +152,7 @@ impl Reference {
         let uv = (wi + wr).truncate().length();
         let needed_nm = sigma_cpum * (min_nm * 1e-3).powi(2) / uv.max(1e-9) * 1e3;
         let mut step_nm = self.coarsest_step_nm;
-        while step_nm > needed_nm && step_nm > LEAST_STEP_NM {
+        while step_nm > needed_nm && step_nm > MIN_STEP_NM {
             step_nm *= 0.5;
         }
         1.0 / step_nm
@@ -177,6 +177,6 @@ pub fn evaluate_all<S: Default>(
     out
 }
 
-const MOST_BYTES: usize = 6 << 30;
-/// Steps are not made finer than this; it serves coherence lengths up to 4 mm.
-const LEAST_STEP_NM: f64 = 1.0 / 128.0;
+const MAX_BYTES: usize = 6 << 30;
+/// Minimum wavelength step. It suffices for coherence lengths up to 4 mm.
+const MIN_STEP_NM: f64 = 1.0 / 128.0;

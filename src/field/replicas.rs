@@ -9,14 +9,15 @@ use crate::field::phase_sum;
 use crate::surface::HeightField;
 
 /// `A(t) = sin(πQt)/(Q sin πt)`, the normalised sum of `Q` unit phasors at steps of `t` turns about their middle; its
-/// limit ±1 at whole `t`. Dividing by `Q` what has `Q` terms: the texts divide `N + 1` terms by `N`, which jumps there.
+/// limit at whole `t` is ±1. The sum of `Q` terms is divided by `Q`. The texts divide a sum of `N + 1` terms by `N`,
+/// which makes a jump at whole `t`.
 pub fn replica_factor(t: f64, q: u32) -> f64 {
     let nearest = t.round();
     let rest = t - nearest;
     let sign = if (nearest as i64 * (i64::from(q) - 1)).rem_euclid(2) == 0 { 1.0 } else { -1.0 };
     let q = f64::from(q);
     if rest.abs() < 1e-9 {
-        // 1 - (Q² - 1)(π rest)²/6 is 1 to 1e-16 here for every Q that a coherence length leads to
+        // here 1 - (Q² - 1)(π rest)²/6 differs from 1 by less than 1e-16, for every Q that follows from a coherence length
         return sign;
     }
     sign * (PI * q * rest).sin() / (q * (PI * rest).sin())
@@ -43,7 +44,7 @@ mod tests {
             .expect("valid")
     }
 
-    /// The replicas laid side by side and summed without any factor.
+    /// The replicas side by side, summed directly.
     fn direct(height: &HeightField, f: DVec2, z: f64, [qx, qy]: [u32; 2]) -> Complex64 {
         let (columns, rows) = (height.columns() * qx as usize, height.rows() * qy as usize);
         let at = |i: usize| {
@@ -71,7 +72,7 @@ mod tests {
         }
     }
 
-    /// The misprint `p1 p2 + q1 q2` for the imaginary part doubles a real peak's intensity; it must be far away.
+    /// The misprint `p1 p2 + q1 q2` for the imaginary part doubles the intensity of a real peak, so it must fail clearly.
     #[test]
     fn the_misprinted_product_is_another_number() {
         let (a, b) = (Complex64::new(0.8, 0.1), Complex64::new(0.9, -0.2));

@@ -1,4 +1,4 @@
-//! Two-dimensional transforms in the convention of MATLAB's `ifft2`, restricted to the bins that are wanted.
+//! Two-dimensional transforms in the convention of MATLAB's `ifft2`, restricted to a rectangle of bins.
 
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
@@ -17,28 +17,28 @@ pub struct Bins {
 }
 
 impl Bins {
-    /// The bins at most `reach_cpum` cycles per µm from zero on either axis, and `margin` more.
+    /// All bins at most `reach_cpum` cycles per µm from zero on either axis, and `margin` more on each side.
     pub fn reachable(size_x_um: f64, size_y_um: f64, reach_cpum: f64, margin: usize) -> Bins {
         let count = |size_um: f64| (reach_cpum * size_um + 0.5).floor() as usize + margin;
         Bins { r_max: count(size_x_um), s_max: count(size_y_um) }
     }
 
-    /// Bins along x.
+    /// Number of bins along x.
     pub fn width(&self) -> usize {
         2 * self.r_max + 1
     }
 
-    /// Bins along y.
+    /// Number of bins along y.
     pub fn height(&self) -> usize {
         2 * self.s_max + 1
     }
 
-    /// All bins.
+    /// Number of all bins.
     pub fn len(&self) -> usize {
         self.width() * self.height()
     }
 
-    /// Never: bin 0 is always there.
+    /// Always false: bin 0 always exists.
     pub fn is_empty(&self) -> bool {
         false
     }
@@ -95,9 +95,10 @@ pub fn heights_upwards_um(field: &HeightField) -> Vec<f64> {
     field.heights_um().chunks(field.columns()).rev().flatten().copied().collect()
 }
 
-/// `1/(N·M) Σ data[y][x] · exp(+2πi(r x/Lx + s y/Ly))` for the wanted bins, as `[s][r]`, `x`, `y` the samples' positions.
+/// `1/(N·M) Σ data[y][x] · exp(+2πi(r x/Lx + s y/Ly))` for the given bins, as `[s][r]`. `x` and `y` are the positions
+/// of the samples.
 ///
-/// Bins beyond the Nyquist limit are the periodic extension. `data` is `[y][x]`, y upwards, and is overwritten.
+/// Bins beyond the Nyquist limit continue periodically. `data` is `[y][x]`, y upwards, and is overwritten.
 pub fn ifft2(data: &mut [Complex64], [x, y]: [GridAxis; 2], bins: Bins) -> Vec<Complex64> {
     assert_eq!(data.len(), x.count * y.count, "samples of both axes");
     let mut planner = FftPlanner::new();
@@ -153,7 +154,7 @@ fn rows_per_task(rows: usize) -> usize {
 mod tests {
     use super::*;
 
-    /// Against the definition, odd and even sizes, bins beyond the Nyquist limit included.
+    /// Comparison with the definition, for odd and even sizes, including bins beyond the Nyquist limit.
     #[test]
     fn agrees_with_the_sum_it_stands_for() {
         let (x, y) =

@@ -1,6 +1,7 @@
 //! BRDF maps: the square picture of all viewing directions under one light.
 //!
-//! Pixel centres are `(x, y) ∈ [-1, 1]²`, `+y` up; `sin θr = |(x, y)|`, `φr = atan2(y, x)`; nothing outside the unit disc.
+//! Pixel centres are `(x, y) ∈ [-1, 1]²`, `+y` up; `sin θr = |(x, y)|`, `φr = atan2(y, x)`; pixels outside the unit
+//! disc are empty.
 
 use exr::image::FlatSamples;
 use glam::DVec3;
@@ -10,7 +11,7 @@ use crate::error::Result;
 use crate::optics::colour::{srgb_encode, to_rgb};
 use crate::plan::Colour;
 
-/// A picture of `size × size` pixels, rows from the top; `None` outside the disc.
+/// A picture of `size × size` pixels, top row first. Pixels outside the disc are `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BrdfMap {
     /// Pixels along a side.
@@ -33,7 +34,7 @@ pub fn view_directions(size: usize) -> Vec<DVec3> {
 }
 
 impl BrdfMap {
-    /// Lays the colours of [`view_directions`] out on the square.
+    /// Places the colours of [`view_directions`] on the square.
     pub fn from_disc(size: usize, colours: &[[f64; 3]]) -> BrdfMap {
         let mut colours = colours.iter();
         let pixel =

@@ -1,4 +1,4 @@
-//! The coherence window, and the scale against a white diffuser that follows from it.
+//! The coherence window, and the scale relative to a white diffuser that follows from it.
 
 use crate::optics::normal_reflectance;
 use crate::plan::{CoherenceScaling, Optics, Window};
@@ -23,8 +23,8 @@ pub fn diffuser_scale(optics: &Optics) -> f64 {
     normal_reflectance(optics.refractive_index) * ratio * ratio
 }
 
-/// The same for a surface of replicas, sides in µm, without a window: `π R0 Ax Ay/λ0²`. Both are
-/// `π R0/(λ0² ∫|P|² df)` of a mirror.
+/// The same for a finite number of replicas without a window: `π R0 Ax Ay/λ0²`, with the sides of the whole surface in
+/// µm. Both scales are `π R0/(λ0² ∫|P|² df)` of a mirror.
 pub fn replica_diffuser_scale(optics: &Optics, [x_um, y_um]: [f64; 2]) -> f64 {
     let area = x_um * y_um / (REFERENCE_NM * 1e-3).powi(2);
     std::f64::consts::PI * normal_reflectance(optics.refractive_index) * area

@@ -11,8 +11,8 @@ use crate::plan::Colour;
 pub const XYZ_TO_SRGB: [[f64; 3]; 3] =
     [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]];
 
-/// XYZ to CIE RGB as the texts print it (eq. 3.7), multiplied from the left by the D65 white they apply a second time.
-/// Kept to compare with their pictures; it is not a display's RGB.
+/// XYZ to CIE RGB as the texts print it (eq. 3.7), multiplied from the left by the D65 white, which they apply a second
+/// time. It serves to compare with their pictures; it is not a display's RGB.
 pub const XYZ_TO_THESIS: [[f64; 3]; 3] = [
     [0.9505 * 0.41847, 0.9505 * -0.15866, 0.9505 * -0.082835],
     [-0.091169, 0.25243, 0.015708],
@@ -27,7 +27,7 @@ pub fn rgb_matrix(colour: Colour) -> [[f64; 3]; 3] {
     }
 }
 
-/// Tristimulus values to linear RGB; not clamped.
+/// Tristimulus values to linear RGB, not clamped.
 pub fn to_rgb(xyz: [f64; 3], colour: Colour) -> [f64; 3] {
     rgb_matrix(colour).map(|row| row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2])
 }
@@ -46,7 +46,7 @@ pub fn srgb_encode(linear: f64) -> f64 {
 }
 
 /// CIEDE2000 between two tristimulus values relative to D65 with `Y = 1` (Luo, Cui & Rigg 2001, by `colorimetry`).
-/// Components are clipped to the range from black to white first.
+/// Components are first clipped to the range from black to white.
 pub fn ciede2000(a: [f64; 3], b: [f64; 3]) -> f64 {
     let white = D65_WHITE.map(|c| c * 100.0);
     let lab = |xyz: [f64; 3]| {

@@ -1,4 +1,4 @@
-//! Comparing colours: which directions, exposure, which of them count, colour differences.
+//! Comparison of colours: exposure, which directions count, colour differences.
 
 use crate::error::{Error, Result};
 use crate::optics::colour::{D65_WHITE, ciede2000};
@@ -6,15 +6,15 @@ use crate::optics::colour::{D65_WHITE, ciede2000};
 /// How far colours lie from a reference.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ColourDifference {
-    /// Factor on luminance before colour differences: `0.5 / p95(Y_ref)` unless given.
+    /// Factor that colours are multiplied by before differences are taken. Default: `0.5 / p95(Y_ref)`.
     pub exposure: f64,
     /// Share of directions that are lit.
     pub lit: f64,
-    /// Greatest difference of a tristimulus value, over the reference's greatest.
+    /// Maximum difference of a tristimulus value, divided by the reference's maximum.
     pub max_abs: f64,
-    /// Root mean square of the same.
+    /// Root mean square of these differences, divided by the reference's maximum.
     pub rms: f64,
-    /// CIEDE2000 over lit directions.
+    /// CIEDE2000 of the lit directions.
     pub de2000: Percentiles,
 }
 
@@ -29,14 +29,14 @@ pub struct Percentiles {
     pub p95: f64,
     /// 99th percentile.
     pub p99: f64,
-    /// Greatest.
+    /// Maximum.
     pub max: f64,
 }
 
-/// Least exposed luminance of a lit direction.
+/// Minimum exposed luminance of a lit direction.
 pub const LIT: f64 = 1e-3;
 
-/// `0.5 / p95(Y)` over directions brighter than a millionth of the brightest; `None` if all are black.
+/// `0.5 / p95(Y)` of the directions brighter than a millionth of the brightest; `None` if all are black.
 pub fn auto_exposure(reference: &[[f64; 3]]) -> Option<f64> {
     let brightest = reference.iter().map(|c| c[1]).fold(0.0, f64::max);
     let mut bright: Vec<f64> =
@@ -47,8 +47,9 @@ pub fn auto_exposure(reference: &[[f64; 3]]) -> Option<f64> {
 
 /// Compares colours direction by direction (tristimulus values, same order).
 ///
-/// A direction is lit when the exposed luminance of either side reaches [`LIT`]; statistics of colour differences are
-/// over lit directions only, so that a black picture cannot hide in the dark. No lit direction is an error.
+/// A direction is lit when the exposed luminance of either side reaches [`LIT`]. Statistics of colour differences use
+/// lit directions only. Otherwise a black picture would pass wherever most of the reference is dark. It is an error if
+/// no direction is lit.
 pub fn colour_difference(
     subject: &str,
     reference: &[[f64; 3]],
@@ -58,23 +59,23 @@ pub fn colour_difference(
     let fail = |cause: String| Error::new(subject, cause);
     if reference.len() != other.len() {
         return Err(fail(format!(
-            "{} colours against {} of the reference",
+            "{} colours, but the reference has {}",
             other.len(),
             reference.len()
         )));
     }
     if let Some(at) = other.iter().position(|c| c.iter().any(|v| !v.is_finite())) {
-        return Err(fail(format!("colour {at} is not a number: {:?}", other[at])));
+        return Err(fail(format!("colour {at} is not finite: {:?}", other[at])));
     }
     let exposure = exposure
         .or_else(|| auto_exposure(reference))
-        .ok_or_else(|| fail("the reference is black".into()))?;
-    let greatest = reference.iter().flatten().copied().fold(0.0, f64::max);
+        .ok_or_else(|| fail("the reference is black in every direction".into()))?;
+    let largest = reference.iter().flatten().copied().fold(0.0, f64::max);
     let (mut max_abs, mut squares) = (0.0_f64, 0.0);
     let mut differences = Vec::new();
     for (a, b) in reference.iter().zip(other) {
         for c in 0..3 {
-            let d = (a[c] - b[c]).abs() / greatest;
+            let d = (a[c] - b[c]).abs() / largest;
             max_abs = max_abs.max(d);
             squares += d * d;
         }
@@ -99,16 +100,16 @@ pub fn colour_difference(
     })
 }
 
-/// Least share of lit pixels that says something about a map: on a grating of one period it is a line's, or that of a line's
-/// skirts, and the drawn directions say more.
-const LEAST_LIT: f64 = 0.05;
-/// Share of the brightest direction's luminance below which a map's pixel does not count: a map of a grating may meet none
-/// of its orders, and then shows their last skirts alone.
+/// Minimum share of lit pixels for which a map is compared. A grating of one period lights only a thin line of the map,
+/// or the flanks of one; there the random directions are the better test.
+const MIN_LIT: f64 = 0.05;
+/// Pixels darker than this share of the brightest direction do not count. A map of a grating may miss all orders and
+/// show only their outermost flanks.
 const DIM: f64 = 1e-6;
 
-/// Compares the pixels of a map at its own exposure; `brightest` is the greatest luminance of all directions that are
-/// compared, of which dim pixels fall short. `lit` is the share of all pixels. `None` where less than a twentieth of the map
-/// is lit.
+/// Compares the pixels of a map at its own exposure. `brightest` is the maximum luminance of all compared directions;
+/// pixels below [`DIM`] of it do not count. `lit` is the share of all pixels. `None` if less than a twentieth of the
+/// map is lit.
 pub fn map_difference(
     subject: &str,
     reference: &[[f64; 3]],
@@ -121,7 +122,7 @@ pub fn map_difference(
     let share = expected.len() as f64 / reference.len() as f64;
     let compared = colour_difference(subject, &expected, &colours, Some(exposure)).ok()?;
     let lit = compared.lit * share;
-    (lit >= LEAST_LIT).then_some(ColourDifference { lit, ..compared })
+    (lit >= MIN_LIT).then_some(ColourDifference { lit, ..compared })
 }
 
 fn expose(xyz: [f64; 3], exposure: f64) -> [f64; 3] {
@@ -163,7 +164,7 @@ mod tests {
         assert!(constant.de2000.p50 > 10.0);
     }
 
-    /// On a grating almost every direction is dark; a black picture must not pass for that.
+    /// On a grating almost every direction is dark. A black picture must fail nevertheless.
     #[test]
     fn dark_directions_do_not_dilute() {
         let mut reference = vec![[0.0; 3]; 1000];

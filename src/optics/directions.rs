@@ -1,4 +1,4 @@
-//! Directions, and what two of them are to a surface.
+//! Directions, and the path difference of a pair of them on a surface.
 
 use glam::DVec3;
 

@@ -12,7 +12,7 @@ pub fn normal_reflectance(refractive_index: f64) -> f64 {
 
 /// Schlick's reflectance over its value at normal incidence, `R(θh)/R0` (Schlick 1994, eq. 15).
 ///
-/// Stam's `F` is an amplitude coefficient, so that his `F²` is this `R`, once.
+/// Stam's `F` is an amplitude coefficient, so his `F²` is this `R`, and `R` enters only once.
 pub fn fresnel_ratio(cos_half: f64, refractive_index: f64) -> f64 {
     1.0 + (1.0 / normal_reflectance(refractive_index) - 1.0) * (1.0 - cos_half).powi(5)
 }
@@ -23,8 +23,9 @@ pub fn shadowing(wi: DVec3, wr: DVec3) -> f64 {
     (2.0 * half.z * wi.z.min(wr.z) / half.dot(wr)).min(1.0)
 }
 
-/// The gain `C(wi, wr) = R/R0 · (1 + wi·wr)² / (w² cos θr) · S`, zero where either direction is at or below the horizon
-/// (Stam 1999, eqs. 7 and 11, relative to a mirror at normal incidence). Diverges at grazing exit without `S`.
+/// The gain `C(wi, wr) = R/R0 · (1 + wi·wr)² / (w² cos θr) · S`, relative to a mirror at normal incidence (Stam 1999,
+/// eqs. 7 and 11). It is zero where either direction is at or below the horizon. Without `S` it diverges at grazing
+/// exit.
 pub fn gain(wi: DVec3, wr: DVec3, optics: &Optics) -> f64 {
     if !(wi.z > 0.0 && wr.z > 0.0) {
         return 0.0;
@@ -36,7 +37,7 @@ pub fn gain(wi: DVec3, wr: DVec3, optics: &Optics) -> f64 {
     fresnel_ratio(half.dot(wr), optics.refractive_index) * obliquity * shadow
 }
 
-/// Flags and constants of the template of the gain.
+/// Flags and constants of the template `gain`.
 pub fn define(optics: &Optics, into: &mut Defines) {
     into.flag("SHADOWING", optics.shadowing);
     let index = optics.refractive_index;
@@ -57,7 +58,7 @@ mod tests {
         assert!((tilted - 0.78).abs() < 0.005, "{tilted}");
     }
 
-    /// The texts square Schlick's value once more; at 80° that is another number.
+    /// The texts square Schlick's value once more, which gives a different number at 80°.
     #[test]
     fn reflectance_enters_once() {
         let cos = 80.0_f64.to_radians().cos();

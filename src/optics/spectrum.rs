@@ -1,7 +1,7 @@
-//! Illuminant times observer: the colour weights of wavelengths.
+//! Illuminant times observer: the colour weight of each wavelength.
 //!
-//! Tables are those of the crate `colorimetry`: CIE 1931 2° observer and the CIE illuminants at 1 nm, 380–780 nm.
-//! Wavelengths outside that range are accepted and weigh nothing (they would add less than 1e-4 of Y).
+//! The tables come from the crate `colorimetry`: CIE 1931 2° observer and the CIE illuminants at 1 nm, 380–780 nm.
+//! Wavelengths outside that range are accepted with weight 0 (they would add less than 1e-4 of Y).
 
 mod warp;
 
@@ -12,8 +12,8 @@ use colorimetry::traits::Light;
 use crate::error::{Error, Result};
 use crate::plan::{Illuminant, Wavelengths};
 
-/// Nodes of [`Spectrum::wavenumber_samples`]: over 380–780 nm they are 0.4 nm apart at the blue end and 1.6 nm at the red
-/// one; the illuminants' tables have nodes every 5 nm, the observer's every nm.
+/// Number of nodes of [`Spectrum::wavenumber_samples`]. Over 380–780 nm they are 0.4 nm apart at the blue end and 1.6
+/// nm at the red end; the tables of illuminants have nodes every 5 nm, the observer's every nm.
 pub const WAVENUMBER_NODES: usize = 512;
 
 /// First wavelength of the colour tables, nm.
@@ -32,13 +32,13 @@ pub struct Spectrum {
 pub struct Sample {
     /// Wavelength, nm.
     pub lambda_nm: f64,
-    /// X, Y, Z contributed by a response of 1 at this node (quadrature weight included).
+    /// X, Y, Z that a response of 1 at this node contributes (quadrature weight included).
     pub xyz: [f64; 3],
 }
 
 impl Spectrum {
     /// The weights of an illuminant: a CIE name (`D65`, `D50`, `E`, `A`, `F1` …) or the content of a CSV file with two
-    /// columns, wavelength in nm (rising, covering 380–780) and power in any unit. Opens no file.
+    /// columns, wavelength in nm (ascending, at least 380–780) and power in any unit. It does not open a file.
     pub fn new(illuminant: &Illuminant) -> Result<Spectrum> {
         let power = match named(illuminant.name()) {
             Some(power) => power,
@@ -53,14 +53,14 @@ impl Spectrum {
         let luminance: f64 =
             (0..=last).map(|i| weigh(i)[1] * if i == 0 || i == last { 0.5 } else { 1.0 }).sum();
         if !(luminance.is_finite() && luminance > 0.0) {
-            let cause = "the illuminant has no visible power";
+            let cause = "has no power in visible light";
             return Err(Error::new(illuminant_subject(illuminant), cause)
                 .remedy("give positive powers between 380 and 780 nm"));
         }
         Ok(Spectrum { per_nm: (0..=last).map(|i| weigh(i).map(|c| c / luminance)).collect() })
     }
 
-    /// Weights per nm at a wavelength in nm, linear between the table's whole nm, zero outside 380–780 nm.
+    /// Weights per nm at a wavelength in nm: linear between whole nm, zero outside 380–780 nm.
     pub fn per_nm(&self, lambda_nm: f64) -> [f64; 3] {
         let place = lambda_nm - TABLE_MIN_NM;
         let last = self.per_nm.len() - 1;
@@ -72,7 +72,7 @@ impl Spectrum {
         std::array::from_fn(|c| self.per_nm[index][c] * (1.0 - t) + self.per_nm[index + 1][c] * t)
     }
 
-    /// The wavelength in nm below which a small part of the light in a range lies, of X, Y and Z together.
+    /// The wavelength in nm below which only a small part of the light of a range lies (X, Y and Z added).
     pub fn faint_below_nm(&self, range: &Wavelengths) -> f64 {
         const PART: f64 = 0.05;
         let fine = Wavelengths { step_nm: 1.0, ..*range };
@@ -105,9 +105,9 @@ impl Spectrum {
         nodes_nm.iter().enumerate().map(sample).collect()
     }
 
-    /// Nodes at equal steps of the wavenumber 1/λ, from the longest wavelength to the shortest; weights per 1/µm, so the
-    /// factor `λ²` of `dλ = λ² d(1/λ)` is in them. What lies between is linear. A range of one wavelength is one node
-    /// of 1 nm, as in [`Spectrum::samples`].
+    /// Nodes at equal steps of the wavenumber 1/λ, from the longest wavelength to the shortest; weights per 1/µm, so
+    /// they include the factor `λ²` of `dλ = λ² d(1/λ)`. Weights are linear between nodes. A range of one wavelength is
+    /// one node of 1 nm, as in [`Spectrum::samples`].
     pub fn wavenumber_samples(&self, range: &Wavelengths) -> Vec<Sample> {
         if range.max_nm <= range.min_nm {
             return self.samples(range);
@@ -127,9 +127,10 @@ impl Spectrum {
         (0..WAVENUMBER_NODES).map(node).collect()
     }
 
-    /// Nodes that lie the closer, the more light there is: for each count the midpoints of so many parts of a variable whose
-    /// density over 1/λ is a power of the weights, from the longest wavelength to the shortest. A node's weights are
-    /// those of its whole part, so that a constant response has the right colour for every count.
+    /// Nodes that are closer where there is more light, from the longest wavelength to the shortest. For each count N,
+    /// the range is divided into N equal parts of a variable whose density over 1/λ is a power of the weights, and each
+    /// part has its node at the middle. A node's weights are those of its whole part, so a constant response has the
+    /// right colour for every count.
     pub fn warped_samples(&self, range: &Wavelengths, counts: &[u32]) -> Vec<Vec<Sample>> {
         warp::samples(self, range, counts)
     }
@@ -141,7 +142,7 @@ impl Spectrum {
     }
 }
 
-/// Sum of the nodes' weights: what a response of 1 everywhere becomes on that grid.
+/// Sum of the nodes' weights: the tristimulus values of a response of 1 at every wavelength on these nodes.
 pub fn sum(samples: &[Sample]) -> [f64; 3] {
     samples.iter().fold([0.0; 3], |a, s| std::array::from_fn(|c| a[c] + s.xyz[c]))
 }
@@ -170,16 +171,15 @@ fn named(name: &str) -> Option<Vec<f64>> {
     Some(light.spectrum().as_array().to_vec())
 }
 
-/// Whether a name is that of a CIE illuminant that this version knows; otherwise it names a file.
+/// Whether this version knows a CIE illuminant of that name. Any other name is the path of a file.
 pub fn is_named(name: &str) -> bool {
     named(name).is_some()
 }
 
-/// What to do about an illuminant that cannot be used.
-pub const ILLUMINANT_REMEDY: &str =
-    "name a CIE illuminant (D65, D50, E, A, F1 to F12) or a CSV file of wavelength in nm and power";
+/// Remedy for an illuminant that cannot be used.
+pub const ILLUMINANT_REMEDY: &str = "name a CIE illuminant (D65, D50, E, A, F1 to F12) or a CSV file with two columns, wavelength in nm and power";
 
-/// How errors name an illuminant.
+/// Subject of errors about an illuminant.
 pub fn illuminant_subject(illuminant: &Illuminant) -> String {
     format!("optics.illuminant = {:?}", illuminant.name())
 }
@@ -206,16 +206,17 @@ fn from_csv(illuminant: &Illuminant) -> Result<Vec<f64>> {
             {
                 if rows.last().is_some_and(|&(before, _)| before >= nm) {
                     return Err(fail(format!(
-                        "line {}: wavelengths must rise, {nm} does not",
+                        "line {}: the wavelength {nm} nm is not above the one before",
                         index + 1
-                    )));
+                    ))
+                    .remedy("sort the lines by ascending wavelength, each once"));
                 }
                 rows.push((nm, power));
             }
             _ if rows.is_empty() && index == 0 => {} // a header
             _ => {
                 return Err(fail(format!(
-                    "line {}: {line:?} is not a wavelength and a power ≥ 0",
+                    "line {}: {line:?} is not a wavelength and a power of at least 0",
                     index + 1
                 ))
                 .remedy(remedy));
@@ -223,11 +224,11 @@ fn from_csv(illuminant: &Illuminant) -> Result<Vec<f64>> {
         }
     }
     let (Some(first), Some(last)) = (rows.first(), rows.last()) else {
-        return Err(fail("holds no numbers".into()).remedy(remedy));
+        return Err(fail("has no numbers".into()).remedy(remedy));
     };
     if first.0 > TABLE_MIN_NM || last.0 < TABLE_MAX_NM {
-        let cause = format!("covers {} to {} nm, not 380 to 780 nm", first.0, last.0);
-        return Err(fail(cause).remedy("extend the table; write zeros where there is no power"));
+        let cause = format!("covers {} to {} nm, but must cover 380 to 780 nm", first.0, last.0);
+        return Err(fail(cause).remedy("extend the table, with zeros where there is no power"));
     }
     let at = |nm: f64| {
         let next = rows.partition_point(|&(x, _)| x < nm).clamp(1, rows.len() - 1);
@@ -235,7 +236,7 @@ fn from_csv(illuminant: &Illuminant) -> Result<Vec<f64>> {
         y0 + (y1 - y0) * (nm - x0) / (x1 - x0)
     };
     if rows.len() < 2 {
-        return Err(fail("holds a single wavelength".into()).remedy(remedy));
+        return Err(fail("has a single wavelength".into()).remedy(remedy));
     }
     Ok((380..=780).map(|nm| at(f64::from(nm))).collect())
 }
@@ -251,7 +252,8 @@ mod tests {
         Spectrum::new(&"D65".into()).expect("D65").samples(&range)
     }
 
-    /// A mirror of 1 at every wavelength is the D65 white; a coarse grid's error shows, since the normaliser is fixed.
+    /// A response of 1 at every wavelength is the D65 white. The error of a coarse grid shows, since the normalisation
+    /// is fixed.
     #[test]
     fn mirror_is_white_and_coarse_grids_err_as_stated() {
         let white = Spectrum::new(&"D65".into()).expect("D65").white();
@@ -265,7 +267,7 @@ mod tests {
         }
     }
 
-    /// The texts apply D65 twice and use a CIE-RGB matrix: white is then far from (1, 1, 1).
+    /// The texts apply D65 twice and use a CIE-RGB matrix, so their white is far from (1, 1, 1).
     #[test]
     fn white_is_neutral_in_srgb_and_not_in_the_texts_matrix() {
         let white = Spectrum::new(&"D65".into()).expect("D65").white();

@@ -1,5 +1,5 @@
-//! Rust text that binds a variant: its uniform blocks as structures whose layout the compiler checks, and its
-//! bindings and tables as plain data. It needs nothing but `core`, and a module or an `include!` can hold it.
+//! Rust text for binding a variant: uniform blocks as structures whose layout the Rust compiler checks, bindings and
+//! tables as plain data. The text needs only `core`, and can stand in a module or an `include!`.
 
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::quote;
@@ -12,7 +12,7 @@ use crate::tables::{SAMPLER_NAME, Table};
 /// Name of the file beside a variant's manifest.
 pub const FILE: &str = "bindings.rs";
 
-/// The text for a variant, whose tables are found by the names of their bindings.
+/// The text for a variant. Tables are found by the names of their bindings.
 pub fn rust(manifest: &VariantManifest, tables: &[&Table]) -> Result<String> {
     let subject = format!("{} {}", manifest.surface, manifest.variant);
     let fail = |cause: String| Error::new(format!("{subject}: {FILE}"), cause);
@@ -25,7 +25,7 @@ pub fn rust(manifest: &VariantManifest, tables: &[&Table]) -> Result<String> {
         let shape = tables.iter().find(|table| table.name == entry.binding);
         let binding = manifest.bindings.iter().find(|binding| binding.name == entry.binding);
         let (Some(shape), Some(binding)) = (shape, binding) else {
-            return Err(fail(format!("table `{}` is not bound", entry.binding)));
+            return Err(fail(format!("table `{}` has no binding in the manifest", entry.binding)));
         };
         names.push(ident(&format!("{}_TABLE", constant_name(&binding.name))));
         constants.push(table(entry, shape, binding));
@@ -49,11 +49,11 @@ pub fn rust(manifest: &VariantManifest, tables: &[&Table]) -> Result<String> {
             pub group: u32,
             /// Binding.
             pub binding: u32,
-            /// File of the texels, relative to the folder of this file; little-endian, `[layer][row][column][channel]`.
+            /// Path of the texels, relative to the folder of this file. Little-endian, `[layer][row][column][channel]`.
             pub data: &'static str,
-            /// JSON description of the file, relative to the folder of this file.
+            /// Path of the JSON description of the table, relative to the folder of this file.
             pub description: &'static str,
-            /// Bytes of the file of the texels.
+            /// Size of the texels in bytes.
             pub bytes: usize,
             /// WebGPU's name of the texel format.
             pub format: &'static str,
@@ -63,9 +63,10 @@ pub fn rust(manifest: &VariantManifest, tables: &[&Table]) -> Result<String> {
             pub width: u32,
             /// Texels along y.
             pub height: u32,
-            /// Array layers; 1 for a plain texture.
+            /// Number of array layers; 1 for a plain texture.
             pub layers: u32,
-            /// Binding of the sampler that it is read through, linear and clamping to the edge; none: texel by texel.
+            /// Binding of the sampler that the shader reads it through: linear, clamped to the edge. `None` if the
+            /// shader reads single texels.
             pub sampler: Option<u32>,
         }
 
@@ -94,7 +95,7 @@ fn spaced(text: &str) -> String {
     out
 }
 
-/// A structure with the layout of a uniform block, and what proves it.
+/// A structure with the layout of a uniform block, and the assertions that prove it.
 fn block(block: &UniformBlock) -> Result<TokenStream, String> {
     let name = ident(&block.structure);
     let about = format!(" Uniform block `{}`.", block.name);
@@ -116,7 +117,7 @@ fn block(block: &UniformBlock) -> Result<TokenStream, String> {
             "mat4x4f" => quote! { [[f32; 4]; 4] },
             other => {
                 return Err(format!(
-                    "`{}` has type {other}, which Rust has no name for",
+                    "`{}` has type {other}, which has no Rust equivalent",
                     member.name
                 ));
             }
@@ -191,7 +192,7 @@ fn constant_name(name: &str) -> String {
     name.to_ascii_uppercase()
 }
 
-/// Names in WGSL are names in Rust, but for keywords.
+/// WGSL names are valid in Rust, except keywords.
 fn ident(name: &str) -> Ident {
     match syn::parse_str::<Ident>(name) {
         Ok(ident) => ident,

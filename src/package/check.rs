@@ -1,4 +1,4 @@
-//! Comparing a package with a folder, without writing.
+//! Comparison of a package with a folder, without writing.
 
 use std::fs::{self, File};
 use std::io::{self, BufRead, BufReader};
@@ -11,24 +11,24 @@ use super::{Content, MANIFEST, Package, equality, folder};
 /// How a folder differs from a package. Paths are relative, sorted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Report {
-    /// In both, different beyond the tolerance of the file.
+    /// In both, but different by more than the file's tolerance.
     pub changed: Vec<String>,
-    /// In the package only.
+    /// Only in the package.
     pub missing: Vec<String>,
-    /// Listed by the manifest of the folder, no longer in the package: the next run removes them.
+    /// Listed in the folder's manifest but no longer in the package. The next run removes them.
     pub orphan: Vec<String>,
-    /// In the folder only and never ours: every run carries them over.
+    /// Only in the folder and never part of a package. Every run carries them over.
     pub foreign: Vec<String>,
 }
 
 impl Report {
-    /// Whether a run of `generate` would change anything; foreign files are no reason.
+    /// Whether a run of `generate` would change anything. Foreign files do not count.
     pub fn is_stale(&self) -> bool {
         !(self.changed.is_empty() && self.missing.is_empty() && self.orphan.is_empty())
     }
 }
 
-/// Compares a package with a folder; an absent folder lacks everything, one that is not ours is an error.
+/// Compares a package with a folder. In an absent folder every file is missing; a folder that is not a package is an error.
 pub fn check(package: &Package, out: &Path) -> Result<Report> {
     let Some(old) = folder::open(out)? else {
         let missing = package.files().keys().cloned().collect();
@@ -41,10 +41,14 @@ pub fn check(package: &Package, out: &Path) -> Result<Report> {
             report.missing.push(path.clone());
             continue;
         }
-        let unreadable = |e| Error::new(on_disk.display(), "cannot be read").source(e);
+        let unreadable = |e| {
+            Error::new(on_disk.display(), "cannot be read")
+                .source(e)
+                .remedy("check its permissions")
+        };
         let is_same = match &file.content {
             Content::Kept(_) => true,
-            // nearly always the same bytes, told without holding them
+            // the bytes are nearly always the same, and this comparison does not load the whole file
             Content::Stored(path) if same_bytes(path, &on_disk).map_err(unreadable)? => true,
             content => {
                 let disk = fs::read(&on_disk).map_err(unreadable)?;
@@ -61,7 +65,7 @@ pub fn check(package: &Package, out: &Path) -> Result<Report> {
             && old.root.join(path.as_str()).is_file()
     };
     report.orphan = old.listed.keys().filter(gone).cloned().collect();
-    // A file at a path that the package needs was reported above.
+    // Foreign files at a path that the package needs were reported above.
     let foreign = old.foreign()?.into_iter().filter_map(|path| {
         let shown = folder::slashed(&path).unwrap_or_else(|| path.display().to_string());
         let is_folder = old.root.join(&path).symlink_metadata().is_ok_and(|found| found.is_dir());

@@ -1,4 +1,4 @@
-//! Comparing a file on disk with a fresh one.
+//! Comparison of a file on disk with a newly generated one.
 
 use serde_json::Value;
 
@@ -8,10 +8,10 @@ use crate::tables::container::decode;
 
 use super::Equality;
 
-/// Numbers smaller than this are rounding residue of values of order one.
+/// Smaller numbers are rounding errors of values of order one.
 const RESIDUE: f64 = 1e-15;
 
-/// Whether the bytes on disk are as good as the fresh ones.
+/// Whether the bytes on disk equal the new ones within the tolerance.
 pub(super) fn same(compare: Equality, fresh: &[u8], disk: &[u8]) -> bool {
     if fresh == disk {
         return true;
@@ -44,7 +44,7 @@ pub(super) fn same(compare: Equality, fresh: &[u8], disk: &[u8]) -> bool {
     }
 }
 
-/// `scale`: the largest magnitude of the array that holds the two.
+/// `scale`: the largest magnitude in the array that both numbers belong to.
 fn same_json(fresh: &Value, disk: &Value, tolerance: f64, scale: f64) -> bool {
     match (fresh, disk) {
         (Value::Object(a), Value::Object(b)) => {
@@ -73,7 +73,7 @@ fn same_json(fresh: &Value, disk: &Value, tolerance: f64, scale: f64) -> bool {
     }
 }
 
-/// `layer`: numbers that share a magnitude; 0: all.
+/// `layer`: number of consecutive numbers that are compared relative to their largest magnitude; 0 for all.
 fn same_numbers(
     fresh: &[u8],
     disk: &[u8],
@@ -90,7 +90,7 @@ fn same_numbers(
     fresh.chunks(layer_bytes).zip(disk.chunks(layer_bytes)).all(|(fresh, disk)| {
         let (fresh, disk) = (format.decode(fresh), format.decode(disk));
         let largest = fresh.iter().fold(0.0, |max: f64, x| max.max(x.abs()));
-        // Written so that a NaN on either side is a difference.
+        // This form of the comparison makes a NaN on either side a difference.
         fresh.iter().zip(&disk).all(|(x, y)| (x - y).abs() <= tolerance * largest)
     })
 }

@@ -1,4 +1,4 @@
-//! An output folder: whether it is ours, what its manifest lists, what in it is foreign.
+//! An output folder: whether it is a package, which files its manifest lists, which files are foreign.
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -14,32 +14,33 @@ use super::{Listed, MANIFEST, is_plain};
 
 /// An output folder that exists.
 pub(super) struct Folder {
-    /// Without symbolic links.
+    /// Path without symbolic links.
     pub(super) root: PathBuf,
-    /// What its manifest lists, the manifest apart; empty for an empty folder.
+    /// Files that its manifest lists, without the manifest itself. Empty for an empty folder.
     pub(super) listed: BTreeMap<String, Listed>,
-    /// Whether it holds our manifest.
+    /// Whether it has a package's manifest.
     pub(super) has_manifest: bool,
 }
 
-/// The folder beside `out` in which this process builds: `OUT.tmp-PID`.
+/// The folder next to `out` in which this process builds: `OUT.tmp-PID`.
 pub fn temporary_folder(out: &Path) -> Result<PathBuf> {
     sibling(&resolve(out)?, &format!(".tmp-{}", std::process::id()))
 }
 
-/// Opens an output folder. `None`: absent. An error: it exists, is not empty, and is not ours.
+/// Opens an output folder. Returns `None` if it is absent. It is an error if the folder is not empty and not a package.
 pub(super) fn open(out: &Path) -> Result<Option<Folder>> {
     let root = resolve(out)?;
     let error = |cause: &str| Error::new(format!("output {}", out.display()), cause);
     match fs::metadata(&root) {
         Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
-        Err(e) => return Err(error("cannot be read").source(e)),
+        Err(e) => return Err(error("cannot be read").source(e).remedy("check its permissions")),
         Ok(found) if !found.is_dir() => {
             return Err(error("is not a folder").remedy("name another folder with --out"));
         }
         Ok(_) => {}
     }
-    let mut entries = fs::read_dir(&root).map_err(|e| error("cannot be read").source(e))?;
+    let unreadable = |e| error("cannot be read").source(e).remedy("check its permissions");
+    let mut entries = fs::read_dir(&root).map_err(unreadable)?;
     if entries.next().is_none() {
         return Ok(Some(Folder { root, listed: BTreeMap::new(), has_manifest: false }));
     }
@@ -48,7 +49,7 @@ pub(super) fn open(out: &Path) -> Result<Option<Folder>> {
     let manifest = manifest.filter(|value| value.get("generated_by").is_some_and(Value::is_string));
     let Some(manifest) = manifest else {
         let cause =
-            format!("is neither empty nor a package: it holds files but no {MANIFEST} of ours");
+            format!("is neither empty nor a package: it has files, but no {MANIFEST} of a package");
         return Err(
             error(&cause).remedy("name another folder with --out, or empty this one yourself")
         );
@@ -67,13 +68,16 @@ impl Folder {
     /// Files, links and empty folders that the manifest does not list: paths relative to the root, sorted.
     pub(super) fn foreign(&self) -> Result<Vec<PathBuf>> {
         let mut found = Vec::new();
-        self.walk(Path::new(""), &mut found)
-            .map_err(|e| Error::new(self.root.display(), "cannot be listed").source(e))?;
+        self.walk(Path::new(""), &mut found).map_err(|e| {
+            Error::new(self.root.display(), "cannot be listed")
+                .source(e)
+                .remedy("check its permissions")
+        })?;
         found.sort();
         Ok(found)
     }
 
-    /// Whether a path relative to the root is ours.
+    /// Whether a path relative to the root is part of the package.
     fn owns(&self, path: &Path) -> bool {
         let Some(path) = slashed(path) else { return false };
         (path == MANIFEST && self.has_manifest) || self.listed.contains_key(&path)
@@ -98,23 +102,24 @@ impl Folder {
     }
 }
 
-/// A relative path with `/`; `None` where it is not text.
+/// A relative path with `/`; `None` if it is not valid Unicode.
 pub(super) fn slashed(path: &Path) -> Option<String> {
     let parts: Option<Vec<&str>> = path.iter().map(|part| part.to_str()).collect();
     Some(parts?.join("/"))
 }
 
-/// The folder that `out` means, without symbolic links, whether it exists or not.
+/// The path of `out` without symbolic links, whether the folder exists or not.
 pub(super) fn resolve(out: &Path) -> Result<PathBuf> {
     let error = |cause: &str| Error::new(format!("output {}", out.display()), cause);
     if let Ok(root) = fs::canonicalize(out) {
         return Ok(root);
     }
     if fs::symlink_metadata(out).is_ok() {
-        return Err(error("is a link that leads nowhere"));
+        let cause = "is a symbolic link to a folder that does not exist";
+        return Err(error(cause).remedy("remove the link, or name another folder with --out"));
     }
     let Some(name) = out.file_name() else {
-        return Err(error("names no folder"));
+        return Err(error("is not the path of a folder").remedy("name a folder with --out"));
     };
     let parent = match out.parent() {
         Some(parent) if parent != Path::new("") => parent,
@@ -124,11 +129,12 @@ pub(super) fn resolve(out: &Path) -> Result<PathBuf> {
     Ok(parent.join(name))
 }
 
-/// `ROOT` with a suffix to its name.
+/// `ROOT` with a suffix added to its name.
 pub(super) fn sibling(root: &Path, suffix: &str) -> Result<PathBuf> {
     let Some(name) = root.file_name() else {
         let error =
-            Error::new(format!("output {}", root.display()), "is the root of the file system");
+            Error::new(format!("output {}", root.display()), "is the root of the file system")
+                .remedy("name a folder below it with --out");
         return Err(error);
     };
     let mut name = OsString::from(name);

@@ -1,4 +1,4 @@
-//! What a package says about itself, as data.
+//! The manifests of a package as data.
 
 mod describe;
 mod interface;
@@ -34,11 +34,11 @@ pub struct VariantManifest {
     pub surface: String,
     /// Name of the variant.
     pub variant: String,
-    /// The configuration, and its hash.
+    /// The canonical configuration.
     pub configuration: Value,
     /// SHA-256 of the canonical configuration.
     pub configuration_hash: String,
-    /// SHA-256 of everything the files are made from: surface, configuration, tool version.
+    /// SHA-256 of everything that the files are made from: surface, configuration, tool version.
     pub input_hash: String,
     /// The contract of the core function.
     pub core: Core,
@@ -48,19 +48,20 @@ pub struct VariantManifest {
     pub bindings: Vec<Binding>,
     /// Layout of the uniform blocks.
     pub uniforms: Vec<UniformBlock>,
-    /// What the vertex stage of a mesh reads from buffers.
+    /// Attributes that the vertex stage of a mesh reads from buffers.
     pub vertex_inputs: Vec<VertexInput>,
     /// The tables, by binding.
     pub tables: Vec<TableEntry>,
-    /// The same for Rust: a file beside the manifest.
+    /// Rust file with bindings, uniforms and tables, in the same folder.
     pub rust_bindings: &'static str,
-    /// What it needs.
+    /// What the variant requires.
     pub requires: Requires,
-    /// What a pixel costs.
+    /// Cost of one lit pixel.
     pub cost: Cost,
-    /// A-priori bounds of the model's approximations; none where no error is claimed, or where only a comparison tells it.
+    /// A-priori bounds of the model's approximations. `None` where no error is claimed, or where only a comparison
+    /// shows the error.
     pub error_bound: Option<ErrorBound>,
-    /// Loops over lobes, of the modes that have them.
+    /// Bounds of the loops over lobes, for modes that have such loops.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lobes: Option<LobeBounds>,
 }
@@ -72,17 +73,17 @@ pub struct Core {
     pub function: String,
     /// Frame of the directions.
     pub frame: &'static str,
-    /// What the directions are.
+    /// Meaning of the directions.
     pub directions: &'static str,
-    /// Primaries and transfer of the result.
+    /// Primaries and transfer function of the result.
     pub colour_space: &'static str,
-    /// What 1 means.
+    /// Meaning of the value 1.
     pub unit: &'static str,
-    /// Whether the result is clamped; it never is.
+    /// Whether the result is clamped. Always false.
     pub clamped: bool,
-    /// Radiance relative to a white diffuser per unit of the result; none where the unit is arbitrary.
+    /// Radiance relative to a white diffuser, per unit of the result. `None` where the unit is arbitrary.
     pub diffuser_scale: Option<f64>,
-    /// Function that returns tristimulus values instead.
+    /// Signature of the function that returns tristimulus values instead.
     pub tristimulus_function: String,
 }
 
@@ -93,9 +94,9 @@ pub struct FileEntry {
     pub file: String,
     /// Entry points in it.
     pub entry_points: Vec<EntryPoint>,
-    /// Functions that a function form offers; empty for whole shaders.
+    /// Functions that a function form offers. Empty for whole shaders.
     pub functions: Vec<emit::Function>,
-    /// Names it gives to the resources that it reads.
+    /// Names in the file of the resources that it reads.
     pub bindings: Vec<BindingName>,
 }
 
@@ -110,22 +111,22 @@ pub struct Binding {
     pub binding: u32,
     /// `uniform`, `texture` or `sampler`.
     pub kind: &'static str,
-    /// `2d` or `2d-array`, of textures.
+    /// For textures: `2d` or `2d-array`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dimension: Option<&'static str>,
-    /// `unfilterable-float`: read with `textureLoad` alone; `float`: through the sampler.
+    /// For textures: `unfilterable-float` if read with `textureLoad` only, `float` if read through the sampler.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sample_type: Option<&'static str>,
-    /// `linear`, of samplers: between texels, at level 0.
+    /// For samplers: `linear` interpolation between texels, at level 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub filter: Option<&'static str>,
-    /// `clamp-to-edge`, of samplers, on both axes.
+    /// For samplers: `clamp-to-edge` on both axes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub address: Option<&'static str>,
-    /// Texel format, WebGPU's name, of textures that a table fills.
+    /// For textures that a table fills: WebGPU's name of the texel format.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub format: Option<&'static str>,
-    /// What fills it.
+    /// What fills the binding.
     pub source: String,
 }
 
@@ -134,7 +135,7 @@ pub struct Binding {
 pub struct VertexInput {
     /// Name in the templates.
     pub name: String,
-    /// Location; in HLSL the semantic `LOC` with this number, in Metal the attribute.
+    /// Location. In HLSL it is the semantic `LOC` with this number, in Metal the attribute.
     pub location: u32,
     /// WGSL type.
     #[serde(rename = "type")]
@@ -145,7 +146,7 @@ pub struct VertexInput {
     pub meaning: &'static str,
 }
 
-/// A uniform block, std140-compatible: `vec4` and `mat4x4` members only.
+/// A uniform block. Its members are `vec4` and `mat4x4` only, so its layout is compatible with std140.
 #[derive(Clone, Debug, Serialize)]
 pub struct UniformBlock {
     /// Name of the variable in the templates.
@@ -172,16 +173,16 @@ pub struct UniformMember {
     pub meaning: &'static str,
 }
 
-/// Where the data of a table are.
+/// Where a table is stored.
 #[derive(Clone, Debug, Serialize)]
 pub struct TableEntry {
     /// Name of the binding.
     pub binding: &'static str,
     /// Identity of the table.
     pub id: String,
-    /// Description, relative to the manifest's folder.
+    /// Path of the description, relative to the manifest's folder.
     pub description: String,
-    /// Texels, relative to the manifest's folder.
+    /// Path of the texels, relative to the manifest's folder.
     pub data: String,
 }
 
@@ -192,15 +193,15 @@ pub struct TableDescription {
     pub generated_by: &'static str,
     /// [`SCHEMA_VERSION`].
     pub schema_version: u32,
-    /// Identity: a hash of what the table is made from.
+    /// Identity: a hash of everything that the table is made from.
     pub id: String,
     /// File of the texels.
     pub data: String,
-    /// Bytes of it.
+    /// Size of that file in bytes.
     pub bytes: usize,
     /// WebGPU's name of the texel format.
     pub format: &'static str,
-    /// Order of the bytes of a number.
+    /// Byte order of numbers.
     pub endianness: &'static str,
     /// `2d` or `2d-array`.
     pub dimension: &'static str,
@@ -216,30 +217,30 @@ pub struct TableDescription {
     pub channels: Vec<String>,
     /// Meaning of columns, rows and layers.
     pub axes: BTreeMap<&'static str, String>,
-    /// Factor from stored to meant numbers.
+    /// Factor that the stored numbers are to be multiplied by.
     pub scale: f64,
-    /// Factors of the terms, one by one, of tables whose terms have scales of their own; the shader applies them.
+    /// One factor for each term, where terms have scales of their own. The shader applies them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub term_scales: Vec<f64>,
-    /// What lies outside the texture; nothing is ever read there.
+    /// Address mode outside the texture. Shaders never read there.
     pub wrap: &'static str,
     /// The same texels in the containers that the plan asks for.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub containers: BTreeMap<Container, ContainerEntry>,
 }
 
-/// What a variant needs.
+/// What a variant requires.
 #[derive(Clone, Debug, Serialize)]
 pub struct Requires {
     /// Profiles whose guaranteed limits suffice.
     pub profiles: Vec<&'static str>,
-    /// Why the others are missing.
+    /// Reason for each profile that the variant does not fit.
     pub gaps: BTreeMap<&'static str, String>,
-    /// Optional features; none are used.
+    /// Optional features. Always empty.
     pub features: Vec<String>,
 }
 
-/// Parts of a manifest that are known before its files.
+/// Parts of a manifest that are known before the shader's files are emitted.
 pub struct Described<'a> {
     /// Name of the surface.
     pub surface: &'a str,
@@ -319,7 +320,7 @@ fn requires(extents: &[Extent]) -> Requires {
         let misfits = extents.iter().filter(|extent| !limits.allow(**extent));
         let misfits: Vec<String> = misfits.map(Extent::to_string).collect();
         format!(
-            "a table of {} exceeds {} texels or {} layers",
+            "a table of {} exceeds the limit of {} texels per side or {} layers",
             misfits.join(", "),
             limits.texture_2d,
             limits.array_layers

@@ -1,8 +1,8 @@
-//! `probe.json`: directions with their colours, so that who builds a shader into an engine can test the result.
+//! `probe.json`: directions with their colours, to test a shader that was built into an engine.
 //!
-//! The directions and their exact colours belong to a surface and its optics, and are the same for all variants there.
-//! `expected` is the variant's own algorithm in f64 on its packed tables; a shader that is built in correctly gives that
-//! within `tolerance`, whatever the variant's distance from `exact`.
+//! The directions and their exact colours depend on the surface and its optics, and are the same for all variants
+//! there. `expected` is the result of the variant's own algorithm in f64 on its packed tables. A shader that is
+//! integrated correctly returns it within `tolerance`, however far the variant is from `exact`.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -17,18 +17,18 @@ use crate::variant::{ExactProbe, Form, Function, Twin, probe_tolerances};
 
 /// Relative tolerance of the numbers in a `probe.json` between processors.
 ///
-/// Most agree to 1e-9, like all JSON, but not all: a dim direction on the flank of a lobe is the small end of
-/// `exp(-|f - f_rs|²/2σf²)` or of a sum that cancels, where the last digits of a sine or a transform count up to a thousand
-/// times as much. It is still a tenth, or less, of the tolerance that a shader is granted.
+/// Nearly all numbers agree to 1e-9, like other JSON. The exceptions are dim directions on the flank of a lobe: there
+/// `exp(-|f - f_rs|²/2σf²)`, or a sum that cancels, is small, and the last digits of a sine or a transform weigh up to
+/// a thousand times as much. The tolerance is still at most a tenth of the tolerance of shaders.
 pub const TOLERANCE: f64 = 1e-6;
 
-/// The numbers of probes, for storing: nine of each.
+/// The numbers of probes in storage order: nine per probe.
 pub fn to_numbers(probes: &[ExactProbe]) -> Vec<f64> {
     let numbers = |e: &ExactProbe| [e.directions.wi.to_array(), e.directions.wr.to_array(), e.xyz];
     probes.iter().flat_map(numbers).flatten().collect()
 }
 
-/// The reverse of [`to_numbers`].
+/// The inverse of [`to_numbers`].
 pub fn from_numbers(numbers: &[f64]) -> Vec<ExactProbe> {
     let (probes, _) = numbers.as_chunks::<9>();
     let probe = |&[a, b, c, d, e, f, x, y, z]: &[f64; 9]| ExactProbe {
@@ -38,12 +38,12 @@ pub fn from_numbers(numbers: &[f64]) -> Vec<ExactProbe> {
     probes.iter().map(probe).collect()
 }
 
-/// What a variant's algorithm gives in f64, relative tristimulus values, on all cores.
+/// Results of a variant's algorithm in f64 (relative tristimulus values), computed on all cores.
 pub fn expected(function: &dyn Function, twin: &Twin<'_>, probes: &[ExactProbe]) -> Vec<[f64; 3]> {
     probes.par_iter().map(|probe| function.evaluate(twin, probe.directions)).collect()
 }
 
-/// `probe.json`. Time: none worth counting.
+/// The text of `probe.json`. It takes negligible time.
 pub fn json(
     surface: &str,
     variant: &str,
@@ -79,8 +79,9 @@ pub fn json(
             expected: Expected { xyz, rgb: to_rgb(xyz, colour) },
             tolerance,
         };
-        serde_json::to_string(&probe)
-            .map_err(|e| Error::new(variant, "has a probe without a number").source(e))
+        serde_json::to_string(&probe).map_err(|e| {
+            Error::new(variant, "has a probe that cannot be written as JSON").source(e)
+        })
     });
     let lines: Vec<String> = lines.collect::<Result<_>>()?;
     let lines = lines.join(",\n    ");

@@ -13,8 +13,9 @@ use crate::shader::template::GENERATED;
 /// Name of the file.
 pub const FILE: &str = "README.md";
 
-/// Writes the text from a package's manifests, those kept from an earlier run among them, from the keys of its index
-/// ([`crate::package::compile::index`]) and from what the plan's constraints reject. Sizes are of files as written.
+/// Writes the text from the package's manifests (including those kept from an earlier run), from the keys of its index
+/// ([`crate::package::compile::index`]) and from the combinations that the plan's constraints reject. Sizes are those
+/// of the written files.
 pub fn readme(
     package: &Package,
     index: &BTreeMap<String, Value>,
@@ -23,8 +24,11 @@ pub fn readme(
     let mut surfaces: BTreeMap<String, Vec<VariantLine>> = BTreeMap::new();
     for (path, file) in package.files() {
         if path.starts_with("shaders/") && path.ends_with("/manifest.json") {
-            let manifest: Value = serde_json::from_slice(&file.content.read()?)
-                .map_err(|e| Error::new(path, "is no JSON").source(e))?;
+            let manifest: Value = serde_json::from_slice(&file.content.read()?).map_err(|e| {
+                Error::new(path, "is not valid JSON")
+                    .source(e)
+                    .remedy("generate the whole package again")
+            })?;
             let row = VariantLine::new(package, path, &manifest)?;
             surfaces.entry(text(&manifest["surface"])).or_default().push(row);
         }
@@ -46,8 +50,9 @@ const ABOUT: &str = "\
 uniforms, requirements, error bound), `bindings.rs` and `probe.json` (64 directions with their colours, to test an
 integration with); `surfaces/SURFACE/` holds the tables that its variants share.
 
-Sizes are in KiB: of all files of a language, function form included, and of all tables that a variant binds. Evaluations are
-of the amplitude, for one lit pixel; fetches are texels. Where cost depends on the direction it is given as mean / worst.
+The columns of languages give the size of all files of a language in KiB, function form included. The column `tables` gives the
+size of all tables that a variant binds, in KiB. `evaluations` is the number of evaluations of the amplitude for one lit pixel,
+`fetches` the number of texels read. Where these depend on the direction, the table gives mean / maximum.
 ";
 
 /// A variant on a surface.
@@ -148,17 +153,19 @@ fn gaps(
         }
     }
     if targets.contains(&Target::Msl) {
-        lines.push("`msl` is written and not validated: only Apple's compiler could.".to_owned());
+        lines.push(
+            "`msl` is written but not validated, because only Apple's compiler can validate it."
+                .to_owned(),
+        );
     }
     if targets.contains(&Target::Hlsl) {
-        let line =
-            "`hlsl` is validated as far as the installed tools go, see `cargo xtask validate`.";
+        let line = "`hlsl` is validated only as far as the installed tools can, see `cargo xtask validate`.";
         lines.push(line.to_owned());
     }
     let absent: BTreeSet<&str> =
         Target::all().into_iter().filter(|t| !targets.contains(t)).map(Target::as_str).collect();
     for target in absent {
-        lines.push(format!("`{target}` is not asked for by the plan."));
+        lines.push(format!("`{target}` is not among the plan's targets."));
     }
     *out += "\n## What is missing, and why\n\n";
     if lines.is_empty() {

@@ -1,4 +1,4 @@
-//! What a run wrote and from what, to tell that the next one has nothing to do.
+//! A record of what a run read and wrote, so that the next run can see that it has nothing to do.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -12,13 +12,13 @@ use crate::hash::sha256;
 
 use super::{Package, folder, write};
 
-/// Hashes of all that a package was made from and of every file in it, to the byte. It lies outside the package, on the
-/// machine that made it, because numbers may differ in their last digits between processors.
+/// Hashes of everything that a package was made from, and of the bytes of every file in it. It is kept outside the
+/// package, on the machine that made it, because numbers may differ in their last digits between processors.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Stamp {
-    /// Hash of the inputs, the program among them.
+    /// Hash of the inputs, including the program.
     pub inputs: String,
-    /// What the run told its user.
+    /// The notes that the run printed.
     pub notes: Vec<String>,
     /// SHA-256 of every file by its path, hexadecimal.
     files: BTreeMap<String, String>,
@@ -27,7 +27,7 @@ pub struct Stamp {
 }
 
 impl Stamp {
-    /// Of a sealed package. Time: one hash of every file, on all cores.
+    /// The stamp of a sealed package. Time: one hash of every file, on all cores.
     pub fn new(package: &Package, inputs: String, notes: Vec<String>) -> Result<Stamp> {
         let files: Vec<_> = package.files().iter().collect();
         let hashes = files.into_par_iter().map(|(path, file)| {
@@ -40,21 +40,24 @@ impl Stamp {
         Ok(Stamp { inputs, notes, files, bytes })
     }
 
-    /// Reads one; `None` where there is none to be read.
+    /// Reads a stamp. `None` if there is no readable one.
     pub fn read(file: &Path) -> Option<Stamp> {
         serde_json::from_slice(&fs::read(file).ok()?).ok()
     }
 
-    /// Writes it.
+    /// Writes the stamp.
     pub fn write(&self, file: &Path) -> Result<()> {
-        let error = || Error::new(file.display(), "cannot be written");
+        let error = || {
+            Error::new(file.display(), "cannot be written")
+                .remedy("check permissions and free space")
+        };
         let text = serde_json::to_vec(self).map_err(|e| error().source(e))?;
         let folder = file.parent().map_or(Ok(()), fs::create_dir_all);
         folder.and_then(|()| fs::write(file, text)).map_err(|e| error().source(e))
     }
 
-    /// Whether a folder holds every file as it was written, and nothing that a run would tidy up. Files that are not of
-    /// the package do not count. Time: one hash of every file, on all cores.
+    /// Whether a folder has every file exactly as written, and no leftovers of aborted runs. Foreign files do not
+    /// count. Time: one hash of every file, on all cores.
     pub fn holds(&self, out: &Path) -> bool {
         let Ok(root) = folder::resolve(out) else { return false };
         let is_same = |(path, expected): (&String, &String)| {

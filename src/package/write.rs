@@ -1,4 +1,5 @@
-//! Writing a package: beside the output, then one exchange, so that no reader and no crash sees half of it.
+//! Writing a package: it is built beside the output and exchanged in one step. So neither readers nor crashes ever see
+//! half of it.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
@@ -13,32 +14,32 @@ use crate::error::{Error, Result};
 use super::folder::{self, Folder, sibling};
 use super::{Content, Equality, Package, equality};
 
-/// What a write did.
+/// Result of a write.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct WriteReport {
-    /// Files of the package.
+    /// Number of files of the package.
     pub files: usize,
     /// Their total size.
     pub bytes: u64,
-    /// Files of the previous package that are gone.
+    /// Files of the previous package that were removed.
     pub removed: Vec<String>,
     /// Foreign files that were carried over.
     pub carried: Vec<PathBuf>,
-    /// The previous output, where it could not be removed entirely; the next run tries again.
+    /// The previous output, if it could not be removed completely. The next run tries again.
     pub left_behind: Option<PathBuf>,
 }
 
-/// Stops a write from another thread; the previous output stays whole.
+/// Cancels a write from another thread. The previous output stays complete.
 #[derive(Clone, Debug, Default)]
 pub struct Cancel(Arc<Mutex<bool>>);
 
 impl Cancel {
-    /// Not cancelled.
+    /// A new handle, not cancelled.
     pub fn new() -> Cancel {
         Cancel::default()
     }
 
-    /// Cancels. When this returns the exchange has either happened or never will.
+    /// Cancels. When it returns, the exchange has either happened or will not happen.
     pub fn cancel(&self) {
         *self.lock() = true;
     }
@@ -53,10 +54,11 @@ impl Cancel {
     }
 }
 
-/// Writes a package to `out`, which must be absent, empty or hold our manifest.
+/// Writes a package to `out`, which must be absent, empty or a package.
 ///
-/// All is built in `OUT.tmp-PID` and exchanged with `OUT` in one step. Foreign files are carried over. On any error the
-/// previous output is as it was and the temporary folder is gone. Temporary folders of dead processes are removed.
+/// The package is built in `OUT.tmp-PID`, which is then exchanged with `OUT` in one step. Foreign files are carried
+/// over. After any error the previous output is unchanged and the temporary folder is removed. Temporary folders of
+/// dead processes are removed too.
 pub fn write(package: &Package, out: &Path) -> Result<WriteReport> {
     write_unless(package, out, &Cancel::new())
 }
@@ -65,14 +67,21 @@ pub fn write(package: &Package, out: &Path) -> Result<WriteReport> {
 pub fn write_unless(package: &Package, out: &Path, cancel: &Cancel) -> Result<WriteReport> {
     let error = |cause: &str| Error::new(format!("output {}", out.display()), cause);
     if let Some(parent) = out.parent() {
-        fs::create_dir_all(parent)
-            .map_err(|e| error("has a parent that cannot be made").source(e))?;
+        fs::create_dir_all(parent).map_err(|e| {
+            error("its parent folder cannot be created").source(e).remedy(PERMISSIONS)
+        })?;
     }
     let root = folder::resolve(out)?;
-    restore_set_aside(&root).map_err(|e| error("cannot be restored after a crash").source(e))?;
+    restore_set_aside(&root).map_err(|e| {
+        let remedy = "rename the folder OUT.old-PID back to OUT yourself";
+        error("the previous output cannot be restored after a crash").source(e).remedy(remedy)
+    })?;
     let old = folder::open(out)?;
-    remove_stale(&root)
-        .map_err(|e| error("has a stale temporary folder that cannot be removed").source(e))?;
+    remove_stale(&root).map_err(|e| {
+        error("a temporary folder of an aborted run cannot be removed")
+            .source(e)
+            .remedy("remove the folders OUT.tmp-PID beside it yourself")
+    })?;
     let temporary = Temporary::create(sibling(&root, &format!(".tmp-{}", std::process::id()))?)?;
     let mut report = build(package, &temporary.path, cancel)?;
     if let Some(old) = &old {
@@ -82,7 +91,11 @@ pub fn write_unless(package: &Package, out: &Path, cancel: &Cancel) -> Result<Wr
         let permissions = fs::metadata(&root).map(|found| found.permissions());
         permissions
             .and_then(|permissions| fs::set_permissions(&temporary.path, permissions))
-            .map_err(|e| error("cannot pass on its permissions").source(e))?;
+            .map_err(|e| {
+                error("its permissions cannot be copied to the new output")
+                    .source(e)
+                    .remedy(PERMISSIONS)
+            })?;
     }
     {
         let cancelled = cancel.lock();
@@ -92,17 +105,17 @@ pub fn write_unless(package: &Package, out: &Path, cancel: &Cancel) -> Result<Wr
         match &old {
             Some(old) => {
                 exchange(&temporary.path, &root)
-                    .map_err(|e| error("cannot be replaced").source(e))?;
+                    .map_err(|e| error("cannot be replaced").source(e).remedy(PERMISSIONS))?;
                 adopt_latecomers(old, &temporary.path, &root, &report.carried);
             }
             None => {
                 fs::rename(&temporary.path, &root)
-                    .map_err(|e| error("cannot be put in place").source(e))?;
+                    .map_err(|e| error("cannot be created").source(e).remedy(PERMISSIONS))?;
             }
         }
         sync_folder(root.parent().unwrap_or(&root));
     }
-    // An interrupt may be removing it at the same time, so what counts is whether it is gone.
+    // An interrupt handler may be removing it at the same time, so only its absence counts.
     if fs::remove_dir_all(&temporary.path).is_err() && temporary.path.exists() {
         report.left_behind = Some(temporary.path.clone());
     }
@@ -118,8 +131,9 @@ struct Temporary {
 impl Temporary {
     fn create(path: PathBuf) -> Result<Temporary> {
         let error = |e: io::Error| {
-            let remedy = "is the folder writable, and does no other run write to the same output?";
-            Error::new(path.display(), "cannot be made").source(e).remedy(remedy)
+            let remedy =
+                "check that the folder is writable and that no other run writes to the same output";
+            Error::new(path.display(), "cannot be created").source(e).remedy(remedy)
         };
         fs::create_dir(&path).map_err(error)?;
         let lock = lock_folder(&path);
@@ -129,20 +143,25 @@ impl Temporary {
 
 impl Drop for Temporary {
     fn drop(&mut self) {
-        // After the exchange this is the previous output; an error was, or will be, told by the caller.
+        // After the exchange this is the previous output. The caller reports errors.
         let _ = fs::remove_dir_all(&self.path);
     }
 }
 
+/// Remedy of errors in the folder that holds the output.
+const PERMISSIONS: &str = "check the permissions of the folder that holds it";
+
 fn interrupted(out: &Path) -> Error {
-    Error::new(format!("output {}", out.display()), "interrupted; left as it was")
+    Error::new(format!("output {}", out.display()), "the run was interrupted; nothing was changed")
 }
 
 fn build(package: &Package, into: &Path, cancel: &Cancel) -> Result<WriteReport> {
     let mut report = WriteReport::default();
     let mut folders = BTreeSet::from([into.to_owned()]);
     let fail = |path: &str, e: io::Error| {
-        Error::new(format!("generated file {path}"), "cannot be written").source(e)
+        Error::new(format!("generated file {path}"), "cannot be written")
+            .source(e)
+            .remedy("check permissions and free space")
     };
     for (path, file) in package.files() {
         if cancel.is_cancelled() {
@@ -158,7 +177,7 @@ fn build(package: &Package, into: &Path, cancel: &Cancel) -> Result<WriteReport>
         report.bytes += bytes.map_err(|e| fail(path, e))?;
         folders.insert(parent.to_owned());
     }
-    // Once all are written: the first waits for the disk, and most others find their data there.
+    // Files are synced after all are written: the first sync waits for the disk, and by then most others are on it.
     package.files().par_iter().try_for_each(|(path, _)| {
         if cancel.is_cancelled() {
             return Err(interrupted(into));
@@ -175,14 +194,14 @@ fn write_file(at: &Path, bytes: &[u8]) -> io::Result<u64> {
     Ok(bytes.len() as u64)
 }
 
-/// A file system that cannot sync folders still renames them in order.
+/// Errors are ignored: a file system that cannot sync folders still renames them in order.
 fn sync_folder(path: &Path) {
     if let Ok(folder) = File::open(path) {
         let _ = folder.sync_all();
     }
 }
 
-/// Links (or copies) the foreign files of the old output into the new one.
+/// Links or copies the foreign files of the old output into the new one.
 fn carry(package: &Package, old: &Folder, into: &Path) -> Result<Vec<PathBuf>> {
     let mut carried = Vec::new();
     for path in old.foreign()? {
@@ -212,18 +231,20 @@ fn carry(package: &Package, old: &Folder, into: &Path) -> Result<Vec<PathBuf>> {
         }
         let done = fs::create_dir_all(parent)
             .and_then(|()| if is_folder { fs::create_dir(&to) } else { link(&from, &to) });
-        done.map_err(|e| error("cannot be carried over").source(e))?;
+        done.map_err(|e| {
+            error("cannot be carried over").source(e).remedy("move it out of the output folder")
+        })?;
         carried.push(path);
     }
     Ok(carried)
 }
 
-/// A second name for the same file where the file system has that, else a copy.
+/// A hard link where the file system supports it, otherwise a copy.
 fn link(from: &Path, to: &Path) -> io::Result<()> {
     fs::hard_link(from, to).or_else(|_| fs::copy(from, to).and_then(|_| File::open(to)?.sync_all()))
 }
 
-/// Foreign files that appeared in the old output while the new one was built move over too.
+/// Moves foreign files that appeared in the old output while the new one was built.
 fn adopt_latecomers(old: &Folder, now_at: &Path, root: &Path, carried: &[PathBuf]) {
     let moved = Folder {
         root: now_at.to_owned(),
@@ -234,16 +255,16 @@ fn adopt_latecomers(old: &Folder, now_at: &Path, root: &Path, carried: &[PathBuf
         let to = root.join(&path);
         if carried.binary_search(&path).is_err() && fs::symlink_metadata(&to).is_err() {
             let made = to.parent().map_or(Ok(()), fs::create_dir_all);
-            // It stays in the folder that is removed only if even this fails.
+            // Only if even this fails is the file removed with the old folder.
             let _ = made.and_then(|()| fs::rename(now_at.join(&path), &to));
         }
     }
 }
 
-/// Exchanges two folders, in one step where the system can.
+/// Exchanges two folders, in one step where the system supports it.
 ///
-/// Elsewhere the old one is set aside as `OUT.old-PID` first; a crash between the two renames leaves it there, whole,
-/// and the next run puts it back ([`restore_set_aside`]).
+/// Elsewhere the old folder is first renamed to `OUT.old-PID`. A crash between the two renames leaves it there,
+/// complete, and the next run renames it back ([`restore_set_aside`]).
 fn exchange(new: &Path, out: &Path) -> io::Result<()> {
     #[cfg(any(target_os = "linux", target_vendor = "apple"))]
     {
@@ -251,7 +272,7 @@ fn exchange(new: &Path, out: &Path) -> io::Result<()> {
         use rustix::io::Errno;
         match renameat_with(CWD, new, CWD, out, RenameFlags::EXCHANGE) {
             Ok(()) => return Ok(()),
-            // The file system, or an old kernel, knows no exchange.
+            // The file system or an old kernel does not support the exchange.
             Err(Errno::NOSYS | Errno::INVAL | Errno::NOTSUP) => {}
             Err(e) => return Err(e.into()),
         }
@@ -281,7 +302,7 @@ fn restore_set_aside(root: &Path) -> io::Result<()> {
     }
 }
 
-/// Removes `OUT.tmp-PID` folders that no living process holds.
+/// Removes `OUT.tmp-PID` folders that no running process has locked.
 fn remove_stale(root: &Path) -> io::Result<()> {
     for path in siblings(root, ".tmp-")? {
         if let Some(_lock) = lock_folder(&path) {
@@ -294,12 +315,12 @@ fn remove_stale(root: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Whether no folder of a run that was cut short stands beside the output.
+/// Whether there are no leftover folders of aborted runs beside the output.
 pub(super) fn is_tidy(root: &Path) -> bool {
     [".tmp-", ".old-"].iter().all(|mark| siblings(root, mark).is_ok_and(|found| found.is_empty()))
 }
 
-/// Folders named `ROOT`, a mark and digits.
+/// Folders whose name is `ROOT`, a mark and digits.
 fn siblings(root: &Path, mark: &str) -> io::Result<Vec<PathBuf>> {
     let (Some(parent), Some(name)) =
         (root.parent(), root.file_name().and_then(|name| name.to_str()))
@@ -322,7 +343,7 @@ fn siblings(root: &Path, mark: &str) -> io::Result<Vec<PathBuf>> {
     Ok(found)
 }
 
-/// The lock that marks a temporary folder as in use; the system drops it with the process, however that ends.
+/// The lock that marks a temporary folder as in use. The system releases it when the process ends, however it ends.
 #[cfg(unix)]
 fn lock_folder(path: &Path) -> Option<File> {
     let folder = File::open(path).ok()?;
@@ -330,7 +351,7 @@ fn lock_folder(path: &Path) -> Option<File> {
     Some(folder)
 }
 
-/// Without such a lock nothing is taken for stale.
+/// Without such locks no folder counts as abandoned.
 #[cfg(not(unix))]
 fn lock_folder(_path: &Path) -> Option<File> {
     None

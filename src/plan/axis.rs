@@ -1,4 +1,4 @@
-//! What an axis is: all that reading, naming, listing and documenting a key of a variant need to know of it.
+//! An axis: everything needed to read, name, list and document one key of a variant.
 
 use serde_json::Value;
 
@@ -10,19 +10,19 @@ use super::words::{AUTO, names};
 #[derive(Clone, Copy)]
 pub(super) struct Axis {
     pub(super) key: &'static str,
-    /// One line for the manual.
+    /// Description of the key in one line, for the manual.
     pub(super) about: &'static str,
-    /// What it takes beside its words, for the manual.
+    /// Values other than words, for the manual.
     pub(super) values: &'static str,
-    /// The words that it takes; none of keys with numbers alone.
+    /// The words that the key accepts. Empty for keys that accept only numbers.
     pub(super) words: fn() -> Vec<&'static str>,
-    /// Whether an array of two numbers is one value of it.
+    /// Whether an array of two numbers is one value of the key.
     pub(super) takes_pair: bool,
     /// Reads a value into a variant.
     pub(super) read: fn(&Item, &mut Variant) -> Option<()>,
-    /// What it is in the canonical configuration; a mode may read some of the entries.
+    /// Its entries in the canonical configuration. A mode may read only some of them.
     pub(super) entries: &'static [Entry],
-    /// What it adds to the name.
+    /// Its part of the canonical name.
     pub(super) part: Part,
 }
 
@@ -31,23 +31,23 @@ pub(super) struct Axis {
 pub(super) struct Entry {
     pub(super) key: &'static str,
     pub(super) value: fn(&Variant) -> Value,
-    /// Copies what the entry is of from one variant to another.
+    /// Copies the entry's value from one variant to another.
     pub(super) copy: fn(&Variant, &mut Variant),
 }
 
-/// When an axis has a part in the canonical name.
+/// When an axis adds a part to the canonical name.
 #[derive(Clone, Copy)]
 pub(super) enum Part {
-    /// Wherever the mode reads it.
+    /// Whenever the mode reads it.
     Always(fn(&Variant) -> String),
-    /// Where it differs from the documented default.
+    /// If it differs from the documented default.
     Changed(fn(&Variant) -> String),
-    /// Where it differs, as a range; with its step where the mode reads that.
+    /// If it differs, as a range, with the step if the mode reads it.
     Wavelengths,
 }
 
 impl Axis {
-    /// Copies the value from one variant to another.
+    /// Copies the axis' value from one variant to another.
     pub(super) fn copy(&self, from: &Variant, to: &mut Variant) {
         self.entries.iter().for_each(|entry| (entry.copy)(from, to));
     }
@@ -57,7 +57,7 @@ impl Axis {
         self.entries.iter().any(|entry| (entry.value)(a) != (entry.value)(b))
     }
 
-    /// The value of a variant, whether it is read or not: that of its entry, or an object of its entries.
+    /// The value in a variant, whether the mode reads it or not. It is an object if the axis has several entries.
     pub(super) fn value(&self, of: &Variant) -> Value {
         match self.entries {
             [entry] if entry.key == self.key => (entry.value)(of),
@@ -80,7 +80,7 @@ macro_rules! entry {
     };
 }
 
-/// A key that is a field of the variant and takes words alone; those that the manual has are those that it reads.
+/// A key that is a field of the variant and accepts only words. The manual and the reader share one list of them.
 macro_rules! worded {
     ($key:literal, $($field:ident).+, $words:expr, $about:literal, $part:expr) => {
         $crate::plan::axis::Axis {
@@ -96,7 +96,7 @@ macro_rules! worded {
     };
 }
 
-/// A key that is a field of the variant and takes no words.
+/// A key that is a field of the variant and does not accept words.
 macro_rules! valued {
     ($key:literal, $($field:ident).+, $read:path, $values:literal, $about:literal, $part:expr) => {
         $crate::plan::axis::Axis {
@@ -112,7 +112,7 @@ macro_rules! valued {
     };
 }
 
-/// The only word of a key whose number may be left to the tool.
+/// The only word of a key whose number the tool can choose.
 pub(super) fn auto() -> Vec<&'static str> {
     names(AUTO)
 }

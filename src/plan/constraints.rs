@@ -1,4 +1,4 @@
-//! Combinations that mean nothing, and keys that a variant leaves alone.
+//! Combinations without a meaning, and keys that a variant does not read.
 
 use super::axis::Entry;
 use super::mode::declared;
@@ -6,7 +6,7 @@ use super::reads::{is_prefiltered, reads};
 use super::variant::axes;
 use super::{Basis, Coherence, CoherenceScaling, Colour, Mode, Optics, TableFormat, Variant};
 
-/// Sets every entry that a variant does not read to its documented default, except where [`broken`] has to see it.
+/// Sets every entry that a variant does not read to its documented default, except entries that [`broken`] must check.
 pub(super) fn normalise(variant: &mut Variant) {
     let standard = Variant::standard(&Optics::standard());
     let refused = declared(variant.mode).refused;
@@ -16,7 +16,7 @@ pub(super) fn normalise(variant: &mut Variant) {
     idle.into_iter().for_each(|entry| (entry.copy)(&standard, variant));
 }
 
-/// The constraints that a configuration breaks: the key, and the reason.
+/// The constraints that a configuration violates, as pairs of key and reason.
 pub(super) fn broken(variant: &Variant) -> Vec<(&'static str, String)> {
     let (mode, optics) = (variant.mode, &variant.optics);
     let ensemble = optics.coherence == Coherence::Ensemble;
@@ -30,49 +30,49 @@ pub(super) fn broken(variant: &Variant) -> Vec<(&'static str, String)> {
     refuse(
         variant.filters() && variant.table == TableFormat::F32,
         "sampling",
-        "WebGPU and WebGL2 filter no tables of 32-bit floats; use table = \"f16\"",
+        "WebGPU and WebGL2 cannot filter tables of 32-bit floats; use table = \"f16\"",
     );
     refuse(
         prefiltered && mode == Mode::Pq,
         "reconstruction",
-        "pq has no coherence window that a table could have in it",
+        "pq has no coherence window, which a prefiltered table would contain",
     );
     refuse(
         prefiltered && ensemble,
         "coherence",
-        "a prefiltered table holds amplitudes under one window, and coherence = \"ensemble\" adds intensities of orders before the window",
+        "a prefiltered table holds amplitudes under the window, but coherence = \"ensemble\" adds the intensities of orders before the window",
     );
     refuse(
         prefiltered && optics.coherence_scaling == CoherenceScaling::Wavelength,
         "coherence_scaling",
-        "a prefiltered table has one window in it, the same for all wavelengths",
+        "a prefiltered table contains one window, the same for all wavelengths, so it needs coherence_scaling = \"fixed\"",
     );
     refuse(
         prefiltered && !variant.hoist,
         "hoist",
-        "hoist = false is the loop of the texts over bins, and a prefiltered table needs no such loop",
+        "hoist = false is the texts' loop over bins, and a prefiltered table is read without such a loop",
     );
     refuse(
         mode != Mode::Baked && variant.table == TableFormat::Rgb9e5,
         "table",
-        "numbers with a shared exponent have no sign, and only the colours of mode = \"baked\" need none",
+        "table = \"rgb9e5\" cannot store negative numbers; only the colours of mode = \"baked\" are never negative",
     );
     refuse(
         mode == Mode::Baked && variant.wavelengths.max_nm <= variant.wavelengths.min_nm,
         "wavelengths",
-        "baked integrates over the wavelengths, and a single one leaves nothing to integrate",
+        "baked integrates over a range of wavelengths; make max_nm larger than min_nm",
     );
     let tabulated = matches!(variant.basis, Basis::Chebyshev | Basis::Optimal);
     refuse(
         tabulated && !variant.hoist && mode == Mode::Full && !prefiltered,
         "basis",
-        "hoist = false is the loop of the texts over powers, and the coefficients of this basis are no powers",
+        "hoist = false is the texts' loop over powers, and the coefficients of this basis are not powers",
     );
     match mode {
         Mode::Full => refuse(
             ensemble && !variant.hoist,
             "hoist",
-            "hoist = false adds the bins of each term before anything is squared, and an ensemble adds intensities of bins",
+            "hoist = false adds the amplitudes of bins term by term, but coherence = \"ensemble\" adds the intensities of bins",
         ),
         Mode::Pq => {
             refuse(
@@ -83,20 +83,20 @@ pub(super) fn broken(variant: &Variant) -> Vec<(&'static str, String)> {
             refuse(
                 optics.coherence_scaling == CoherenceScaling::Wavelength,
                 "coherence_scaling",
-                "pq repeats the patch a whole number of times, the same for all wavelengths",
+                "pq repeats the patch a whole number of times, the same for all wavelengths, so it needs coherence_scaling = \"fixed\"",
             );
         }
         Mode::Gems => refuse(
             optics.colour == Colour::Thesis,
             "colour",
-            "gems maps wavelengths to RGB without tristimulus values, which the matrices of the texts need",
+            "gems maps wavelengths directly to RGB, but colour = \"thesis\" needs tristimulus values",
         ),
         _ => {}
     }
     refuse(
         !variant.hoist && matches!(mode, Mode::Pq | Mode::Adaptive),
         "hoist",
-        "hoist = false is the full sum as the texts print it; no other mode has such a form",
+        "hoist = false is the full sum as the texts print it; only mode = \"full\" has this form",
     );
     found
 }

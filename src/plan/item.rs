@@ -1,4 +1,4 @@
-//! Values of a TOML text with their places, and the checks that turn them into numbers and words.
+//! Values of a TOML text with their places, and checks that turn them into numbers and words.
 
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeSet;
@@ -10,34 +10,34 @@ use toml::de::{DeTable, DeValue};
 
 use crate::error::Error;
 
-/// Most errors of one plan that are told; a text with more of them is likely no plan at all.
+/// Maximum number of errors reported for one plan. A text with more is probably not a plan.
 const MAX_ERRORS: usize = 100;
 
-/// Longest cause that is told; a key may have megabytes.
+/// Maximum length of an error's cause in characters. A key in a plan may be megabytes long.
 const MAX_CAUSE: usize = 500;
 
-/// The text that is being read, and what was found wrong with it.
+/// The text that is being read, and the errors found in it.
 pub(super) struct Source<'a> {
     text: &'a str,
-    /// Where each line ends.
+    /// Position of the end of each line.
     ends: Vec<usize>,
     file: String,
     errors: RefCell<Vec<(usize, Error)>>,
-    /// Errors beyond [`MAX_ERRORS`].
-    untold: Cell<usize>,
+    /// Number of errors beyond [`MAX_ERRORS`].
+    omitted: Cell<usize>,
 }
 
 impl<'a> Source<'a> {
     pub(super) fn new(text: &'a str, file: impl Display) -> Source<'a> {
         let ends = text.match_indices('\n').map(|(at, _)| at).collect();
-        let (errors, untold) = Default::default();
-        Source { text, ends, file: file.to_string(), errors, untold }
+        let (errors, omitted) = Default::default();
+        Source { text, ends, file: file.to_string(), errors, omitted }
     }
 
-    /// Notes an error at a byte of the text.
+    /// Records an error at a byte of the text.
     pub(super) fn fail(&self, at: usize, cause: impl Display, remedy: Option<String>) {
         if self.is_full() {
-            return self.untold.set(self.untold.get() + 1);
+            return self.omitted.set(self.omitted.get() + 1);
         }
         let line = self.ends.partition_point(|end| *end < at) + 1;
         let error = Error::new(format!("{}:{line}", self.file), cut(cause, MAX_CAUSE));
@@ -48,27 +48,31 @@ impl<'a> Source<'a> {
         self.errors.borrow_mut().push((at, error));
     }
 
-    /// Notes an error of the text as a whole.
+    /// Records an error of the text as a whole.
     pub(super) fn fail_file(&self, cause: impl Display, remedy: impl Display) {
         if self.is_full() {
-            return self.untold.set(self.untold.get() + 1);
+            return self.omitted.set(self.omitted.get() + 1);
         }
         let error = Error::new(&self.file, cause).remedy(remedy);
         self.errors.borrow_mut().push((0, error));
     }
 
-    /// Everything noted, in the order of the text; of very many errors the first that were found, and how many more.
+    /// All recorded errors, in the order of the text. If there are too many, the first that were found, and the number
+    /// of the others.
     pub(super) fn into_errors(self) -> Vec<Error> {
         let mut errors = self.errors.into_inner();
         errors.sort_by_key(|(at, _)| *at);
-        let untold = match self.untold.get() {
+        let omitted = match self.omitted.get() {
             0 => None,
-            n => Some(Error::new(&self.file, format!("has {n} more errors"))),
+            n => Some(
+                Error::new(&self.file, format!("has {n} more errors"))
+                    .remedy("fix the errors above first"),
+            ),
         };
-        errors.into_iter().map(|(_, error)| error).chain(untold).collect()
+        errors.into_iter().map(|(_, error)| error).chain(omitted).collect()
     }
 
-    /// Whether errors are only counted from here on.
+    /// Whether further errors are only counted.
     fn is_full(&self) -> bool {
         self.errors.borrow().len() >= MAX_ERRORS
     }
@@ -93,7 +97,7 @@ impl<'s, 't> Table<'s, 't> {
         self.items().into_iter().find(|(name, _)| *name == key).map(|(_, item)| item)
     }
 
-    /// The value of a key; an error when it is missing.
+    /// The value of a key. It is an error if the key is missing.
     pub(super) fn require(&self, key: &str, what: &str) -> Option<Item<'s, 't>> {
         let item = self.get(key);
         if item.is_none() {
@@ -110,7 +114,7 @@ impl<'s, 't> Table<'s, 't> {
             .collect()
     }
 
-    /// Notes every key that is not known, with the nearest that is.
+    /// Records an error for every unknown key, with the most similar known key.
     pub(super) fn only(&self, known: &[&str]) {
         for (key, _) in self.table.iter().filter(|(key, _)| !known.contains(&&**key.get_ref())) {
             let cause = format!("unknown key {}", self.path_of(key.get_ref()));
@@ -119,12 +123,12 @@ impl<'s, 't> Table<'s, 't> {
         }
     }
 
-    /// The same table under another path, once its name is known.
+    /// The same table with another path, once its name is known.
     pub(super) fn renamed(&self, path: String) -> Table<'s, 't> {
         Table { path, ..self.clone() }
     }
 
-    /// Notes an error of the table as a whole.
+    /// Records an error of the table as a whole.
     pub(super) fn fail(&self, cause: impl Display, remedy: Option<String>) {
         self.source.fail(self.at, cause, remedy);
     }
@@ -153,7 +157,7 @@ pub(super) struct Item<'s, 't> {
 }
 
 impl<'s, 't> Item<'s, 't> {
-    /// Notes `path = value: cause (remedy)` at the place of the value.
+    /// Records the error `path = value: cause (remedy)` at the place of the value.
     pub(super) fn fail(&self, cause: impl Display, remedy: impl Display) {
         let cause = format!("{} = {}: {cause}", self.path, self.shown());
         self.source.fail(self.span.start, cause, Some(remedy.to_string()));
@@ -175,7 +179,7 @@ impl<'s, 't> Item<'s, 't> {
         self.value.as_str()
     }
 
-    /// The elements of an array; an array of tables is one too.
+    /// The elements of an array. An array of tables is an array, too.
     pub(super) fn elements(&self, what: &str) -> Option<Vec<Item<'s, 't>>> {
         let Some(array) = self.value.as_array() else {
             self.wrong_type(&format!("an array of {what}"));
@@ -212,7 +216,7 @@ impl<'s, 't> Item<'s, 't> {
         self.value.as_bool()
     }
 
-    /// A finite number that passes a check; integers are numbers.
+    /// A finite number that passes a check. Integers are accepted.
     pub(super) fn number(
         &self,
         must: &str,
@@ -241,7 +245,7 @@ impl<'s, 't> Item<'s, 't> {
         self.number("positive and finite", what, |x| x > 0.0)
     }
 
-    /// A whole number of a range.
+    /// A whole number in a range.
     pub(super) fn whole(&self, range: Range<u64>, what: &str) -> Option<u64> {
         let DeValue::Integer(n) = self.value else {
             self.wrong_type(&format!("a whole number: {what}"));
@@ -274,7 +278,7 @@ impl<'s, 't> Item<'s, 't> {
         found.map(|(_, meaning)| *meaning)
     }
 
-    /// Notes that it is none of the names that are known, with the nearest.
+    /// Records the error that the value is not among the known names, with the most similar one.
     pub(super) fn unknown(&self, cause: &str, known: &BTreeSet<&str>) {
         let known: Vec<&str> = match self.source.is_full() {
             true => Vec::new(),
@@ -283,7 +287,7 @@ impl<'s, 't> Item<'s, 't> {
         self.fail(cause, self.as_str().map_or_else(String::new, |text| suggest(text, &known)));
     }
 
-    /// The value without its places, for types that read themselves.
+    /// The value without places, for types that implement `Deserialize`.
     pub(super) fn plain(&self) -> Option<toml::Value> {
         plain(self.value)
     }
@@ -295,7 +299,7 @@ impl<'s, 't> Item<'s, 't> {
         );
     }
 
-    /// The value as written, cut to one short line.
+    /// The value as written, shortened to one line.
     fn shown(&self) -> String {
         if self.value.is_table() {
             return "{…}".to_owned();
@@ -316,10 +320,10 @@ fn cut(text: impl Display, longest: usize) -> String {
     }
 }
 
-/// Longest word that is compared with the known ones; time and memory grow with its length.
+/// Maximum length of a word that is compared with the known ones. Time and memory grow with its length.
 const MAX_WORD: usize = 64;
 
-/// `did you mean …` for a near miss, else all that is known.
+/// `did you mean …` if a known word is similar, otherwise the list of known words.
 pub(super) fn suggest(text: &str, known: &[&str]) -> String {
     let text = if text.len() > MAX_WORD { "" } else { text };
     let distance = |word: &str| strsim::damerau_levenshtein(text, word);

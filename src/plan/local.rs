@@ -1,4 +1,4 @@
-//! Variants on a surface: its own optics, and presets that are for some surfaces only.
+//! Variants on a surface: a surface may have its own optics, and a preset may be for some surfaces only.
 
 use serde::{Serialize, Serializer};
 
@@ -9,7 +9,7 @@ use super::optics::OPTICS;
 use super::variants::{read_each, stated};
 use super::{Illuminant, Optics, Plan, Rejected, SurfaceSpec, Variant, constraints};
 
-/// Light and material of one surface. They win over `[optics]`, and what a preset or an axis states wins over them.
+/// Light and material of one surface. They override `[optics]`. A preset or an axis that states a value overrides them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceOptics {
     keys: Vec<&'static str>,
@@ -17,7 +17,7 @@ pub struct SurfaceOptics {
 }
 
 impl SurfaceOptics {
-    /// Reads a table, in which no key is needed.
+    /// Reads a table. All keys are optional.
     pub(super) fn read(table: &Table) -> SurfaceOptics {
         table.only(&OPTICS.map(|axis| axis.key));
         let mut variant = Variant::standard(&Optics::standard());
@@ -25,24 +25,24 @@ impl SurfaceOptics {
         SurfaceOptics { keys: stated(table), values: variant.optics }
     }
 
-    /// Whether the surface has none of its own.
+    /// Whether the surface has no optics of its own.
     pub fn is_empty(&self) -> bool {
         self.keys.is_empty()
     }
 
-    /// The optics of a plan with those of the surface.
+    /// The optics of a plan, overridden by those of the surface.
     pub fn over(&self, optics: &Optics) -> Optics {
         let mut variant = Variant::standard(optics);
         self.apply(&mut variant);
         variant.optics
     }
 
-    /// Its illuminant, if it has one of its own.
+    /// The surface's own illuminant, if it has one.
     pub(crate) fn illuminant_mut(&mut self) -> Option<&mut Illuminant> {
         self.keys.contains(&"illuminant").then_some(&mut self.values.illuminant)
     }
 
-    /// Sets what the variant does not state itself.
+    /// Sets the values that the variant does not state itself.
     fn apply(&self, variant: &mut Variant) {
         let own = Variant::standard(&self.values);
         for axis in OPTICS.iter().filter(|axis| self.keys.contains(&axis.key)) {
@@ -59,7 +59,7 @@ impl Default for SurfaceOptics {
     }
 }
 
-/// The keys that it has.
+/// Serialises only the keys that the table has.
 impl Serialize for SurfaceOptics {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let own = Variant::standard(&self.values);
@@ -69,8 +69,8 @@ impl Serialize for SurfaceOptics {
 }
 
 impl Variant {
-    /// The variant as it is on a surface, under the surface's own optics; `None` where it is not for that surface. An error
-    /// is a combination that has no meaning under those optics.
+    /// The variant on a surface, with the surface's own optics. `None` if the variant is not for that surface. It is an
+    /// error if the combination has no meaning under these optics.
     pub fn on(&self, surface: &SurfaceSpec) -> Option<Result<Variant>> {
         if !self.is_for(&surface.name) {
             return None;
@@ -86,19 +86,23 @@ impl Variant {
         if reasons.is_empty() {
             return Some(Ok(variant));
         }
-        let remedy = format!("the optics of surface \"{}\" make it so", surface.name);
+        let remedy = format!(
+            "change the optics of surface \"{}\", or leave it out with the variant's key surfaces",
+            surface.name
+        );
         Some(Err(Error::new(&self.name, reasons.join("; ")).remedy(remedy)))
     }
 
-    /// Whether it is wanted on the surface of a name.
+    /// Whether the variant is for the surface of that name.
     pub fn is_for(&self, surface: &str) -> bool {
         self.surfaces.as_ref().is_none_or(|names| names.iter().any(|name| name == surface))
     }
 }
 
 impl Plan {
-    /// The plan as it is on one of its surfaces: that surface alone, its optics as `[optics]`, and the variants as they are
-    /// there. Those that are not for it, or cannot be under its optics, are among the rejected ones.
+    /// The plan restricted to one of its surfaces: only that surface, with its optics as `[optics]` and the variants as
+    /// they are there. Variants that are not for the surface, or are impossible under its optics, are listed as
+    /// rejected.
     #[must_use]
     pub fn on(&self, surface: &SurfaceSpec) -> Plan {
         let (mut variants, mut rejected) = (Vec::new(), self.rejected.clone());
@@ -109,7 +113,10 @@ impl Plan {
                     continue;
                 }
                 Some(Err(error)) => error.to_string(),
-                None => format!("is not for surface \"{}\", see its key surfaces", surface.name),
+                None => format!(
+                    "is not for surface \"{}\"; see the variant's key surfaces",
+                    surface.name
+                ),
             };
             rejected.push(Rejected { name: variant.name.clone(), reason });
         }

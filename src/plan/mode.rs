@@ -55,13 +55,13 @@ pub(super) enum When {
     CountsReplicas,
 }
 
-/// What a mode does with the entries of the canonical configuration, the mode itself apart. All others it leaves alone.
+/// The entries of the canonical configuration that a mode reads, apart from the mode itself. It ignores all others.
 pub(super) struct Declared {
-    /// Read by every variant of the mode.
+    /// Entries that every variant of the mode reads.
     pub(super) always: &'static [&'static str],
-    /// Read where a variant is such.
+    /// Entries that a variant reads if the condition holds.
     pub(super) sometimes: &'static [(&'static str, When)],
-    /// Not read, but refused with a reason where they differ from the default, by [`super::constraints::broken`].
+    /// Entries that are not read, but rejected with a reason if they differ from the default, by [`super::constraints::broken`].
     pub(super) refused: &'static [&'static str],
 }
 

@@ -1,4 +1,4 @@
-//! Canonical names and hashes of configurations, numbers of samples.
+//! Canonical names and hashes of configurations, and their wavelengths.
 
 use std::collections::BTreeMap;
 
@@ -13,8 +13,8 @@ use super::variant::{STEP_NM, axes};
 use super::{Optics, Sampling, Variant, Wavelengths};
 
 impl Variant {
-    /// The configuration as one line of JSON with sorted keys: what the hash is of. The name is not in it, nor is
-    /// anything that the variant does not read.
+    /// The configuration as one line of JSON with sorted keys. This is the text that is hashed. It contains neither the
+    /// name nor keys that the variant does not read.
     pub fn canonical(&self) -> String {
         let entries = axes().flat_map(|axis| axis.entries);
         let map: BTreeMap<&str, Value> = entries
@@ -26,17 +26,17 @@ impl Variant {
         format!("{{{}}}", pairs.join(","))
     }
 
-    /// Every key of a preset with its value, read or not, in the order of the product.
+    /// Every key of a preset with its value, in the order of the product, whether the variant reads it or not.
     pub fn settings(&self) -> impl Iterator<Item = (&'static str, Value)> {
         axes().map(|axis| (axis.key, axis.value(self)))
     }
 
-    /// Whether its wavelengths are those of its configuration, the same for every direction.
+    /// Whether it uses the configured wavelengths, the same for every direction.
     pub fn has_uniform_wavelengths(&self) -> bool {
         declares(self.mode, "step_nm")
     }
 
-    /// Whether its shader reads what lies between the texels of a table, so that `sampling` means something.
+    /// Whether its shader interpolates between the texels of a table, so that `sampling` has an effect.
     pub fn reads_between(&self) -> bool {
         reads(self, "sampling")
     }
@@ -53,8 +53,8 @@ impl Variant {
 }
 
 impl Wavelengths {
-    /// The nodes of the integral, nm: `min`, `min + step`, …, and always `max`, so that the last interval is shorter
-    /// where the step does not divide the range. A range of no width is one node.
+    /// The nodes of the integral, nm: `min`, `min + step`, …, and always `max`. The last interval is shorter if the
+    /// step does not divide the range. A range with `min = max` is one node.
     pub fn nodes_nm(&self) -> Vec<f64> {
         let span = self.max_nm - self.min_nm;
         let whole = (span / self.step_nm + 1e-9).floor().max(0.0) as usize;
@@ -71,8 +71,8 @@ impl Wavelengths {
     }
 }
 
-/// The canonical name: mode, basis and terms, then every part that differs from its documented default. It depends on
-/// nothing but the configuration, and two normalised configurations never share one.
+/// The canonical name: mode, basis and terms, then every part that differs from its documented default. It depends only
+/// on the configuration, and two different normalised configurations never have the same name.
 pub(super) fn name_of(variant: &Variant) -> String {
     let standard = Variant::standard(&Optics::standard());
     let parts = axes().filter_map(|axis| match axis.part {
@@ -83,7 +83,7 @@ pub(super) fn name_of(variant: &Variant) -> String {
     parts.collect::<Vec<_>>().join("-")
 }
 
-/// The wavelengths in a name: the step where the mode has one and the range is no single wavelength.
+/// The wavelengths in a name. The step is included if the mode has one and the range is more than a single wavelength.
 fn range(variant: &Variant) -> String {
     let Wavelengths { min_nm, max_nm, step_nm } = variant.wavelengths;
     let (min, max) = (number(min_nm), number(max_nm));

@@ -1,5 +1,5 @@
-//! Light and material: the keys of `[optics]`, which are axes of the product too. One file has all of them: what they are
-//! called, how they are read, what they add to a variant's name and to its configuration.
+//! Light and material: the keys of `[optics]`, which are also axes of the product. This file has their names, how they
+//! are read, and what they add to a variant's name and configuration.
 
 use std::fmt;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use super::words;
 /// Light and material.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Optics {
-    /// Coherence length ℓc, µm; the window's standard deviation is `ℓc/4`.
+    /// Coherence length ℓc, µm. The window's standard deviation is `ℓc/4`.
     pub coherence_um: f64,
     /// How the orders add.
     pub coherence: Coherence,
@@ -37,9 +37,9 @@ pub struct Optics {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Coherence {
-    /// One coherence patch, centred on the surface: amplitudes add.
+    /// One coherence patch, centred on the surface: the amplitudes of orders add.
     Single,
-    /// Mean over all positions of the coherence window: intensities add.
+    /// Mean over all positions of the coherence window: the intensities of orders add.
     Ensemble,
 }
 
@@ -49,7 +49,7 @@ pub enum Coherence {
 pub enum CoherenceScaling {
     /// One length for all wavelengths.
     Fixed,
-    /// Proportional to the wavelength, as stated at 550 nm: a source of fixed angular size.
+    /// Proportional to the wavelength, with the stated length at 550 nm: a source of fixed angular size.
     Wavelength,
 }
 
@@ -64,7 +64,7 @@ pub enum Colour {
 }
 
 impl Optics {
-    /// The values that a plan means when it says nothing.
+    /// The defaults of a plan.
     pub fn standard() -> Optics {
         Optics {
             coherence_um: 65.0,
@@ -77,7 +77,7 @@ impl Optics {
         }
     }
 
-    /// What exact tristimulus values depend on: everything but the conversion to RGB.
+    /// Everything that exact tristimulus values depend on: all keys except the conversion to RGB.
     pub fn identity(&self) -> Value {
         let Optics {
             coherence_um,
@@ -125,8 +125,8 @@ impl From<&Optics> for Window {
     }
 }
 
-/// The spectrum of a light: a CIE name, or the path of a file. A plan only names the file; whoever reads files adds its
-/// content with [`Illuminant::with_content`].
+/// The spectrum of a light: a CIE name, or the path of a file. A plan only names the file; [`crate::input`] reads it
+/// and adds its content with [`Illuminant::with_content`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Illuminant {
     name: String,
@@ -141,12 +141,12 @@ struct Content {
 }
 
 impl Illuminant {
-    /// As the plan has it.
+    /// The name or path as written in the plan.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The bytes of its file, where they were read.
+    /// The bytes of its file, if they were read.
     pub fn content(&self) -> Option<&[u8]> {
         self.content.as_deref().map(|content| content.bytes.as_slice())
     }
@@ -158,17 +158,17 @@ impl Illuminant {
         Illuminant { content: Some(Arc::new(Content { bytes, hash })), ..self }
     }
 
-    /// What its numbers come from: its name, or the hash of its file's content.
+    /// Identity of its numbers: its name, or the hash of its file's content.
     pub fn identity(&self) -> &str {
         self.content.as_deref().map_or(&self.name, |content| &content.hash)
     }
 
-    /// [`Illuminant::identity`] in place of the name, for values whose hash names something computed.
+    /// Serialises [`Illuminant::identity`] in place of the name, for values whose hash names computed numbers.
     pub fn serialize_identity<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.identity())
     }
 
-    /// `ill-f2` for a plain name; a path keeps its readable part and gains eight digits of its hash.
+    /// `ill-f2` for a plain name. A path keeps its readable part, followed by eight digits of its hash.
     fn name_part(&self) -> String {
         let text = self.name.as_str();
         let plain = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit();
@@ -201,7 +201,7 @@ impl fmt::Display for Illuminant {
     }
 }
 
-/// Keys of `[optics]`; as axes of the product they vary fastest.
+/// Keys of `[optics]`. As axes of the product they vary fastest.
 pub(super) static OPTICS: [Axis; 7] = [
     valued!(
         "coherence_um",
@@ -215,14 +215,14 @@ pub(super) static OPTICS: [Axis; 7] = [
         "coherence",
         optics.coherence,
         words::COHERENCES,
-        "amplitudes of one patch add, or intensities of many",
+        "`single`: the amplitudes of orders add; `ensemble`: their intensities add",
         Part::Changed(|_| "ensemble".to_owned())
     ),
     worded!(
         "coherence_scaling",
         optics.coherence_scaling,
         words::SCALINGS,
-        "one coherence length, or one that grows with the wavelength",
+        "coherence length: fixed, or proportional to the wavelength (stated at 550 nm)",
         Part::Changed(|_| "lcwave".to_owned())
     ),
     valued!(
@@ -230,7 +230,7 @@ pub(super) static OPTICS: [Axis; 7] = [
         optics.refractive_index,
         refractive_index,
         "above 1, at most 5",
-        "of the material",
+        "refractive index of the material",
         Part::Changed(|v| format!("n{}", number(v.optics.refractive_index)))
     ),
     valued!(
@@ -253,7 +253,7 @@ pub(super) static OPTICS: [Axis; 7] = [
         "colour",
         optics.colour,
         words::COLOURS,
-        "conversion to RGB; the texts' for comparison only",
+        "conversion to RGB; `thesis` only for comparison with the texts",
         Part::Changed(|_| "thesis".to_owned())
     ),
 ];
@@ -264,14 +264,18 @@ fn coherence_um(item: &Item) -> Option<f64> {
 }
 
 fn refractive_index(item: &Item) -> Option<f64> {
-    let what = "an index of 1 reflects nothing, and the gain divides by the reflectance at normal incidence";
+    let what = "the refractive index of the material; the gain divides by the reflectance at normal incidence, which is 0 at an index of 1";
     item.number("above 1 and at most 5", what, |n| n > 1.0 && n <= 5.0)
 }
 
 fn illuminant(item: &Item) -> Option<Illuminant> {
-    let text = item.string("the name of an illuminant, such as \"D65\", or a CSV file")?;
+    let text =
+        item.string("the name of an illuminant, such as \"D65\", or the path of a CSV file")?;
     if text.is_empty() || text.chars().any(char::is_control) {
-        item.fail("names no illuminant", "use a name such as \"D65\", or a CSV file");
+        item.fail(
+            "is not the name of an illuminant or a file",
+            "use a name such as \"D65\", or the path of a CSV file",
+        );
         return None;
     }
     Some(text.into())

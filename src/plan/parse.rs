@@ -1,4 +1,4 @@
-//! From the text of a plan to data: everything that is wrong, in one run, with lines.
+//! Parses the text of a plan into data. All errors of a text are reported together, each with its line.
 
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
@@ -20,10 +20,10 @@ use super::{Container, Optics, Plan, Rejected, SurfaceSpec, Target, Variant, sur
 pub(super) const SECTIONS: [&str; 6] =
     ["schema", "surface", "optics", "variants", "preset", "targets"];
 
-/// Keys of a preset beside those of a variant.
+/// Keys of a preset in addition to those of a variant.
 pub(super) const PRESET: [&str; 2] = ["name", SURFACES];
 
-/// The key of a preset that lists the surfaces that it is for.
+/// The key of a preset that lists its surfaces.
 const SURFACES: &str = "surfaces";
 
 /// A key of `[targets]` with its words.
@@ -33,12 +33,12 @@ pub(super) const EMIT: (&str, Words<Target>) = ("emit", TARGETS);
 pub(super) const TABLES: (&str, Words<Option<Container>>) = ("tables", words::CONTAINERS);
 
 impl Plan {
-    /// Checks the text of a plan; `path` names it in messages, and its folder is what files are relative to.
+    /// Checks the text of a plan. `path` is its name in messages; files in the plan are relative to the folder of `path`.
     pub fn parse(text: &str, path: &Path) -> Result<Plan> {
         Plan::parse_all(text, path).map_err(first)
     }
 
-    /// Like [`Plan::parse`], with all errors.
+    /// Like [`Plan::parse`], but returns all errors.
     pub fn parse_all(text: &str, path: &Path) -> Result<Plan, Vec<Error>> {
         let hash = sha256(text.as_bytes());
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
@@ -47,7 +47,8 @@ impl Plan {
         if !faults.is_empty() {
             for fault in faults {
                 let cause = format!("not valid TOML: {}", fault.message().replace('\n', ", "));
-                source.fail(fault.span().map_or(0, |span| span.start), cause, None);
+                let remedy = "correct the TOML at this place".to_owned();
+                source.fail(fault.span().map_or(0, |span| span.start), cause, Some(remedy));
             }
             return Err(source.into_errors());
         }
@@ -55,13 +56,13 @@ impl Plan {
         match (plan, source.into_errors()) {
             (Some(plan), errors) if errors.is_empty() => Ok(plan),
             (None, errors) if errors.is_empty() => {
-                Err(vec![Error::new(path.display(), "is no plan")])
+                Err(vec![Error::new(path.display(), "is not a plan").remedy(PLAN)])
             }
             (_, errors) => Err(errors),
         }
     }
 
-    /// Reads the text of one `[[preset]]` as if it stood in this plan: its `[optics]` hold.
+    /// Reads the text of one `[[preset]]` as if it were part of this plan, under the plan's `[optics]`.
     pub fn preset(&self, text: &str) -> Result<Variant, Vec<Error>> {
         let source = Source::new(text, "preset");
         let (document, faults) = DeTable::parse_recoverable(text);
@@ -78,16 +79,20 @@ impl Plan {
         let variants = read(Table::root(&source, document.get_ref()));
         match (<[Variant; 1]>::try_from(variants), source.into_errors()) {
             (Ok([variant]), errors) if errors.is_empty() => Ok(variant),
-            (_, errors) if errors.is_empty() => {
-                Err(vec![Error::new("preset", "is not one [[preset]]")])
-            }
+            (_, errors) if errors.is_empty() => Err(vec![
+                Error::new("preset", "the text is not exactly one [[preset]]")
+                    .remedy("pass one [[preset]] with a name"),
+            ]),
             (_, errors) => Err(errors),
         }
     }
 }
 
+/// Remedy of a text that has nothing of a plan.
+const PLAN: &str = "a plan needs schema = 1 and at least one [[surface]]";
+
 fn first(errors: Vec<Error>) -> Error {
-    errors.into_iter().next().unwrap_or_else(|| Error::new("plan", "is no plan"))
+    errors.into_iter().next().unwrap_or_else(|| Error::new("plan", "is not a plan").remedy(PLAN))
 }
 
 fn folder(path: &Path) -> PathBuf {
@@ -96,7 +101,7 @@ fn folder(path: &Path) -> PathBuf {
 
 fn sections(root: &Table, folder: PathBuf, text_hash: String) -> Option<Plan> {
     if root.items().is_empty() {
-        root.source.fail_file("is empty", "it needs schema = 1 and at least one [[surface]]");
+        root.source.fail_file("is empty", PLAN);
         return None;
     }
     schema(root);
@@ -113,8 +118,11 @@ fn sections(root: &Table, folder: PathBuf, text_hash: String) -> Option<Plan> {
     let surfaces = surfaces(root, &folder, &variants);
     notes.extend(unused(&surfaces, &variants));
     if let (true, Some(Rejected { name, reason })) = (variants.is_empty(), rejected.first()) {
-        let remedy = "give an axis a value that is available, or name a preset";
-        root.source.fail_file(format!("no variant is left: {name}: {reason}"), remedy);
+        let remedy = "change the value of an axis, or add a preset";
+        root.source.fail_file(
+            format!("every combination of [variants] is rejected; the first is {name}: {reason}"),
+            remedy,
+        );
     }
     Some(Plan {
         folder,
@@ -129,18 +137,20 @@ fn sections(root: &Table, folder: PathBuf, text_hash: String) -> Option<Plan> {
     })
 }
 
-/// What is said of surfaces that no variant is for.
+/// Notes about surfaces that no variant is for.
 fn unused(surfaces: &[SurfaceSpec], variants: &[Variant]) -> Vec<String> {
     if variants.is_empty() || variants.iter().any(|variant| variant.surfaces.is_none()) {
         return Vec::new();
     }
     let used: BTreeSet<&String> = variants.iter().flat_map(|v| &v.surfaces).flatten().collect();
     let unused = surfaces.iter().filter(|surface| !used.contains(&surface.name));
-    unused.map(|surface| format!("{}: no variant is for this surface", surface.name)).collect()
+    unused
+        .map(|surface| format!("{}: no variant is built for this surface", surface.name))
+        .collect()
 }
 
 fn schema(root: &Table) {
-    let what = "the format of this file: schema = 1";
+    let what = "the version of the plan's format; write schema = 1";
     if let Some(item) = root.require("schema", what)
         && item.plain().and_then(|value| value.as_integer()) != Some(1)
     {
@@ -152,7 +162,7 @@ fn schema(root: &Table) {
 fn tables<'s, 't>(root: &Table<'s, 't>, key: &str) -> Vec<Table<'s, 't>> {
     let Some(item) = root.get(key) else { return Vec::new() };
     if !item.is_array() {
-        item.fail("is no array of tables", format!("write [[{key}]] with two brackets"));
+        item.fail("is not an array of tables", format!("write [[{key}]] with two brackets"));
         return Vec::new();
     }
     let elements = item.elements("tables").unwrap_or_default();
@@ -193,13 +203,14 @@ fn product(
     }
     for (name, times) in seen.into_iter().filter(|(_, times)| *times > 1) {
         notes.push(format!(
-            "{name}: {times} combinations differ only in keys that it does not read"
+            "{name}: {times} combinations of [variants] differ only in keys that this mode does not read; one is built"
         ));
     }
     variants
 }
 
-/// What tells configurations apart on every surface: a surface's own optics leave alone what a variant states.
+/// Two variants with the same identity have the same configuration on every surface. The stated keys are part of it,
+/// because a surface's own optics do not override them.
 type Identity = (String, Vec<&'static str>, Option<Vec<String>>);
 
 fn presets(
@@ -236,14 +247,14 @@ fn presets(
         if name == Variant::TEXTS {
             item.fail(
                 "is the name of a built-in preset",
-                "choose another name; ask for it with --variant texts",
+                "choose another name; the built-in preset is selected with --variant texts",
             );
         } else if !names.insert(name.clone()) {
             item.fail("is the name of another variant", "choose another name");
         } else {
             match known.entry(identity(&variant)) {
                 Entry::Occupied(other) => {
-                    notes.push(format!("{name}: the same configuration as {}", other.get()));
+                    notes.push(format!("{name}: has the same configuration as {}", other.get()));
                 }
                 Entry::Vacant(free) => {
                     free.insert(name.clone());
@@ -254,14 +265,14 @@ fn presets(
     }
 }
 
-/// The names of a preset's surfaces, each of which must be in the plan.
+/// The names of a preset's surfaces. Each must be in the plan.
 fn surfaces_of(item: &Item, known: &BTreeSet<&str>) -> Vec<String> {
     let mut names = Vec::new();
     let mut seen = BTreeSet::new();
     for item in several(item, "surface") {
         let Some(name) = item.string("the name of a surface") else { continue };
         if !known.contains(name) {
-            item.unknown("is no surface of the plan", known);
+            item.unknown("is not a surface of the plan", known);
         } else if !seen.insert(name) {
             item.fail("is listed twice", "remove one of the two");
         } else {
@@ -271,7 +282,7 @@ fn surfaces_of(item: &Item, known: &BTreeSet<&str>) -> Vec<String> {
     names
 }
 
-/// The names of all surfaces, sound or not.
+/// The names of all surfaces, including those with errors.
 fn surface_names<'s>(root: &Table<'s, '_>) -> BTreeSet<&'s str> {
     let all = surface_tables(root);
     all.iter().filter_map(|table| table.get("name")?.as_str()).collect()
@@ -284,16 +295,16 @@ fn optics_of_surfaces<'s, 't>(root: &Table<'s, 't>) -> Vec<Table<'s, 't>> {
     items.iter().filter_map(|item| item.table("optics")).collect()
 }
 
-/// The tables of `[[surface]]`; faults are told where they are read.
+/// The tables of `[[surface]]`. Their errors are reported when they are read.
 fn surface_tables<'s, 't>(root: &Table<'s, 't>) -> Vec<Table<'s, 't>> {
     let Some(item) = root.get("surface").filter(Item::is_array) else { return Vec::new() };
     let elements = item.elements("tables").unwrap_or_default();
     elements.iter().filter(|item| item.is_table()).filter_map(|item| item.table("")).collect()
 }
 
-/// Reads all surfaces, each with the shortest wavelength of the variants that are for it.
+/// Reads all surfaces, each with the shortest wavelength of its variants.
 fn surfaces(root: &Table, folder: &Path, variants: &[Variant]) -> Vec<SurfaceSpec> {
-    // by surface; of variants that are for every one of them, once
+    // by surface; `None` for variants that are for all surfaces
     let mut shortest: BTreeMap<Option<&str>, f64> = BTreeMap::new();
     for variant in variants {
         let names = variant.surfaces.as_deref();
@@ -354,14 +365,14 @@ fn listed<T: Copy>(item: &Item, what: &str, known: Words<T>) -> Vec<T> {
     several(item, what).iter().filter_map(|item| item.word(known)).collect()
 }
 
-/// The elements of a list that must not be empty; a single value stands for a list of one.
+/// The elements of a list that must not be empty. A single value counts as a list of one.
 fn several<'s, 't>(item: &Item<'s, 't>, what: &str) -> Vec<Item<'s, 't>> {
     if !item.is_array() {
         return vec![item.clone()];
     }
     let items = item.elements("words").unwrap_or_default();
     if items.is_empty() {
-        item.fail("is empty", format!("name at least one {what}, or leave the key out"));
+        item.fail("is empty", format!("list at least one {what}, or remove the key"));
     }
     items
 }

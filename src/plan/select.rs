@@ -1,4 +1,4 @@
-//! Finding variants and surfaces of a plan by name.
+//! Selection of variants and surfaces of a plan by name.
 
 use crate::error::{Error, Result};
 
@@ -6,14 +6,14 @@ use super::item::suggest;
 use super::{Plan, Rejected, SurfaceSpec, Variant};
 
 impl Plan {
-    /// The surface of a name; the error lists what there is.
+    /// The surface of that name. The error lists the names of the plan's surfaces.
     pub fn surface(&self, name: &str) -> Result<&SurfaceSpec> {
         let known: Vec<&str> = self.surfaces.iter().map(|surface| surface.name.as_str()).collect();
         let found = self.surfaces.iter().find(|surface| surface.name == name);
         found.ok_or_else(|| unknown("surface", name, &known))
     }
 
-    /// The variant of a name, or the only one; `texts` is found though no plan lists it.
+    /// The variant of that name; without a name, the only variant. `texts` is always found, although no plan lists it.
     pub fn variant(&self, name: Option<&str>) -> Result<Variant> {
         match (name, self.variants.as_slice()) {
             (Some(Variant::TEXTS), _) => Ok(Variant::texts(&self.optics)),
@@ -23,15 +23,16 @@ impl Plan {
             }
             (None, [only]) => Ok(only.clone()),
             (None, variants) => {
-                let cause = format!("is needed: the plan has {}", variants.len());
-                let remedy = format!("--variant with one of {}", self.variant_names().join(", "));
+                let cause = format!("is not given, and the plan has {}", variants.len());
+                let remedy =
+                    format!("add --variant with one of {}", self.variant_names().join(", "));
                 Err(Error::new("variant", cause).remedy(remedy))
             }
         }
     }
 
-    /// The variants that any of the patterns matches (`*`, `?`), in the order of the plan; all for no patterns.
-    /// `texts` comes last, and only when it is named exactly. A pattern that matches nothing is an error.
+    /// The variants that match any of the patterns (`*`, `?`), in the order of the plan; all variants if there are no
+    /// patterns. `texts` comes last, and only if it is named exactly. It is an error if a pattern matches nothing.
     pub fn select(&self, patterns: &[String]) -> Result<Vec<Variant>> {
         if patterns.is_empty() {
             return Ok(self.variants.clone());
@@ -50,7 +51,7 @@ impl Plan {
         Ok(selected)
     }
 
-    /// Why no variant is called so.
+    /// The error for a pattern that matches no variant.
     fn absent(&self, pattern: &str) -> Error {
         match self.rejected.iter().find(|rejected| matches(pattern, &rejected.name)) {
             Some(Rejected { name, reason }) => Error::new(format!("variant \"{name}\""), reason),

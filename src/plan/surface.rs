@@ -20,7 +20,7 @@ pub(super) const KEYS: [&str; 11] = [
     "clip_percent",
     OPTICS,
 ];
-/// The key of [`KEYS`] that takes words.
+/// The key of [`KEYS`] that accepts words.
 pub(super) const LEVEL: (&str, &[(&str, Level)]) = ("level", words::LEVELS);
 
 /// The key of [`KEYS`] that is a table of optics.
@@ -28,7 +28,7 @@ pub(super) const OPTICS: &str = "optics";
 
 const FILE_KEYS: [&str; 4] = ["size_um", "pixel_um", "height_um", "z_unit_um"];
 
-/// Reads one surface; `shortest_nm` is the shortest wavelength that the plan asks of the surface of a name.
+/// Reads one surface. `shortest_nm` returns the shortest wavelength of the variants for the surface of that name.
 pub(super) fn read(
     table: &Table,
     folder: &Path,
@@ -48,7 +48,7 @@ pub(super) fn read(
     };
     let clip_percent = match table.get("clip_percent") {
         Some(item) => {
-            let what = "the share of heights clipped at each end";
+            let what = "the percentage of heights clipped at each end";
             item.number("from 0 to below 50", what, |x| (0.0..50.0).contains(&x))?
         }
         None => 0.0,
@@ -62,25 +62,28 @@ pub(super) fn read(
         (None, Some(item)) => SurfaceSource::File(file(table, &item, folder, lambda_min_nm)?),
         (grating, _) => {
             let cause = if grating.is_some() {
-                "both grating and file"
+                "has both grating and file"
             } else {
-                "neither grating nor file"
+                "has neither grating nor file"
             };
-            let remedy = "give one of the two: grating = { kind = … } or file = \"…\"".to_owned();
-            table.fail(format!("{} has {cause}", table.path), Some(remedy));
+            let remedy = "give exactly one of grating = { kind = … } and file = \"…\"".to_owned();
+            table.fail(format!("{} {cause}", table.path), Some(remedy));
             return None;
         }
     };
     Some(SurfaceSpec { name, source, rotate_deg, level, clip_percent, optics })
 }
 
-/// Reads the key `name`: lower-case letters, digits and hyphens, at most 64.
+/// Reads the key `name`: 1 to 64 lower-case letters, digits and hyphens.
 pub(super) fn name(table: &Table) -> Option<String> {
-    let item = table.require("name", "a name of a-z, 0-9 and hyphens")?;
-    let text = item.string("a name of a-z, 0-9 and hyphens")?;
+    let item = table.require("name", "a name of 1 to 64 characters a-z, 0-9 and hyphens")?;
+    let text = item.string("a name of 1 to 64 characters a-z, 0-9 and hyphens")?;
     let allowed = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
     if text.is_empty() || text.len() > 64 || !text.chars().all(allowed) {
-        item.fail("is no name", "use 1 to 64 of a-z, 0-9 and hyphens; it becomes a folder");
+        item.fail(
+            "is not a valid name",
+            "use 1 to 64 characters a-z, 0-9 and hyphens; the name becomes a folder",
+        );
         return None;
     }
     Some(text.to_owned())
@@ -89,17 +92,17 @@ pub(super) fn name(table: &Table) -> Option<String> {
 fn file(table: &Table, item: &Item, folder: &Path, lambda_min_nm: f64) -> Option<FileSource> {
     let path = item.string("the path of a height field, relative to the plan")?;
     if path.is_empty() || path.contains('\0') {
-        item.fail("names no file", "the path of a height field, relative to the plan");
+        item.fail("is not a valid path", "give the path of a height field, relative to the plan");
         return None;
     }
     let [size_um, pixel_um, height_um, z_unit_um] = FILE_KEYS.map(|key| table.get(key));
     let excludes = [
-        (&size_um, &pixel_um, "size_um and pixel_um both set the scale", "keep one of the two"),
+        (&size_um, &pixel_um, "size_um and pixel_um both set the scale", "remove one of them"),
         (
             &height_um,
             &z_unit_um,
             "height_um and z_unit_um both set the heights",
-            "height_um is for integer files, z_unit_um for float files",
+            "keep height_um for integer files, z_unit_um for float files",
         ),
     ];
     for (one, other, cause, remedy) in excludes {
@@ -123,7 +126,9 @@ fn file(table: &Table, item: &Item, folder: &Path, lambda_min_nm: f64) -> Option
     if let (Some(pitch), Some(item)) = (source.pixel_um, &pixel_um) {
         let limit = limit_um(lambda_min_nm);
         if too_coarse(pitch, limit) {
-            let cause = format!("a pitch above λmin/4 = {limit} µm cannot carry all orders");
+            let cause = format!(
+                "a pitch above a quarter of the shortest wavelength, {limit} µm, cannot resolve all orders"
+            );
             item.fail(cause, format!("scan or resample at {limit} µm or less"));
             return None;
         }
@@ -135,8 +140,8 @@ fn grating_surface(table: &Table, item: &Item, lambda_min_nm: f64) -> Option<Gra
     for key in FILE_KEYS {
         if let Some(item) = table.get(key) {
             item.fail(
-                "belongs to a file",
-                "the keys of a synthetic surface stand inside grating = { … }",
+                "is a key of surfaces with a file",
+                "put the keys of a synthetic surface inside grating = { … }",
             );
             return None;
         }
@@ -157,7 +162,7 @@ fn grating_surface(table: &Table, item: &Item, lambda_min_nm: f64) -> Option<Gra
             return None;
         }
         None => {
-            item.fail("is no grating", "expected { kind = … }");
+            item.fail("is not a grating", "expected { kind = … }");
             return None;
         }
     };
@@ -172,8 +177,8 @@ fn grating_surface(table: &Table, item: &Item, lambda_min_nm: f64) -> Option<Gra
             ) {
                 let item = table.get(key)?;
                 item.fail(
-                    "is no one-dimensional grating",
-                    "crossed takes flat, sinusoidal, blazed, lamellar or triangle",
+                    "is not a one-dimensional grating",
+"use flat, sinusoidal, blazed, lamellar or triangle as parts of a crossed grating",
                 );
                 return None;
             }
@@ -182,7 +187,7 @@ fn grating_surface(table: &Table, item: &Item, lambda_min_nm: f64) -> Option<Gra
     (sound && check_pitch(&table, limit_um(lambda_min_nm))).then_some(grating)
 }
 
-/// Checks that the kind of a grating, and those of its parts, are words at all.
+/// Checks that the kind of a grating, and of each of its parts, is a string.
 fn kinds_are_words(table: &Table) -> bool {
     table.items().into_iter().all(|(key, item)| match key {
         "kind" => item.string("flat, sinusoidal, blazed …").is_some(),
@@ -193,14 +198,16 @@ fn kinds_are_words(table: &Table) -> bool {
     })
 }
 
-/// Checks the numbers of a grating by what their names say; all, so that every fault is told in one run.
+/// Checks all numbers of a grating by the names of their keys, so that all errors are reported together.
 fn check_numbers(table: &Table) -> bool {
     let mut sound = true;
     for (key, item) in table.items() {
         sound &= match key {
             "kind" => true,
             "x" | "y" => item.table("a grating").is_some_and(|part| check_numbers(&part)),
-            "pixels" => item.whole(2..16385, "pixels along the period or side").is_some(),
+            "pixels" => {
+                item.whole(2..16385, "the number of pixels along the period or side").is_some()
+            }
             "seed" => item.whole(0..i64::MAX as u64, "the seed of the generator").is_some(),
             "duty" | "apex" => item
                 .number("between 0 and 1, both excluded", "a share of the period", |x| {
@@ -208,7 +215,11 @@ fn check_numbers(table: &Table) -> bool {
                 })
                 .is_some(),
             "regularity" => item
-                .number("from 0 to 1", "the order of the placement", |x| (0.0..=1.0).contains(&x))
+                .number(
+                    "from 0 to 1",
+                    "the regularity of the placement, 1 for a perfect lattice",
+                    |x| (0.0..=1.0).contains(&x),
+                )
                 .is_some(),
             "height_um" => item.positive("a height in µm").is_some(),
             _ if key.ends_with("_um") => item.positive("a length in µm").is_some(),
@@ -221,11 +232,11 @@ fn check_numbers(table: &Table) -> bool {
 }
 
 fn refuse(item: &Item) -> bool {
-    item.fail("must be finite", "a number");
+    item.fail("is not finite", "write a finite number");
     false
 }
 
-/// The coarsest pitch that carries all orders with `|u| ≤ 2`.
+/// The maximum pitch that resolves all orders with `|u| ≤ 2`.
 fn limit_um(lambda_min_nm: f64) -> f64 {
     lambda_min_nm / 4000.0
 }
@@ -247,29 +258,31 @@ fn check_pitch(table: &Table, limit_um: f64) -> bool {
     };
     let pitch = size_um / count as f64;
     if too_coarse(pitch, limit_um) {
-        let least = (size_um / limit_um * (1.0 - 1e-9)).ceil();
-        let cause = format!("a pitch of {pitch:.4} µm is above λmin/4 = {limit_um} µm");
-        pixels.fail(cause, format!("use at least {least} pixels for {size_um} µm"));
+        let min_pixels = (size_um / limit_um * (1.0 - 1e-9)).ceil();
+        let cause = format!(
+            "a pitch of {pitch:.4} µm is above a quarter of the shortest wavelength, {limit_um} µm"
+        );
+        pixels.fail(cause, format!("use at least {min_pixels} pixels for {size_um} µm"));
         return false;
     }
     parts_are_sound
 }
 
-/// The kinds of gratings, and the keys of a kind, as their reader tells them to whoever misspells one.
+/// The kinds of gratings (`None`), or the keys of one kind, taken from the error message of the deserialiser.
 pub(super) fn grating_words(kind: Option<&str>) -> Vec<String> {
     let pair = |key: &str, value: &str| (key.to_owned(), toml::Value::String(value.to_owned()));
     let table = [pair("kind", kind.unwrap_or("?")), pair("?", "?")].into_iter().collect();
-    let told = Grating::deserialize(toml::Value::Table(table)).err().map(|e| e.to_string());
-    let words = told.as_deref().map(quoted_words).unwrap_or_default();
+    let message = Grating::deserialize(toml::Value::Table(table)).err().map(|e| e.to_string());
+    let words = message.as_deref().map(quoted_words).unwrap_or_default();
     words.into_iter().skip(1).map(str::to_owned).collect()
 }
 
-/// What stands in backticks in the first line of a message of the reader.
+/// The words in backticks in the first line of a message of the deserialiser.
 fn quoted_words(message: &str) -> Vec<&str> {
     message.lines().next().unwrap_or(message).split('`').skip(1).step_by(2).collect()
 }
 
-/// Finds the place that a message of the reader speaks of; its words in backticks are the bad one and the known.
+/// Finds the place that a message of the deserialiser is about. The words in backticks are the wrong word, then the known ones.
 fn explain(table: &Table, message: &str) {
     let line = message.lines().next().unwrap_or(message);
     match quoted_words(message).as_slice() {
@@ -289,13 +302,16 @@ fn explain(table: &Table, message: &str) {
             None => table.fail(format!("{}: {line}", table.path), None),
         },
         [key] if line.starts_with("missing field") => {
-            table.fail(format!("{}.{key} is missing", table.path), None);
+            table.fail(
+                format!("{}.{key} is missing", table.path),
+                Some(format!("add {key} to the grating")),
+            );
         }
         _ => table.fail(format!("{}: {line}", table.path), None),
     }
 }
 
-/// The table, or the part of a crossed grating, that has a key.
+/// The table, or the part of a crossed grating, that has the key.
 fn holder<'s, 't>(table: &Table<'s, 't>, key: &str) -> Table<'s, 't> {
     let part = |name| {
         table

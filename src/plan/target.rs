@@ -1,4 +1,4 @@
-//! Output languages: one list of them, with the words of the plan.
+//! Target languages, with their words in plans.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use super::item::suggest;
 use super::words::{Words, names, word_of};
 
-/// Output language.
+/// A target language.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Target {
     /// WGSL.
@@ -45,7 +45,7 @@ impl Target {
         TARGETS.iter().map(|(_, target)| *target).collect()
     }
 
-    /// The word of the plan and of `--target`.
+    /// The language's word in plans and in `--target`.
     pub fn as_str(self) -> &'static str {
         word_of(TARGETS, self)
     }

@@ -1,4 +1,4 @@
-//! What modes declare to read, against what their shaders and tables depend on.
+//! Compares the keys that modes declare to read with the keys that their shaders and tables depend on.
 #![allow(clippy::unwrap_used, reason = "a test that unwraps fails with the error")]
 
 use std::collections::BTreeSet;
@@ -20,7 +20,7 @@ use crate::surface::{HeightField, synthetic};
 use crate::tables::TableSpec;
 use crate::variant::{Form, Ground};
 
-/// One variant of every form, small enough to be laid out often.
+/// One variant of every form, small enough to be computed many times.
 const FORMS: [&str; 12] = [
     "terms = 5\ncoherence_um = 9",
     "terms = \"auto\"\nwindow_radius = \"auto\"\ncoherence_um = 9",
@@ -36,7 +36,7 @@ const FORMS: [&str; 12] = [
     "mode = \"gems\"",
 ];
 
-/// Values of keys beside their words, each other than in every form.
+/// Values of keys other than words. Each differs from the values in all forms above.
 fn others(key: &str) -> &'static [&'static str] {
     match key {
         "terms" => &["7"],
@@ -71,14 +71,14 @@ fn read(text: &str) -> Variant {
     variant
 }
 
-/// All that a package has of a variant's numbers, line by line: its compiled text, its tables by their names, which are
-/// hashes of inputs, and what the manifest adds.
+/// All content of a package that a variant's numbers determine, line by line: the compiled text, the names of the
+/// tables, which are hashes of inputs, and further values of the manifest.
 fn fingerprint(variant: &Variant, height: &HeightField) -> Option<Vec<String>> {
     let form = Form::new(variant, height).ok()?;
     let nodes = specialise::node_count(&specialise::shapes(&form, 0.0));
     let defines = specialise::defines(variant, &form, 0.0, nodes);
     let module = specialise::shader(&Sources::builtin(), "test", &form, &defines).unwrap();
-    // functions that are not called are in the commented text only
+    // functions that are not called are only in the commented text
     let files = emit(&module, Target::GlslEs300).unwrap();
     let compiled = files.iter().filter(|file| file.name.ends_with(".frag"));
     let text = compiled.flat_map(|file| {
@@ -94,7 +94,7 @@ fn fingerprint(variant: &Variant, height: &HeightField) -> Option<Vec<String>> {
     Some(text.chain(ids).chain(more).collect())
 }
 
-/// A constant that nothing reads stands in the text all the same.
+/// Whether the text uses the constant that a line declares.
 fn is_used(line: &str, text: &str) -> bool {
     let constant = line.strip_prefix("const ").and_then(|rest| rest.split(' ').nth(1));
     constant.is_none_or(|name| text.matches(name).count() > 1)
@@ -135,7 +135,7 @@ fn changed<'a>(variant: &'a Variant, axis: &'a Axis) -> impl Iterator<Item = (&'
 #[test]
 fn modes_read_what_they_declare_and_nothing_else() {
     let height = height();
-    // entries that were seen to matter, of those that modes declare
+    // declared entries whose change had an effect
     let mut seen = BTreeSet::new();
     for text in FORMS {
         let mut variant = read(text);
@@ -158,12 +158,12 @@ fn modes_read_what_they_declare_and_nothing_else() {
                     continue;
                 }
                 assert_eq!(other.hash(), own.1, "{place}: the hash");
-                // what the mode refuses is seen as it was written, and nothing is built of it
+                // a rejected value is kept as written, and nothing is built from it
                 if !broken(&normal).is_empty() {
                     continue;
                 }
                 assert_eq!((name_of(&normal), &normal), (own.0.clone(), &variant), "{place}");
-                // a mode that never reads it must not need it at its default
+                // a mode that does not read the entry must not depend on its value
                 let laid = if declares(variant.mode, entry.key) { &normal } else { &other };
                 let print = fingerprint(laid, &height).unwrap();
                 assert_eq!(difference(&print, &own.2), None, "{place}");

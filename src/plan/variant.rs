@@ -1,5 +1,5 @@
-//! A variant, and the registry of its axes: a key, its values, its part of the name and of the configuration stand here and
-//! nowhere else. Those of light and material are beside [`Optics`].
+//! A variant, and the registry of its axes: the only place that has each key, its values, and its part of the name and
+//! the configuration. The axes of light and material are beside [`Optics`].
 
 use super::axis::{Axis, Part, auto, entry, valued, worded};
 use super::item::Item;
@@ -14,13 +14,13 @@ use super::{
 /// One configuration of the shader, before it meets a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variant {
-    /// Canonical name, or the preset's.
+    /// Canonical name, or the name of the preset.
     pub name: String,
-    /// Surfaces that it is for; `None`: all.
+    /// Surfaces that the variant is for; `None` for all.
     pub surfaces: Option<Vec<String>>,
-    /// Keys of the optics that its preset or an axis states: a surface's own optics leave them alone.
+    /// Keys of the optics that its preset or an axis states. A surface's own optics do not override them.
     pub stated: Vec<&'static str>,
-    /// What it computes.
+    /// The method by which it computes colours.
     pub mode: Mode,
     /// Expansion of the phase function.
     pub basis: Basis,
@@ -28,25 +28,25 @@ pub struct Variant {
     pub terms: Auto<u32>,
     /// Error that `terms = "auto"` must keep.
     pub term_error: f64,
-    /// How the amplitude comes from the table. Read by `full` and `adaptive`.
+    /// How the amplitude is computed from the table. Read by `full` and `adaptive`.
     pub reconstruction: Reconstruction,
     /// Bins to each side of the nearest one.
     pub window_radius: Auto<u32>,
-    /// Replicas of the patch along x and y; `None`: from the coherence length. Read by `pq` only.
+    /// Replicas of the patch along x and y; `None` to choose them from the coherence length. Read by `pq` only.
     pub periods: Option<[u32; 2]>,
     /// Wavelength samples.
     pub wavelengths: Wavelengths,
     /// Number format of the term table.
     pub table: TableFormat,
-    /// How complex terms lie in texels.
+    /// How complex terms are stored in texels.
     pub packing: Packing,
-    /// How what lies between texels is read. Read where something lies there, see [`Variant::reads_between`].
+    /// How shaders interpolate between texels. Read by variants that do so, see [`Variant::reads_between`].
     pub sampling: Sampling,
-    /// Loop-invariant work outside the loops.
+    /// Whether loop-invariant work is moved out of the loops.
     pub hoist: bool,
-    /// 95th percentile of CIEDE2000 that the sizes of a table of colours aim at. Read by `baked` only.
+    /// Error that the size of a table of colours is chosen for, as the 95th percentile of CIEDE2000. Read by `baked` only.
     pub bake_error: f64,
-    /// Most that the table of colours may have, MiB; above it the error is given up. Read by `baked` only.
+    /// Maximum size of the table of colours, MiB. It takes precedence over the error. Read by `baked` only.
     pub bake_mib: f64,
     /// Light and material.
     pub optics: Optics,
@@ -56,7 +56,7 @@ impl Variant {
     /// Name of the built-in preset.
     pub const TEXTS: &str = "texts";
 
-    /// The documented defaults with given optics, without a name.
+    /// The documented defaults with the given optics, without a name.
     pub(super) fn standard(optics: &Optics) -> Variant {
         Variant {
             name: String::new(),
@@ -80,8 +80,8 @@ impl Variant {
         }
     }
 
-    /// The shader as the texts print it, baseline of every speed claim: 31 `taylor-zero` terms, 3 × 3 bins,
-    /// 380–780 nm by 5 nm, one complex term per texel, nothing hoisted.
+    /// The shader as the texts print it, the baseline of every speed claim: 31 `taylor-zero` terms, 3 × 3 bins, 380–780
+    /// nm in steps of 5 nm, one complex term per texel, nothing hoisted.
     pub fn texts(optics: &Optics) -> Variant {
         Variant {
             name: Variant::TEXTS.to_owned(),
@@ -93,25 +93,19 @@ impl Variant {
     }
 }
 
-/// Every key of a variant in the order of the product: the first varies slowest, those of the optics fastest.
+/// Every key of a variant in the order of the product: the first varies slowest, the keys of the optics fastest.
 pub(super) fn axes() -> impl Iterator<Item = &'static Axis> {
     AXES.iter().chain(&OPTICS)
 }
 
-/// Keys of `[variants]` and of a preset beside those of the optics.
+/// Keys of `[variants]` and of presets, other than those of the optics.
 pub(super) static AXES: [Axis; 14] = [
-    worded!(
-        "mode",
-        mode,
-        MODES,
-        "what is summed, see above",
-        Part::Always(|v| v.mode.as_str().to_owned())
-    ),
+    worded!("mode", mode, MODES, "method, see above", Part::Always(|v| v.mode.as_str().to_owned())),
     worded!(
         "basis",
         basis,
         words::BASES,
-        "expansion of the phase over the heights",
+        "expansion of the phase function over the heights",
         Part::Always(|v| v.basis.as_str().to_owned())
     ),
     Axis {
@@ -130,14 +124,14 @@ pub(super) static AXES: [Axis; 14] = [
         term_error,
         term_error,
         "above 0, at most 0.5",
-        "error that `terms = \"auto\"` keeps",
+        "maximum error of the phase function for `terms = \"auto\"`",
         Part::Changed(|v| format!("e{}", exponent(v.term_error)))
     ),
     worded!(
         "reconstruction",
         reconstruction,
         words::RECONSTRUCTIONS,
-        "a sum over bins, or a table with the coherence window in it",
+        "`window`: sum over bins; `prefiltered`: table that contains the coherence window",
         Part::Changed(|v| v.reconstruction.as_str().to_owned())
     ),
     Axis {
@@ -180,7 +174,7 @@ pub(super) static AXES: [Axis; 14] = [
             wavelengths,
             wavelengths,
             "`{ min_nm, max_nm, step_nm }`, 360 to 830 nm",
-            "range of the light; samples of modes that step through it",
+            "range of the light; `step_nm` for modes that step through it",
             Part::Wavelengths
         )
     },
@@ -195,14 +189,14 @@ pub(super) static AXES: [Axis; 14] = [
         "packing",
         packing,
         words::PACKINGS,
-        "two complex terms in a texel, or one",
+        "two complex terms in a texel (`paired`), or one (`single`)",
         Part::Changed(|v| v.packing.as_str().to_owned())
     ),
     worded!(
         "sampling",
         sampling,
         words::SAMPLINGS,
-        "what lies between texels: loads, or a linear filter",
+        "interpolation between texels: by loads, or by a linear filter",
         Part::Changed(|v| v.sampling.as_str().to_owned())
     ),
     valued!(
@@ -210,7 +204,7 @@ pub(super) static AXES: [Axis; 14] = [
         hoist,
         Item::boolean,
         "`true`, `false`",
-        "work that does not change stands outside the loops",
+        "`true`: loop-invariant work is moved out of the loops",
         Part::Changed(|_| "nohoist".to_owned())
     ),
     valued!(
@@ -218,7 +212,7 @@ pub(super) static AXES: [Axis; 14] = [
         bake_error,
         bake_error,
         "0.05 to 10",
-        "95th percentile of CIEDE2000 that a baked table aims at",
+        "error that the size of a baked table is chosen for: 95th percentile of CIEDE2000",
         Part::Changed(|v| format!("e{}", number(v.bake_error)))
     ),
     valued!(
@@ -226,18 +220,18 @@ pub(super) static AXES: [Axis; 14] = [
         bake_mib,
         bake_mib,
         "0.25 to 512",
-        "most that a baked table may have, MiB",
+        "maximum size of a baked table, MiB",
         Part::Changed(|v| format!("m{}", number(v.bake_mib)))
     ),
 ];
 
-/// Keys of a range of wavelengths.
+/// Keys of `wavelengths`.
 pub(super) const WAVELENGTHS: [&str; 3] = [MIN_NM, MAX_NM, STEP_NM];
 const MIN_NM: &str = "min_nm";
 const MAX_NM: &str = "max_nm";
 pub(super) const STEP_NM: &str = "step_nm";
 
-/// Most wavelength samples of a variant.
+/// Maximum number of wavelength samples of a variant.
 const MAX_SAMPLES: f64 = 4000.0;
 
 fn is_auto(item: &Item) -> bool {
@@ -256,36 +250,36 @@ fn terms(item: &Item) -> Option<Auto<u32>> {
 }
 
 fn window_radius(item: &Item) -> Option<Auto<u32>> {
-    number_or_auto(item, 0..65, "bins to each side of the nearest one, or \"auto\"")
+    number_or_auto(item, 0..65, "the number of bins to each side of the nearest one, or \"auto\"")
 }
 
 fn term_error(item: &Item) -> Option<f64> {
-    let what = "the largest error of the phase function that terms = \"auto\" may leave";
+    let what = "the maximum error of the phase function for terms = \"auto\"";
     item.number("above 0 and at most 0.5", what, |x| x > 0.0 && x <= 0.5)
 }
 
 fn bake_error(item: &Item) -> Option<f64> {
-    let what = "the 95th percentile of CIEDE2000 that the sizes of a baked table aim at";
+    let what = "the error that the size of a baked table is chosen for, as the 95th percentile of CIEDE2000";
     item.number("from 0.05 to 10", what, |x| (0.05..=10.0).contains(&x))
 }
 
 fn bake_mib(item: &Item) -> Option<f64> {
-    let what = "the most that a baked table may have, in MiB";
+    let what = "the maximum size of a baked table in MiB";
     item.number("from 0.25 to 512", what, |x| (0.25..=512.0).contains(&x))
 }
 
 fn periods(item: &Item) -> Option<Option<[u32; 2]>> {
-    let what = "the numbers of replicas along x and y, [qx, qy], or \"auto\"";
+    let what = "give the numbers of replicas along x and y as [qx, qy], or \"auto\"";
     if is_auto(item) {
         return Some(None);
     }
     if !item.is_array() {
-        item.fail("is neither a pair nor \"auto\"", what);
+        item.fail("is neither a pair of numbers nor \"auto\"", what);
         return None;
     }
     let numbers = item.elements("two numbers")?;
     let [x, y] = numbers.as_slice() else {
-        item.fail("has not two numbers", what);
+        item.fail(format!("has {} numbers, not two", numbers.len()), what);
         return None;
     };
     let read = |item: &Item| item.whole(1..10001, what).and_then(|n| u32::try_from(n).ok());
@@ -297,30 +291,34 @@ fn wavelengths(item: &Item) -> Option<Wavelengths> {
     table.only(&WAVELENGTHS);
     let limit = |key: &str, default: f64| match table.get(key) {
         Some(item) => {
-            let what = "the range of the spectral tables; visible light is 380 to 780 nm";
+            let what = "the spectral tables have this range; visible light is 380 to 780 nm";
             item.number("from 360 to 830", what, |x| (360.0..=830.0).contains(&x))
         }
         None => Some(default),
     };
     let (min_nm, max_nm) = (limit(MIN_NM, 380.0), limit(MAX_NM, 780.0));
-    let step_nm =
-        table.get(STEP_NM).map_or(Some(5.0), |item| item.positive("the distance of samples in nm"));
+    let step_nm = table
+        .get(STEP_NM)
+        .map_or(Some(5.0), |item| item.positive("the distance between samples in nm"));
     let (min_nm, max_nm, step_nm) = (min_nm?, max_nm?, step_nm?);
     let place = |key: &str| table.get(key).unwrap_or_else(|| item.clone());
     if min_nm > max_nm {
-        place(MIN_NM).fail(format!("min_nm {min_nm} is above max_nm {max_nm}"), "exchange the two");
+        place(MIN_NM).fail(
+            format!("min_nm {min_nm} is above max_nm {max_nm}"),
+            "exchange min_nm and max_nm",
+        );
         return None;
     }
     let range = max_nm - min_nm;
     if range > 0.0 && step_nm > range {
-        let remedy = "for a single wavelength set max_nm to min_nm";
+        let remedy = "use a smaller step, or set max_nm to min_nm for a single wavelength";
         place(STEP_NM)
             .fail(format!("a step of {step_nm} nm is wider than the range of {range} nm"), remedy);
         return None;
     }
     if (range / step_nm).ceil() + 1.0 > MAX_SAMPLES {
-        let least = (range / (MAX_SAMPLES - 1.0) * 1000.0).ceil() / 1000.0;
-        let remedy = format!("use a step of at least {least} nm");
+        let min_step_nm = (range / (MAX_SAMPLES - 1.0) * 1000.0).ceil() / 1000.0;
+        let remedy = format!("use a step of at least {min_step_nm} nm");
         place(STEP_NM).fail(format!("gives more than {MAX_SAMPLES} samples"), remedy);
         return None;
     }

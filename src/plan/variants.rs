@@ -6,10 +6,10 @@ use super::optics::OPTICS;
 use super::variant::axes;
 use super::{Optics, Variant, constraints};
 
-/// Most combinations that the axes of a plan may span.
+/// Maximum number of combinations of the axes of a plan.
 pub const MAX_VARIANTS: usize = 4096;
 
-/// Reads `[optics]` over the documented defaults.
+/// Reads `[optics]`, with the documented defaults for missing keys.
 pub(super) fn read_optics(table: &Table) -> Optics {
     table.only(&OPTICS.map(|axis| axis.key));
     let mut variant = Variant::standard(&Optics::standard());
@@ -17,15 +17,15 @@ pub(super) fn read_optics(table: &Table) -> Optics {
     variant.optics
 }
 
-/// Reads `[variants]` and spans the product over a base.
+/// Reads `[variants]` and returns all combinations of its values. `base` gives the values of missing keys.
 pub(super) fn read_product(table: &Table, base: &Variant) -> Vec<Variant> {
     table.only(&axes().map(|axis| axis.key).collect::<Vec<_>>());
     let values: Vec<(&Axis, Vec<Variant>)> =
         axes().filter_map(|axis| Some((axis, axis_values(axis, &table.get(axis.key)?)))).collect();
     let count = values.iter().try_fold(1usize, |n, (_, values)| n.checked_mul(values.len()));
     if count.is_none_or(|n| n > MAX_VARIANTS) {
-        let remedy =
-            "take values from the axes, or name the variants you want as presets".to_owned();
+        let remedy = "remove values from the axes, or write the variants that you want as presets"
+            .to_owned();
         table.fail(
             format!("variants: the product has more than {MAX_VARIANTS} combinations"),
             Some(remedy),
@@ -46,7 +46,8 @@ pub(super) fn read_product(table: &Table, base: &Variant) -> Vec<Variant> {
     })
 }
 
-/// Reads the keys of a preset over a base, but for its own `names`; refuses what cannot be built.
+/// Reads the keys of a preset, apart from `names`, which only presets have. `base` gives the values of missing keys.
+/// Records an error if the combination cannot be built.
 pub(super) fn read_preset(table: &Table, names: &[&str], base: &Variant) -> Option<Variant> {
     let known: Vec<_> = axes().map(|axis| axis.key).chain(names.iter().copied()).collect();
     table.only(&known);
@@ -56,19 +57,22 @@ pub(super) fn read_preset(table: &Table, names: &[&str], base: &Variant) -> Opti
     let refusals = constraints::broken(&variant);
     for (key, reason) in &refusals {
         match table.get(key) {
-            Some(item) => item.fail(reason, "see `cargo xtask list` for what is available"),
-            None => table.fail(format!("{}: {reason}", table.path), None),
+            Some(item) => item.fail(reason, CHANGE),
+            None => table.fail(format!("{}: {reason}", table.path), Some(CHANGE.to_owned())),
         }
     }
     refusals.is_empty().then_some(variant)
 }
 
-/// Keys of the optics that a table has.
+/// Remedy of a preset that a constraint rejects.
+const CHANGE: &str = "change this key, or the other key that the message names";
+
+/// Keys of the optics that the table has.
 pub(super) fn stated(table: &Table) -> Vec<&'static str> {
     OPTICS.iter().map(|axis| axis.key).filter(|key| table.get(key).is_some()).collect()
 }
 
-/// Reads one value of each key.
+/// Reads one value for each key.
 pub(super) fn read_each(
     table: &Table,
     axes: impl Iterator<Item = &'static Axis>,
@@ -77,24 +81,24 @@ pub(super) fn read_each(
     for axis in axes {
         let Some(item) = table.get(axis.key) else { continue };
         if item.is_array() && !axis.takes_pair {
-            item.fail("is an array", "expected one value; only [variants] takes several");
+            item.fail("is an array", "give one value; only [variants] accepts several");
             continue;
         }
-        // what cannot be read is noted
+        // errors are recorded by `read`
         let _ = (axis.read)(&item, into);
     }
 }
 
-/// The values of an axis, each in a variant: an array, or a single value in place of an array of one.
+/// The values of an axis, each in a variant of its own. A single value counts as an array of one.
 fn axis_values(axis: &Axis, item: &Item) -> Vec<Variant> {
     let whole = !item.is_array() || (axis.takes_pair && is_pair(item));
     let items =
         if whole { vec![item.clone()] } else { item.elements("values").unwrap_or_default() };
     if items.is_empty() {
-        item.fail("has no values", "leave the key out to mean its default");
+        item.fail("has no values", "list at least one, or remove the key to use its default");
     }
     if items.len() > MAX_VARIANTS {
-        item.fail(format!("has more than {MAX_VARIANTS} values"), "take values from the axis");
+        item.fail(format!("has more than {MAX_VARIANTS} values"), "remove values from the axis");
         return Vec::new();
     }
     let read = |item: &Item| {

@@ -1,4 +1,4 @@
-//! What may stand in a plan: for tests and tools that must not have a list of their own.
+//! All keys and words of plans, so that tests and tools do not need lists of their own.
 
 use std::collections::BTreeSet;
 
@@ -10,19 +10,19 @@ use super::variant::{AXES, WAVELENGTHS, axes};
 use super::words::names;
 use super::{Optics, Variant, parse, surface};
 
-/// A key that a plan may have.
+/// A key of a plan.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Key {
-    /// Dotted path of its table, without brackets; empty at the top.
+    /// Dotted path of its table, without brackets. Empty at the top level.
     pub table: &'static str,
     /// The key.
     pub name: String,
-    /// Every word that it takes; none of keys with numbers, tables, names and files alone.
+    /// All words that the key accepts. Empty for keys that accept only numbers, tables, names or files.
     pub words: Vec<String>,
 }
 
-/// Every key of a plan with its words, table by table, from the lists that the reader itself compares with. The parts of a
-/// crossed grating have the keys of a grating.
+/// All keys of a plan with their words, table by table. The parser uses the same lists. The parts of a crossed grating
+/// have the keys of a grating.
 pub fn vocabulary() -> Vec<Key> {
     let mut keys = Vec::new();
     let mut add = |table, name: &str, words: Vec<&str>| {
@@ -72,19 +72,19 @@ pub fn vocabulary() -> Vec<Key> {
 pub struct AxisDoc {
     /// The key.
     pub key: &'static str,
-    /// Every word that it takes.
+    /// All words that the key accepts.
     pub words: Vec<&'static str>,
-    /// What else it takes; empty where that is nothing.
+    /// Values other than words. Empty if there are none.
     pub values: &'static str,
     /// The documented default.
     pub default: Value,
-    /// What it is, in one line.
+    /// Description in one line.
     pub about: &'static str,
-    /// Whether it is a key of `[optics]` too.
+    /// Whether it is also a key of `[optics]`.
     pub is_optics: bool,
 }
 
-/// Every key of a variant, in the order of the product.
+/// All keys of a variant, in the order of the product.
 pub fn axis_docs() -> Vec<AxisDoc> {
     let standard = Variant::standard(&Optics::standard());
     let doc = |(place, axis): (usize, &Axis)| AxisDoc {

@@ -1,11 +1,11 @@
-//! The words of a plan, each with what it means.
+//! The words of a plan, each with its meaning.
 
 use super::{
     Basis, Coherence, CoherenceScaling, Colour, Container, Level, Packing, Reconstruction,
     Sampling, TableFormat,
 };
 
-/// Words with what they mean.
+/// Words with their meanings.
 pub(super) type Words<T> = &'static [(&'static str, T)];
 
 pub(super) const BASES: Words<Basis> = &[
@@ -21,7 +21,7 @@ pub(super) const RECONSTRUCTIONS: Words<Reconstruction> =
 pub(super) const TABLE_FORMATS: Words<TableFormat> =
     &[("f32", TableFormat::F32), ("f16", TableFormat::F16), ("rgb9e5", TableFormat::Rgb9e5)];
 
-/// `bin` stands for the raw texels, which are written whether it is named or not.
+/// `bin` stands for the raw texels. They are always written, whether the plan lists `bin` or not.
 pub(super) const CONTAINERS: Words<Option<Container>> =
     &[("bin", None), ("ktx2", Some(Container::Ktx2)), ("exr", Some(Container::Exr))];
 
@@ -42,10 +42,10 @@ pub(super) const COLOURS: Words<Colour> = &[("srgb", Colour::Srgb), ("thesis", C
 pub(super) const LEVELS: Words<Level> =
     &[("none", Level::None), ("plane", Level::Plane), ("rows", Level::Rows)];
 
-/// Stands for a number that is left to the tool.
+/// `auto`: the tool chooses the number.
 pub(super) const AUTO: Words<()> = &[("auto", ())];
 
-/// The words of a list.
+/// The words without their meanings.
 pub(super) fn names<T>(words: &[(&'static str, T)]) -> Vec<&'static str> {
     words.iter().map(|(word, _)| *word).collect()
 }

@@ -9,7 +9,7 @@ use crate::variant::{Form, Twin};
 
 use super::{Placement, Progress, Runner, has_wavelengths};
 
-/// The exact reference; of the variant, only the optics count.
+/// The exact reference. It uses only the optics of the variant.
 pub struct Exact<'a>(pub Placement<'a>);
 
 impl Exact<'_> {
@@ -41,7 +41,7 @@ impl Runner for Exact<'_> {
     }
 }
 
-/// The f64 copy of the variant's template, on its tables.
+/// The f64 copy of the variant's template, with the variant's tables.
 pub struct TwinRunner<'a> {
     placement: Placement<'a>,
     form: Form,
@@ -49,7 +49,7 @@ pub struct TwinRunner<'a> {
 }
 
 impl<'a> TwinRunner<'a> {
-    /// Computes the tables; `packed`: rounded as the shader reads them.
+    /// Computes the tables. `packed`: round them to the numbers that the shader reads.
     pub fn new(placement: Placement<'a>, packed: bool) -> Result<TwinRunner<'a>> {
         let Placement { height, rotate_deg, variant } = placement;
         let form = Form::new(variant, height)?;

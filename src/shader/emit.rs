@@ -1,17 +1,17 @@
 //! One function per target language.
 //!
-//! Common to all targets: clip space is as in the WGSL text (y up, depth 0 … 1) and is not rewritten, since matrices
-//! belong to the engine; loops get no artificial bounds; overrides are resolved before a writer runs. Run-time bounds
+//! Common to all targets: clip space is as in the WGSL text (y up, depth 0 … 1) and is not rewritten, since the engine
+//! provides the matrices. Loops get no artificial bounds. Overrides are resolved before a writer runs. Run-time bounds
 //! checks are off: the templates keep every index and texel coordinate in range by construction, and checks in the
-//! innermost loop cost up to half of the speed. WGSL keeps the checks that its implementation adds.
+//! innermost loop would cost up to half of the speed. WGSL keeps the checks that its implementation adds.
 //!
-//! Every text but SPIR-V begins with the same comment: what it is, its inputs and its output, where bindings and tolerances are
-//! described.
+//! Every text except SPIR-V begins with the same comment: what the shader is, its inputs and output, and where bindings
+//! and tolerances are described.
 //!
-//! Beside whole shaders there are function forms, for engines that want a piece of text to paste or to register: the
-//! functions that the shader offers and what they need, without entry points, bindings and uniform blocks. A function form
-//! comes with the targets of its language: `.fn.wgsl` with `wgsl`, `.fn.glsl` with `glsl450` and with `glsl-es300`
-//! (one file, the same for both), `.fn.hlsl` with `hlsl`.
+//! In addition to whole shaders there are function forms, for engines that need a piece of text to paste or register. A
+//! function form has the functions that the shader offers and everything that they call, without entry points, bindings
+//! and uniform blocks. It is written with the targets of its language: `.fn.wgsl` with `wgsl`, `.fn.glsl` with
+//! `glsl450` and with `glsl-es300` (one file, the same for both), `.fn.hlsl` with `hlsl`.
 
 mod function;
 mod glsl;
@@ -33,11 +33,11 @@ use crate::error::{Error, Result};
 use crate::plan::Target;
 use crate::shader::module::{Module, Stage};
 
-/// The entry point that bears no name in its file names, next to the vertex shader.
+/// The fragment entry point whose file names do not contain its name.
 const MAIN_FRAGMENT: &str = "map";
 const MAIN_VERTEX: &str = "vert";
-/// The vertex entry point of the fragment entry point `mesh`, which shares its name in file names: in one text they
-/// cannot bear the same.
+/// The vertex entry point that belongs to the fragment entry point `mesh`. Both have `mesh` in their file names; in one
+/// text their names must differ.
 const MESH_VERTEX: &str = "mesh_vert";
 
 /// One file of one target.
@@ -49,23 +49,23 @@ pub struct EmittedFile {
     pub target: Target,
     /// Text in UTF-8, or the words of SPIR-V in little-endian order.
     pub bytes: Vec<u8>,
-    /// Those in the file, in the order of the template text; only WGSL has more than one.
+    /// Entry points in the file, in the order of the template text.
     pub entry_points: Vec<EntryPoint>,
     /// The resources that these entry points or functions read, in the order of the template text.
     pub bindings: Vec<BindingName>,
-    /// What a function form offers; empty for whole shaders.
+    /// Functions that a function form offers. Empty for whole shaders.
     pub functions: Vec<Function>,
 }
 
 impl EmittedFile {
-    /// Names of the uniform blocks, as an engine has to ask for them.
+    /// Names of the uniform blocks by which an engine finds them.
     pub fn uniform_blocks(&self) -> impl Iterator<Item = &str> {
         let blocks = self.bindings.iter().filter(|b| b.kind == BindingKind::UniformBlock);
         blocks.map(|block| block.emitted_name.as_str())
     }
 }
 
-/// A function that a pipeline can begin with.
+/// An entry point of a shader.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct EntryPoint {
     /// Vertex or fragment.
@@ -79,13 +79,13 @@ pub struct EntryPoint {
 /// A function that engine code can call.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Function {
-    /// Its name, the same in the templates and in the file.
+    /// Name, the same in the templates and in the file.
     pub name: String,
-    /// How the file declares it.
+    /// Declaration in the file.
     pub signature: String,
 }
 
-/// What is bound.
+/// The kind of a binding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BindingKind {
@@ -97,13 +97,13 @@ pub enum BindingKind {
     Sampler,
 }
 
-/// The name that a target gives to a resource.
+/// The name of a resource in a target's file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct BindingName {
     /// Name of the variable in the templates.
     pub source_name: String,
-    /// Name by which the API finds it: of the uniform block or of the variable. For a sampler in GLSL, the texture
-    /// that it is combined with.
+    /// Name by which the graphics API finds it: the name of the uniform block or of the variable. For a sampler in GLSL
+    /// it is the name of the texture that it is combined with.
     pub emitted_name: String,
     /// Name of the variable inside a GLSL uniform block.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -112,11 +112,11 @@ pub struct BindingName {
     pub group: u32,
     /// Binding in the templates.
     pub binding: u32,
-    /// Binding written in the emitted text: in HLSL the number of register `b`, `t` or `s`, in Metal that of the `buffer`,
-    /// `texture` or `sampler` slot; `None` where the language has no place for it and the engine sets it.
+    /// Binding written in the emitted text. In HLSL it is the number of register `b`, `t` or `s`, in Metal of the
+    /// `buffer`, `texture` or `sampler` slot. `None` if the language cannot express it and the engine sets it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub emitted_binding: Option<u32>,
-    /// What is bound.
+    /// The kind of the binding.
     pub kind: BindingKind,
 }
 
@@ -142,7 +142,7 @@ const UNCHECKED: BoundsCheckPolicies = BoundsCheckPolicies {
     binding_array: BoundsCheckPolicy::Unchecked,
 };
 
-/// An entry point on its own: overrides resolved, everything else removed.
+/// A module with a single entry point: overrides resolved, everything unused removed.
 struct Single {
     name: String,
     stage: Stage,
@@ -163,7 +163,7 @@ fn resolved(module: &Module, target: Target) -> Result<(naga::Module, naga::vali
     Ok((ir.into_owned(), info.into_owned()))
 }
 
-/// The entry points of a module with the names that a writer gave them; one that it left out is an error.
+/// The entry points of a module with the names in the emitted text. It is an error if the writer left one out.
 fn entry_points(
     module: &Module,
     emitted: impl IntoIterator<Item = Result<String, String>>,
@@ -176,7 +176,7 @@ fn entry_points(
     named.collect()
 }
 
-/// The entry points of a module, each on its own.
+/// The entry points of a module, each in a module of its own.
 fn singles(module: &Module, target: Target) -> Result<Vec<Single>> {
     let single = |(name, stage): (&str, Stage)| {
         let constants = naga::back::PipelineConstants::default();
@@ -193,7 +193,7 @@ fn singles(module: &Module, target: Target) -> Result<Vec<Single>> {
     module.entry_points().map(single).collect()
 }
 
-/// `diffraction[.ENTRY].SUFFIX`; the entry is left out for `vert` and `map`, and `mesh` for `mesh_vert`.
+/// `diffraction[.ENTRY].SUFFIX`. `ENTRY` is omitted for `vert` and `map`, and is `mesh` for `mesh_vert`.
 fn file_name(entry: &str, suffix: &str) -> String {
     match entry {
         MAIN_VERTEX | MAIN_FRAGMENT => format!("diffraction.{suffix}"),
@@ -202,7 +202,7 @@ fn file_name(entry: &str, suffix: &str) -> String {
     }
 }
 
-/// The bound resources of a module, named as in the templates.
+/// The bound resources of a module, with their names in the templates.
 fn bindings(ir: &naga::Module) -> Vec<(naga::Handle<naga::GlobalVariable>, BindingName)> {
     let globals = ir.global_variables.iter();
     let bound = globals.filter_map(|(handle, global)| {

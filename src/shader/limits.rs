@@ -1,11 +1,11 @@
-//! What each graphics API guarantees: one table for lints, manifests and listings.
+//! The limits that each graphics API guarantees, in one table for lints, manifests and listings.
 
 use std::collections::BTreeSet;
 use std::fmt::{Display, Formatter};
 
 use serde::{Deserialize, Serialize};
 
-/// An API whose guaranteed limits a package may have to keep.
+/// A graphics API, by its guaranteed limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Profile {
@@ -21,7 +21,7 @@ impl Profile {
     /// All profiles, narrowest first.
     pub const ALL: [Profile; 3] = [Profile::Webgl2, Profile::Webgpu, Profile::Vulkan];
 
-    /// The name in plans, manifests and on the command line.
+    /// The profile's name in manifests and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Profile::Webgl2 => "webgl2",
@@ -30,7 +30,7 @@ impl Profile {
         }
     }
 
-    /// What every implementation of the API offers.
+    /// The limits that every implementation of the API supports.
     pub fn limits(self) -> Limits {
         match self {
             // OpenGL ES 3.0.6, section 6.2, minimum values of tables 6.28 (texture sizes, layers),
@@ -83,7 +83,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// What all profiles guarantee: what every shader text has to keep.
+    /// The limits that all profiles guarantee. Every shader text must respect them.
     pub fn common() -> Limits {
         let [first, rest @ ..] = Profile::ALL.map(Profile::limits);
         rest.iter().fold(first, |a, b| Limits {
@@ -96,7 +96,7 @@ impl Limits {
         })
     }
 
-    /// Whether a texture of that extent is guaranteed to be creatable.
+    /// Whether every implementation can create a texture of that size.
     pub fn allow(&self, extent: Extent) -> bool {
         match extent {
             Extent::Plane { width, height } => width.max(height) <= self.texture_2d,
@@ -155,7 +155,7 @@ impl Display for Extent {
     }
 }
 
-/// The profiles under which all of those textures can be made.
+/// The profiles in which all these textures can be created.
 pub fn fits(textures: &[Extent]) -> BTreeSet<Profile> {
     let all_fit = |profile: &Profile| textures.iter().all(|t| profile.limits().allow(*t));
     Profile::ALL.into_iter().filter(all_fit).collect()

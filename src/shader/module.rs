@@ -1,8 +1,8 @@
 //! Parses, validates, lints and canonicalises a specialised shader.
 //!
-//! specialised text → parse → validate → lint → compact → write WGSL → parse → validate. The last module is what
-//! every target is emitted from, so that all targets see the same names and the same expressions; the WGSL target is
-//! the specialised text itself.
+//! specialised text → parse → validate → lint → compact → write WGSL → parse → validate. All targets are emitted from
+//! the last module, so they have the same names and expressions. The exception is the WGSL target, which is the
+//! specialised text itself.
 
 pub mod lint;
 mod locate;
@@ -23,7 +23,7 @@ use crate::variant::{FUNCTIONS, Function};
 
 use locate::Locator;
 
-/// Shader stages that every target has.
+/// Shader stages that exist in every target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Stage {
@@ -34,7 +34,7 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// Naga's name of it.
+    /// The stage in naga's terms.
     pub fn to_naga(self) -> naga::ShaderStage {
         match self {
             Stage::Vertex => naga::ShaderStage::Vertex,
@@ -42,7 +42,7 @@ impl Stage {
         }
     }
 
-    /// `None` for stages that not every target has.
+    /// The stage from naga's terms. `None` for stages that do not exist in every target.
     pub fn from_naga(stage: naga::ShaderStage) -> Option<Stage> {
         match stage {
             naga::ShaderStage::Vertex => Some(Stage::Vertex),
@@ -52,14 +52,14 @@ impl Stage {
     }
 }
 
-/// What a module has to offer and what it may use beyond the common ground of all targets.
+/// What a module must define, and what it may use beyond the features common to all targets.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Contract {
     /// Entry points that must exist.
     pub entry_points: Vec<(String, Stage)>,
-    /// Samplers that it may declare.
+    /// Names of samplers that it may declare.
     pub samplers: BTreeSet<String>,
-    /// Functions that it offers, the first of which must exist.
+    /// Functions that it offers. The first must exist.
     pub functions: Vec<&'static str>,
 }
 
@@ -73,7 +73,8 @@ impl Contract {
         contract
     }
 
-    /// What can be compared: `vert`, `map` and `probe`, and no sampler but, where it `filters`, the one.
+    /// The contract of a shader that can be compared: entry points `vert`, `map` and `probe`, and the linear sampler if
+    /// it `filters`.
     pub fn standard(filters: bool) -> Contract {
         let entry_points =
             [("vert", Stage::Vertex), ("map", Stage::Fragment), ("probe", Stage::Fragment)];
@@ -85,12 +86,12 @@ impl Contract {
     }
 }
 
-/// Names in a shader's text, each with the one that returns tristimulus values.
+/// Names of functions in a shader's text, each followed by the name of the one that returns tristimulus values.
 pub fn function_names(functions: &[&dyn Function]) -> Vec<&'static str> {
     functions.iter().flat_map(|f| [f.name(), f.tristimulus_name()]).collect()
 }
 
-/// A valid shader in canonical form, with the text it came from.
+/// A valid shader in canonical form, with the text that it was parsed from.
 #[derive(Clone, Debug)]
 pub struct Module {
     name: String,
@@ -106,7 +107,7 @@ impl Module {
         &self.name
     }
 
-    /// Names of the functions that it offers.
+    /// Names of the functions that the module offers.
     pub fn functions(&self) -> &[&'static str] {
         &self.functions
     }
@@ -126,7 +127,7 @@ impl Module {
         &self.ir
     }
 
-    /// What naga's validator found out about [`Module::ir`].
+    /// The result of naga's validator for [`Module::ir`].
     pub fn info(&self) -> &ModuleInfo {
         &self.info
     }
@@ -138,7 +139,7 @@ impl Module {
     }
 }
 
-/// Compiles a shader that keeps the [`Contract::standard`] without a sampler.
+/// Compiles a shader under [`Contract::standard`] without a sampler.
 pub fn compile(
     specialised: &Specialised,
     sources: &Sources,
@@ -147,9 +148,9 @@ pub fn compile(
     compile_with(specialised, sources, variant, &Contract::standard(false))
 }
 
-/// Compiles a shader that keeps `contract`.
+/// Compiles a shader under `contract`.
 ///
-/// Errors of naga and of the [`lint`]s bear the template line as primary place and the generated line as secondary.
+/// Errors of naga and of the [`lint`]s have the template line as primary place and the generated line as secondary place.
 pub fn compile_with(
     specialised: &Specialised,
     sources: &Sources,
@@ -166,19 +167,19 @@ pub fn compile_with(
     }
     compact(&mut ir, KeepUnused::No);
     let (ir, info) = rewrite(&ir).map_err(|reason| {
-        let message = format!("the shader has no canonical form: {reason}");
+        let message = format!("the shader cannot be brought into canonical form: {reason}");
         vec![Diagnostic::error(message).variant(variant)]
     })?;
     let functions = contract.functions.clone();
     Ok(Module { name: variant.to_owned(), functions, specialised: specialised.clone(), ir, info })
 }
 
-/// Only what every target has: no capability beyond the core of WGSL.
+/// Validates with the features of every target: no capability beyond the core of WGSL.
 fn validate(ir: &naga::Module) -> Result<ModuleInfo, Box<naga::WithSpan<ValidationError>>> {
     Ok(Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(ir)?)
 }
 
-/// Through naga's own WGSL, which fixes names and order of expressions.
+/// Writes the module as WGSL with naga and parses it again, which fixes names and the order of expressions.
 fn rewrite(compacted: &naga::Module) -> Result<(naga::Module, ModuleInfo), String> {
     let info = validate(compacted).map_err(|error| innermost(error.as_inner()))?;
     let text = wgsl::write_string(compacted, &info, wgsl::WriterFlags::empty())
@@ -190,9 +191,9 @@ fn rewrite(compacted: &naga::Module) -> Result<(naga::Module, ModuleInfo), Strin
     Ok((ir, info))
 }
 
-/// Takes back what naga's WGSL writer did to names inside functions: it makes them unique by `_1`, `_2`, … and calls
-/// intermediate values `_e12`. No name of ours ends in a digit, so that both are known by it; as names of ours they
-/// would show up as `wi_1_` and `_e12_` in every target.
+/// Undoes the changes of naga's WGSL writer to names inside functions: it appends `_1`, `_2`, … to make them unique and
+/// calls intermediate values `_e12`. No name in our templates ends in a digit, so such names are recognised by their
+/// last digit. If they were kept, every target would have names such as `wi_1_` and `_e12_`.
 fn restore_names(ir: &mut naga::Module) {
     let functions = ir.functions.iter_mut().map(|(_, function)| function);
     for function in functions.chain(ir.entry_points.iter_mut().map(|entry| &mut entry.function)) {
@@ -220,7 +221,7 @@ fn parse_error(error: &naga::front::wgsl::ParseError, locator: &Locator) -> Diag
     let first = labels.next();
     let span = first.map_or_else(naga::Span::default, |(span, _)| span);
     let mut diagnostic = locator.diagnostic(uncapitalised(error.message()), span);
-    // most of naga's messages say all; a label adds the type or the name that was found
+    // most of naga's messages are complete; a label adds the type or the name that was found
     diagnostic
         .notes
         .extend(first.map(|(_, label)| label).filter(|l| !l.is_empty()).map(str::to_owned));
@@ -240,7 +241,7 @@ fn validation_error(error: &naga::WithSpan<ValidationError>, locator: &Locator) 
     let smallest = defined.min_by_key(|(length, _)| *length);
     let span = match (smallest, error.as_inner()) {
         (Some((_, span)), _) => span,
-        // these may come without any span
+        // such errors may have no span
         (
             None,
             ValidationError::Function { name, .. } | ValidationError::EntryPoint { name, .. },
@@ -258,7 +259,7 @@ fn innermost(error: &dyn std::error::Error) -> String {
     chain(error).pop().unwrap_or_default()
 }
 
-/// Texts of an error and of all beneath it, outermost first.
+/// Texts of an error and of all its sources, outermost first.
 fn chain(error: &dyn std::error::Error) -> Vec<String> {
     let mut texts = vec![error.to_string()];
     let mut beneath = error.source();

@@ -1,4 +1,4 @@
-//! A variant on a surface: the flags and constants of its templates, its shader, the tables that it reads.
+//! A variant on a surface: flags and constants of its templates, its shader, and its tables.
 
 use crate::defines::Defines;
 use crate::diagnostic::Diagnostic;
@@ -14,7 +14,7 @@ use crate::variant::{Form, Ground};
 /// The root template of every shader.
 pub const ROOT: &str = "shader";
 
-/// Flags that forms set where they mean something.
+/// Flags that forms may set.
 const FLAGS: [&str; 8] = [
     "COHERENCE_SCALES",
     "ENSEMBLE",
@@ -26,9 +26,9 @@ const FLAGS: [&str; 8] = [
     "THESIS_LOOP",
 ];
 
-/// Flags and constants of the templates. The numbers are configured, or counts and sizes. None of them comes from a transform
-/// or a transcendental function, since those differ between processors and the text must not. `wavelengths`: nodes of the
-/// spectrum table.
+/// Flags and constants of the templates. All numbers are configured numbers, counts or sizes. They never come from a
+/// transform or a transcendental function, whose results differ between processors, while the text must be the same
+/// everywhere. `wavelengths`: number of nodes of the spectrum table.
 pub fn defines(variant: &Variant, form: &Form, rotate_deg: f64, wavelengths: usize) -> Defines {
     let mut defines = Defines::default();
     for flag in FLAGS {
@@ -59,19 +59,19 @@ pub fn shader(
     compile_with(&specialised, sources, name, &contract)
 }
 
-/// The tables of a form in the order of their bindings, unrounded. Time: one two-dimensional transform per two terms, or the
-/// baking of colours.
+/// The tables of a form in the order of their bindings, unrounded. Time: one two-dimensional transform per two terms,
+/// or the baking of the colours.
 pub fn tables(form: &Form, height: &HeightField, rotate_deg: f64) -> Result<Vec<Table>> {
     let specs = form.tables(Ground { surface: "", rotate_deg });
     specs.iter().map(|spec| spec.compute(height)).collect()
 }
 
-/// The same without their texels.
+/// The same tables without texels.
 pub fn shapes(form: &Form, rotate_deg: f64) -> Vec<Table> {
     form.tables(Ground { surface: "", rotate_deg }).iter().map(|spec| spec.shape()).collect()
 }
 
-/// Nodes of the spectrum among a variant's tables.
+/// Number of nodes of the spectrum table among a variant's tables.
 pub fn node_count(tables: &[Table]) -> usize {
     tables.iter().find(|t| t.binding == SPECTRUM).map_or(0, |t| t.width)
 }

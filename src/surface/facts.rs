@@ -1,4 +1,4 @@
-//! What the heights alone tell of a surface: size, relief, tilt, whether the patch joins itself, periods.
+//! Facts that follow from the heights alone: size, relief, tilt, whether the patch joins itself, periods.
 
 mod periods;
 
@@ -13,7 +13,7 @@ pub use periods::{AxisPeriods, Peak, Periods, periods};
 /// Share of the pixels, in percent, that [`Facts::trimmed_peak_to_valley_um`] leaves out at each end.
 pub const TRIM_PERCENT: f64 = 0.1;
 
-/// A patch joins itself along an axis where the step over its seam is at most this many times that of inner neighbours.
+/// A patch joins itself along an axis if the step over its seam is at most this many times the step between inner neighbours.
 const JOINS: f64 = 1.5;
 
 /// Size and relief of a surface; pairs are `[x, y]`.
@@ -25,27 +25,28 @@ pub struct Facts {
     pub size_um: [f64; 2],
     /// Pixel pitch, µm.
     pub pitch_um: [f64; 2],
-    /// Shortest wavelength that the pitch allows (four times the coarser one), nm.
+    /// Shortest wavelength that the pitch allows, nm: four times the larger pitch.
     pub shortest_nm: f64,
     /// Lowest height, µm.
     pub lowest_um: f64,
     /// Highest height, µm.
     pub highest_um: f64,
-    /// Highest less lowest, µm.
+    /// Highest minus lowest height, µm.
     pub peak_to_valley_um: f64,
     /// Arithmetic mean, µm.
     pub mean_um: f64,
     /// Root mean square about the mean (ISO 25178-2 Sq), µm.
     pub rms_um: f64,
-    /// The same about the least-squares plane, µm.
+    /// Root mean square about the least-squares plane, µm.
     pub levelled_rms_um: f64,
-    /// Highest less lowest after the plane is taken off, µm.
+    /// Highest minus lowest height after the least-squares plane is subtracted, µm.
     pub levelled_peak_to_valley_um: f64,
-    /// The same without the outermost [`TRIM_PERCENT`] of the pixels at each end, µm.
+    /// The same, without the highest and the lowest [`TRIM_PERCENT`] of the pixels, µm.
     pub trimmed_peak_to_valley_um: f64,
     /// The least-squares plane.
     pub tilt: Tilt,
-    /// Step over the seam of the tiling over that of inner neighbours, root mean squares; 0 where nothing varies.
+    /// Step over the seam of the tiling, relative to the step between inner neighbours (root mean squares). 0 if
+    /// nothing varies.
     pub seam: [f64; 2],
     /// Whether the patch joins itself along each axis.
     pub joins: [bool; 2],
@@ -56,7 +57,7 @@ pub struct Facts {
 pub struct Tilt {
     /// Angle of the plane from the horizontal, degrees.
     pub angle_deg: f64,
-    /// Direction of the steepest rise, from `+x` towards `+y`, degrees, 0 to below 360.
+    /// Direction of the steepest rise in degrees, from `+x` towards `+y`, 0 to below 360.
     pub direction_deg: f64,
     /// Rise over the patch along x and y, µm.
     pub rise_um: [f64; 2],
@@ -106,7 +107,7 @@ fn rms(field: &HeightField) -> f64 {
     (field.heights_um().iter().map(|h| (h - mean) * (h - mean)).sum::<f64>() / count).sqrt()
 }
 
-/// How much higher the step over the seam is than inside, along x and along y.
+/// Ratio of the step over the seam to the step inside the patch, along x and along y.
 fn seams(field: &HeightField) -> [f64; 2] {
     let (columns, rows, heights) = (field.columns(), field.rows(), field.heights_um());
     let mean_square = |squares: &mut dyn Iterator<Item = f64>, count: usize| {

@@ -1,4 +1,4 @@
-//! Gwyddion Simple Field, the one open format of scans that carries its own scale.
+//! Gwyddion Simple Field, the only open format of scans that contains its own scale.
 //!
 //! Source: the format's description in the Gwyddion user guide, appendix "Gwyddion Simple Field". A magic line, header
 //! lines `Key = Value`, one to four NUL bytes up to a multiple of four, then `YRes` rows of `XRes` little-endian `f32`, the
@@ -11,8 +11,10 @@ use crate::surface::raster::{Raster, Samples};
 /// The first line of every file.
 pub(super) const MAGIC: &[u8] = b"Gwyddion Simple Field 1.0\n";
 
-/// Longest header accepted, in bytes.
+/// Maximum length of the header, in bytes.
 const MAX_HEADER: usize = 1 << 16;
+/// Remedy of errors in the header.
+const HEADER: &str = "correct the header, or export the file again";
 
 /// A field as a GSF file: lengths and heights in metres, heights rounded to `f32`.
 pub fn write_gsf(field: &HeightField) -> Vec<u8> {
@@ -35,22 +37,24 @@ pub fn write_gsf(field: &HeightField) -> Vec<u8> {
 
 /// Reads a file whose magic line has been seen.
 ///
-/// A missing `XYUnits` or `ZUnits` is taken as metres; of two sizes only one, as square pixels. Units other than powers
-/// of ten of the metre leave the scale or the height unit to the plan.
+/// If `XYUnits` or `ZUnits` is missing, metres are assumed. If only one of the two sizes is given, pixels are square.
+/// For units that are not a power of ten of the metre, the plan must give the scale or the unit of heights.
 pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
     let error = |cause: String| Error::new(subject, cause);
     let body = &bytes[MAGIC.len()..];
     let end = body.iter().take(MAX_HEADER).position(|&b| b == 0).ok_or_else(|| {
         error("the GSF header does not end in a NUL byte".into())
-            .remedy("the file is truncated or not GSF")
+            .remedy("the file is truncated or not a GSF file; export it again")
     })?;
     let header = std::str::from_utf8(&body[..end])
-        .map_err(|e| error("the GSF header is not UTF-8".into()).source(e))?;
+        .map_err(|e| error("the GSF header is not UTF-8".into()).source(e).remedy(HEADER))?;
     let mut fields = Header::default();
     for (number, line) in header.lines().enumerate() {
-        fields.line(line).map_err(|cause| error(format!("line {}: {cause}", number + 2)))?;
+        fields
+            .line(line)
+            .map_err(|cause| error(format!("line {}: {cause}", number + 2)).remedy(HEADER))?;
     }
-    let missing = |key: &str| error(format!("the GSF header has no `{key}`"));
+    let missing = |key: &str| error(format!("the GSF header has no `{key}`")).remedy(HEADER);
     let (x_res, y_res) = (
         fields.x_res.ok_or_else(|| missing("XRes"))?,
         fields.y_res.ok_or_else(|| missing("YRes"))?,
@@ -62,16 +66,20 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
     if padding.is_empty() || padding.iter().any(|&b| b != 0) {
         return Err(error(
             "the GSF header is not padded with NUL bytes to a multiple of four".into(),
-        ));
+        )
+        .remedy("export the file again"));
     }
     let (data, expected) = (&bytes[start..], columns * rows * 4);
     if data.len() != expected {
         let cause = format!(
-            "{columns} × {rows} pixels need {expected} bytes of data, the file has {}",
+            "{columns} × {rows} pixels need {expected} bytes of data, but the file has {}",
             data.len()
         );
-        let remedy =
-            if data.len() < expected { "the file is truncated" } else { "XRes or YRes is wrong" };
+        let remedy = if data.len() < expected {
+            "the file is truncated; export it again"
+        } else {
+            "correct XRes or YRes"
+        };
         return Err(error(cause).remedy(remedy));
     }
     let values =
@@ -81,7 +89,7 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
     let lateral_um = unit_um(fields.xy_units.as_deref());
     let positive = |key: &str, value: Option<f64>| match value {
         Some(v) if !(v.is_finite() && v > 0.0) => {
-            Err(error(format!("`{key} = {v}` is not positive and finite")))
+            Err(error(format!("`{key} = {v}` is not positive and finite")).remedy(HEADER))
         }
         _ => Ok(value),
     };
@@ -91,7 +99,7 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
         (Some(x), Some(y), Some(um)) => Some((x * um, y * um)),
         (Some(_), Some(_), None) => {
             notes.push(format!(
-                "`XYUnits = {}` is not a length; the file's scale is not used",
+                "`XYUnits = {}` is not a unit of length, so the file's scale is not used",
                 fields.xy_units()
             ));
             None
@@ -101,7 +109,7 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
     let unit = unit_um(fields.z_units.as_deref());
     if unit.is_none() {
         let units = fields.z_units.unwrap_or_default();
-        notes.push(format!("`ZUnits = {units}` is not a length; `z_unit_um` decides"));
+        notes.push(format!("`ZUnits = {units}` is not a unit of length, so `z_unit_um` is used"));
     }
     Ok(Raster {
         columns,
@@ -112,7 +120,7 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
     })
 }
 
-/// The keys that matter; titles and offsets are read over.
+/// The keys that are used. Titles and offsets are ignored.
 #[derive(Default)]
 struct Header {
     x_res: Option<u64>,
@@ -156,7 +164,7 @@ impl Header {
     }
 }
 
-/// µm per unit; the format asks for base units, some programs write prefixes.
+/// µm per unit. The format requires base units, but some programs write prefixes.
 fn unit_um(unit: Option<&str>) -> Option<f64> {
     match unit.unwrap_or("m") {
         "m" => Some(1e6),
@@ -168,7 +176,7 @@ fn unit_um(unit: Option<&str>) -> Option<f64> {
     }
 }
 
-/// Foreign text for an error message, kept short.
+/// Text of the file for an error message, shortened.
 fn clip(text: &str) -> String {
     text.chars().take(40).collect()
 }

@@ -1,32 +1,33 @@
 //! Levelling of a measured surface, and clipping of its outliers.
 //!
-//! Tilt and specks enlarge the peak-to-valley height, and with it the number of terms, without adding colour.
+//! Tilt and specks of dust increase the peak-to-valley height and so the number of terms, without adding colour.
 
 use crate::error::{Error, Result};
 use crate::plan::Level;
 use crate::surface::HeightField;
 
-/// Applies a levelling. Afterwards the mean height (`plane`) or every row's median (`rows`) is 0; only differences of
-/// heights matter to the colours.
+/// Applies a levelling. Afterwards the mean height (`plane`) or the median of every row (`rows`) is 0. That does not
+/// matter, since colours depend only on differences of heights.
 ///
 /// `plane` subtracts the least-squares plane, `rows` the median of each row, which removes the offsets between scan
-/// lines, and with them every structure that is constant along x. `rows` on a single column is refused: nothing would
-/// remain.
+/// lines, and with them every structure that is constant along x. `rows` is an error for a single column, because
+/// nothing would remain.
 pub fn level(field: HeightField, level: Level, subject: &str) -> Result<HeightField> {
     match level {
         Level::None => Ok(field),
         Level::Plane => plane(field),
-        Level::Rows if field.columns == 1 => {
-            Err(Error::new(subject, "`level = \"rows\"` on a single column leaves nothing")
-                .remedy("use `plane` or `none`"))
-        }
+        Level::Rows if field.columns == 1 => Err(Error::new(
+            subject,
+            "`level = \"rows\"` would remove all heights of a single column",
+        )
+        .remedy("use level = \"plane\" or \"none\"")),
         Level::Rows => rows(field),
     }
 }
 
-/// Clips `percent` of the pixels at each end of the height distribution to the height of the first one that stays.
+/// Clips the highest and the lowest `percent` of the pixels to the nearest height that remains.
 ///
-/// Returns the field and a note with the number of pixels and the new range; nothing changes at 0.
+/// Returns the field and a note with the number of clipped pixels and the new range. At 0 nothing changes.
 pub fn clip(
     mut field: HeightField,
     percent: f64,
@@ -59,8 +60,8 @@ pub(super) fn check_clip(subject: &str, percent: f64) -> Result<()> {
     if (0.0..50.0).contains(&percent) {
         return Ok(());
     }
-    Err(Error::new(subject, format!("`clip_percent = {percent}` is outside 0 ≤ p < 50"))
-        .remedy("it is the share of pixels, in percent, clipped at each end"))
+    Err(Error::new(subject, format!("`clip_percent = {percent}` is not from 0 to below 50"))
+        .remedy("give the percentage of pixels clipped at each end"))
 }
 
 /// The least-squares plane of a field: `mean_um + per_column_um·(col - mid) + per_row_um·(row - mid)`.

@@ -1,11 +1,11 @@
-//! What the readers of height files deliver.
+//! The result of the readers of height files.
 
-/// What a format's reader delivers: numbers in the file's own units.
+/// The result of a format's reader: numbers in the file's own units.
 pub(super) struct Raster {
     pub columns: usize,
     pub rows: usize,
     pub samples: Samples,
-    /// Pixel pitch along x and y, µm, where the file has one.
+    /// Pixel pitch along x and y in µm, if the file has one.
     pub scale: Option<(f64, f64)>,
     pub notes: Vec<String>,
 }
@@ -14,7 +14,7 @@ pub(super) struct Raster {
 pub(super) enum Samples {
     /// Shares of the full grey range, 0 to 1.
     Grey { shares: Vec<f64>, bits: u8 },
-    /// Numbers; `unit_um` where the file says µm per unit, `needs_unit` where it has a unit that is no length.
+    /// Numbers. `unit_um`: µm per unit, if the file states it. `needs_unit`: the file states a unit that is not a length.
     Float { values: Vec<f64>, unit_um: Option<f64>, needs_unit: bool },
 }
 

@@ -2,15 +2,16 @@
 //!
 //! **Orientation.** The first row of the file is the top row, in every format.
 //!
-//! **Heights.** Integer files need `height_um`, the height of the *full* grey range (0…255 or 0…65535), not of the image's
-//! own extrema. Float files hold µm times `z_unit_um` (1 by default; a GSF's own unit otherwise). NaN is a void pixel.
+//! **Heights.** Integer files need `height_um`, the height of the *full* grey range (0…255 or 0…65535), not of the
+//! image's own extrema. Numbers of float files are multiplied by `z_unit_um` to give µm. Its default is the unit of a
+//! GSF file, and 1 otherwise. NaN marks a void pixel.
 //!
-//! **Scale.** A GSF carries its own; other files need `size_um` (width; length of a profile) or `pixel_um` and have square
-//! pixels. Resolution tags of pictures are for printers and not read. **A scale in the plan overrides that of a GSF**, with a
-//! note of both: scanners are recalibrated after the fact, and the plan is the place where that is written down. `size_um`
-//! then keeps the file's aspect of pixels, `pixel_um` makes them square.
+//! **Scale.** A GSF file contains its own. Other files need `size_um` (the width, or the length of a profile) or
+//! `pixel_um`, and have square pixels. Resolution tags of pictures are meant for printers and ignored. **A scale in the
+//! plan overrides that of a GSF file**, with a note that states both: scanners are sometimes recalibrated later, and
+//! the plan is the place to record it. `size_um` keeps the file's aspect ratio of pixels, `pixel_um` makes them square.
 //!
-//! The declared size is checked against the limits and against the file's length before anything is allocated.
+//! The declared size is checked against the limits and the length of the file before memory is allocated.
 
 mod npy;
 mod openexr;
@@ -26,14 +27,15 @@ use crate::plan::FileSource;
 use crate::surface::raster::{Raster, Samples};
 use crate::surface::{check_pixels, gsf};
 
-/// Longest file that is read: [`crate::surface::MAX_PIXELS`] of four 64-bit channels, or as text of 30 characters each.
+/// Maximum size of a file in bytes: [`crate::surface::MAX_PIXELS`] pixels of four 64-bit channels, or of 30 characters
+/// each as text.
 pub const MAX_FILE_BYTES: u64 = 1 << 31;
 
-/// More bytes of pixels per byte of file than any accepted compression reaches: deflate 1032 (two bits for a match of 258
-/// bytes), LZW about 1340 (a dictionary of 4096 growing runs), EXR's PIZ about 500.
+/// Maximum number of bytes of pixels per byte of file. No accepted compression reaches it: deflate 1032 (two bits for a
+/// match of 258 bytes), LZW about 1340 (a dictionary of 4096 growing runs), EXR's PIZ about 500.
 const MAX_COMPRESSION: u64 = 1500;
 
-/// What a file says, in µm, before voids are filled.
+/// The content of a file in µm, before voids are filled.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
     /// Pixels along x.
@@ -44,17 +46,18 @@ pub struct Reading {
     pub pitch_x_um: f64,
     /// Pixel pitch along y, µm.
     pub pitch_y_um: f64,
-    /// Heights, µm, `[row][column]`, row 0 at the top; NaN where the file has none, finite elsewhere.
+    /// Heights in µm, `[row][column]`, row 0 at the top. NaN for void pixels, otherwise finite.
     pub heights_um: Vec<f64>,
-    /// Step between neighbouring heights of an integer file, µm: the coarsest that all its samples are multiples of.
+    /// Step between neighbouring heights of an integer file, µm: the largest step of which all differences of samples
+    /// are multiples.
     pub step_um: Option<f64>,
     /// Notes for the user.
     pub notes: Vec<String>,
 }
 
-/// Decodes the heights of surface `name` from the bytes of its file; `source.path` gives their format and is not opened.
+/// Decodes the heights of surface `name` from the bytes of its file. `source.path` determines the format and is not opened.
 ///
-/// The format is that of the extension, and the content must agree with it. Errors name the surface, the file, the key or
+/// The extension determines the format, and the content must match it. Errors name the surface, the file, the key or
 /// the place in the file, the value, and what to do.
 pub fn parse(source: &FileSource, name: &str, bytes: &[u8]) -> Result<Reading> {
     let subject = &subject(name, &source.path);
@@ -64,12 +67,12 @@ pub fn parse(source: &FileSource, name: &str, bytes: &[u8]) -> Result<Reading> {
     finish(source, subject, decode(format, bytes, subject)?)
 }
 
-/// Checks the numbers that the plan gives for a file.
+/// Checks the plan's numbers for a file.
 pub fn check_source(source: &FileSource, subject: &str) -> Result<()> {
     units::check_keys(source, subject)
 }
 
-/// Checks that the extension of a file is that of a known format.
+/// Checks that the extension of a file belongs to a known format.
 pub fn check_extension(path: &Path, subject: &str) -> Result<()> {
     of_path(path, subject).map(drop)
 }
@@ -85,7 +88,7 @@ fn decode(format: Format, bytes: &[u8], subject: &str) -> Result<Raster> {
     }
 }
 
-/// Applies the plan's keys.
+/// Applies the plan's keys to the samples.
 fn finish(source: &FileSource, subject: &str, mut raster: Raster) -> Result<Reading> {
     let mut notes = std::mem::take(&mut raster.notes);
     let (columns, rows) = (raster.columns, raster.rows);
@@ -97,12 +100,12 @@ fn finish(source: &FileSource, subject: &str, mut raster: Raster) -> Result<Read
     Ok(Reading { columns, rows, pitch_x_um, pitch_y_um, heights_um, step_um, notes })
 }
 
-/// How errors name a surface that comes from a file.
+/// Subject of errors about a surface with a file.
 pub fn subject(name: &str, path: &Path) -> String {
     format!("surface {name}: {}", path.display())
 }
 
-/// A file format, by what the user calls it.
+/// A file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     Png,
@@ -126,7 +129,7 @@ impl Format {
         })
     }
 
-    /// By the first bytes; text is what has no NUL and no other format's mark.
+    /// The format by the first bytes. Content without another format's mark and without control characters is text.
     fn of_content(bytes: &[u8]) -> Option<Format> {
         let marks: [(&[u8], Format); 8] = [
             (b"\x89PNG\r\n\x1a\n", Format::Png),
@@ -157,56 +160,59 @@ impl Format {
     }
 }
 
-/// The extension of a path, or nothing.
+/// The extension of a path; empty if it has none.
 fn extension(path: &Path) -> &str {
     path.extension().and_then(|e| e.to_str()).unwrap_or_default()
 }
 
-/// The format that the extension says.
+/// The format that belongs to the extension.
 fn of_path(path: &Path, subject: &str) -> Result<Format> {
     let extension = extension(path);
     Format::of_extension(extension).ok_or_else(|| {
-        let cause = format!("the extension `{extension}` is not that of a known format");
-        Error::new(subject, cause).remedy("use one of png, tif, tiff, exr, npy, gsf, txt, csv")
+        let cause = format!("the extension `{extension}` does not belong to a known format");
+        Error::new(subject, cause)
+            .remedy("convert the file to one of png, tif, tiff, exr, npy, gsf, txt, csv")
     })
 }
 
-/// Checks that the content is what the extension says.
+/// Checks that the content matches the extension.
 fn check_content(format: Format, bytes: &[u8], path: &Path, subject: &str) -> Result<()> {
     let error = |cause: String| Error::new(subject, cause);
     if bytes.is_empty() {
-        return Err(error("the file is empty".into()));
+        return Err(error("the file is empty".into()).remedy("export it again"));
     }
     let (extension, name) = (extension(path), format.name());
     match Format::of_content(bytes) {
         Some(found) if found == format => Ok(()),
         Some(found) => {
             let found = found.name();
-            Err(error(format!("the content is {found}, the extension `{extension}` says {name}"))
-                .remedy("rename or convert the file"))
+            Err(error(format!(
+                "the content is {found}, but the extension `{extension}` means {name}"
+            ))
+            .remedy("rename or convert the file"))
         }
-        None => {
-            Err(error(format!("the content is not {name}, as the extension `{extension}` says"))
-                .remedy("the file is damaged or misnamed"))
-        }
+        None => Err(error(format!(
+            "the content is not {name}, which the extension `{extension}` means"
+        ))
+        .remedy("the file is damaged or has the wrong name; export it again")),
     }
 }
 
 /// Checks that a file of `length` bytes can hold `bytes` of pixels, `compressed` or not.
 fn check_length(subject: &str, length: usize, bytes: u64, compressed: bool) -> Result<()> {
-    let most = if compressed { length as u64 * MAX_COMPRESSION } else { length as u64 };
-    if bytes <= most {
+    let max_bytes = if compressed { length as u64 * MAX_COMPRESSION } else { length as u64 };
+    if bytes <= max_bytes {
         return Ok(());
     }
     let cause = format!(
-        "the header announces {bytes} bytes of pixels, more than a file of {length} bytes can hold"
+        "the header declares {bytes} bytes of pixels, more than a file of {length} bytes can contain"
     );
-    Err(Error::new(subject, cause).remedy("the file is truncated or damaged"))
+    Err(Error::new(subject, cause).remedy("the file is truncated or damaged; export it again"))
 }
 
-/// Grey shares from interleaved integer samples: `channels` of them per pixel, the last being opacity if `alpha`.
+/// Grey shares from interleaved integer samples, `channels` of them per pixel. If `alpha`, the last is the opacity.
 ///
-/// Colour is accepted where red, green and blue agree exactly; a fully transparent pixel is void.
+/// Red, green and blue must be exactly equal. A fully transparent pixel is void.
 fn grey<T: Copy + Into<u32>>(
     samples: &[T],
     channels: usize,
@@ -232,9 +238,7 @@ fn grey<T: Copy + Into<u32>>(
                         "the pixel at {} is partly transparent ({a} of {top})",
                         place(i)
                     ))
-                    .remedy(
-                        "use opaque pixels, or fully transparent ones where the height is void",
-                    ));
+                    .remedy("make pixels opaque, or fully transparent where the height is void"));
                 }
                 _ => {}
             }
@@ -247,9 +251,7 @@ fn grey<T: Copy + Into<u32>>(
                 place(i),
                 listed.join(", ")
             ))
-            .remedy(
-                "heights need a grey image; false colours cannot be undone, so export it as grey",
-            ));
+            .remedy("export the heights as a grey image; false colours cannot be converted back"));
         }
         shares.push(f64::from(value(0)) / f64::from(top));
     }

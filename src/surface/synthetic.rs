@@ -1,8 +1,9 @@
 //! Synthetic surfaces: gratings with closed forms, and periodic random surfaces modelled on insects and snakes.
 //!
-//! One-dimensional gratings are sampled at the left edge of each pixel, `x = col/N · d` from the left edge of the patch (the
-//! phase origin at the centre only turns the phase of the orders), and stand in [`EXTRUDED`] equal rows. Their transform
-//! approaches the closed forms with `|c_m|` off by at most `m/N` (jumps) or `(πm/N)²/6` of itself (elsewhere).
+//! One-dimensional gratings are sampled at the left edge of each pixel, `x = col/N · d` from the left edge of the
+//! patch, and have [`EXTRUDED`] equal rows. (The phase origin at the centre only changes the phase of the orders.)
+//! Their transform approaches the closed forms: the relative error of `|c_m|` is at most `m/N` for gratings with jumps
+//! and `(πm/N)²/6` for others.
 //!
 //! | kind | height at `t = x/d` in `[0, 1)` |
 //! | --- | --- |
@@ -13,8 +14,8 @@
 //! | triangle | `H t/apex` up to the apex, then `H (1-t)/(1-apex)` |
 //! | crossed | sum of one along x and one along y; a pitch for each axis |
 //!
-//! The random kinds are described at [`skin`]. All of them take their sines and exponentials from `libm`, so the heights
-//! are the same numbers on every platform.
+//! The random kinds are described at [`skin`]. All kinds use sines and exponentials of `libm`, so the heights are the
+//! same numbers on every platform.
 
 mod random;
 pub mod skin;
@@ -27,8 +28,8 @@ use crate::surface::{
 
 /// Computes a surface; `subject` names it in errors.
 ///
-/// Heights start at 0. Errors name the key: lengths that are not positive, finite and plausible, shares outside (0, 1), too few
-/// or too many pixels, random surfaces too small for their features.
+/// The lowest height is 0. Errors name the key. Causes are lengths that are not positive, finite and plausible, shares
+/// outside (0, 1), too few or too many pixels, and random surfaces too small for their features.
 pub fn synthesise(grating: &Grating, subject: &str) -> Result<Surface> {
     let mut notes = Vec::new();
     let field = match grating {
@@ -40,7 +41,7 @@ pub fn synthesise(grating: &Grating, subject: &str) -> Result<Surface> {
             let y = profile(y, &format!("{subject}: grating along y"), &mut notes)?;
             let (columns, rows) =
                 check_pixels(subject, x.heights_um.len() as u64, y.heights_um.len() as u64)?;
-            // y grows upwards, rows count downwards
+            // y grows upwards, but rows are counted downwards
             let heights = y
                 .heights_um
                 .iter()
@@ -82,7 +83,7 @@ fn profile(grating: &Grating, subject: &str, notes: &mut Vec<String>) -> Result<
         Grating::Lamellar { period_um, height_um, pixels, duty } => {
             check_share(subject, "duty", duty)?;
             let wanted = duty * pixels as f64;
-            // at least one pixel of either level
+            // at least one pixel of each level
             let high = wanted.round().clamp(1.0, pixels.saturating_sub(1).max(1) as f64);
             if (wanted - high).abs() > 1e-9 * wanted {
                 notes.push(format!(
@@ -90,7 +91,7 @@ fn profile(grating: &Grating, subject: &str, notes: &mut Vec<String>) -> Result<
                     high / pixels as f64
                 ));
             }
-            // half a pixel off the edge, where no rounding of t can reach
+            // half a pixel off the edge, so that rounding of t has no effect
             let edge = (high - 0.5) / pixels as f64;
             sample(period_um, height_um, pixels, &|t| f64::from(u8::from(t <= edge)))
         }
@@ -111,7 +112,7 @@ fn profile(grating: &Grating, subject: &str, notes: &mut Vec<String>) -> Result<
     }
 }
 
-/// `N` samples of a height in µm over the period's share `t`.
+/// `N` samples of a height in µm, as a function of the share `t` of the period.
 fn sampled(
     subject: &str,
     period_um: f64,
@@ -130,7 +131,7 @@ fn grid(subject: &str, key: &str, length_um: f64, pixels: usize) -> Result<f64> 
     check_um(subject, key, length_um, f64::MAX)?;
     if !(2..=MAX_SIDE).contains(&pixels) {
         return Err(Error::new(subject, format!("`pixels = {pixels}` is outside 2 to {MAX_SIDE}"))
-            .remedy("a pitch of about 50 nm suits visible light"));
+            .remedy("choose a pitch of about 50 nm for visible light"));
     }
     let pitch_um = length_um / pixels as f64;
     check_pixel(subject, &format!("`{key} = {length_um}` over {pixels} pixels"), pitch_um)?;
@@ -142,5 +143,5 @@ fn check_share(subject: &str, key: &str, share: f64) -> Result<()> {
         return Ok(());
     }
     Err(Error::new(subject, format!("`{key} = {share}` is not between 0 and 1"))
-        .remedy("it is a share of the period"))
+        .remedy("give it as a share of the period"))
 }

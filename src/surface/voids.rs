@@ -1,23 +1,24 @@
-//! Void pixels: places where the instrument has no height, NaN in the file.
+//! Void pixels: pixels without a measured height, NaN in the file.
 
 use crate::error::{Error, Result};
 use crate::surface::HeightField;
 use crate::surface::read::Reading;
 
-/// Largest share of void pixels that is filled. A fifth of a surface that was invented would colour the result.
+/// Maximum share of void pixels that is filled. With more, invented heights would affect the colours.
 pub const MAX_VOID_SHARE: f64 = 0.2;
 
-/// Replaces void pixels (NaN) by a smooth surface through their neighbours, and notes how many there were.
+/// Replaces void pixels (NaN) by a smooth surface through their neighbours, and returns a note with their number.
 ///
-/// The fill grows inwards, ring by ring, from the mean of the known among the eight neighbours, then relaxes towards
-/// the solution of Laplace's equation with the known heights as its boundary and mirrored edges (the file need not be
-/// periodic). It never leaves the range of the known heights. Errors: all void, or more than [`MAX_VOID_SHARE`].
+/// The fill grows inwards ring by ring: each pixel becomes the mean of its known neighbours among eight. It then
+/// relaxes towards the solution of Laplace's equation, with the known heights as boundary and mirrored edges (the file
+/// may not be periodic). It stays within the range of the known heights. It is an error if all pixels are void, or more
+/// than [`MAX_VOID_SHARE`].
 pub fn fill(reading: Reading, subject: &str) -> Result<(HeightField, Vec<String>)> {
     let Reading { columns, rows, pitch_x_um, pitch_y_um, mut heights_um, mut notes, .. } = reading;
     let void: Vec<usize> = (0..heights_um.len()).filter(|&i| heights_um[i].is_nan()).collect();
     if !void.is_empty() {
         let share = void.len() as f64 / heights_um.len() as f64;
-        let remedy = "crop the scan, or fill it in the program that it comes from";
+        let remedy = "crop the scan, or fill the void pixels in the program that exported it";
         if void.len() == heights_um.len() {
             return Err(Error::new(subject, "every pixel is void (NaN)").remedy(remedy));
         }
@@ -38,7 +39,7 @@ pub fn fill(reading: Reading, subject: &str) -> Result<(HeightField, Vec<String>
     Ok((HeightField::new(columns, rows, pitch_x_um, pitch_y_um, heights_um)?, notes))
 }
 
-/// Sets rings of void pixels from known neighbours until none is left.
+/// Fills rings of void pixels from known neighbours until all are filled.
 fn grow(heights: &mut [f64], columns: usize, rows: usize, void: &[usize]) {
     let mean_of_known = |heights: &[f64], at: usize| {
         let (sum, count) = around(at, columns, rows)
@@ -49,7 +50,7 @@ fn grow(heights: &mut [f64], columns: usize, rows: usize, void: &[usize]) {
     };
     let mut ring: Vec<usize> = void.to_vec();
     while !ring.is_empty() {
-        // all of a ring from the state before it, so that the order of pixels does not show
+        // every ring is computed from the state before it, so the order of pixels has no effect
         let values: Vec<(usize, f64)> =
             ring.iter().filter_map(|&at| Some((at, mean_of_known(heights, at)?))).collect();
         for &(at, value) in &values {
@@ -68,7 +69,7 @@ fn grow(heights: &mut [f64], columns: usize, rows: usize, void: &[usize]) {
 
 /// Gauss–Seidel sweeps of the five-point Laplace equation over the void pixels, forwards and backwards in turn.
 fn relax(heights: &mut [f64], columns: usize, rows: usize, void: &[usize]) {
-    // a bounded amount of work: large holes are smooth after growing, small ones converge
+    // the work is bounded: large holes are smooth after growing, small ones converge
     let sweeps = (400_000_000 / void.len()).clamp(4, 400);
     let (low, high) =
         heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));

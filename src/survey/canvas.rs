@@ -1,4 +1,4 @@
-//! A picture to draw on: rectangles, lines, labels, a colour map.
+//! A canvas for rectangles, lines, labels and a colour map.
 
 use crate::encode::{self, Picture};
 use crate::error::Result;
@@ -9,7 +9,7 @@ pub(super) type Colour = [u8; 3];
 
 pub(super) const PAPER: Colour = [255, 255, 255];
 pub(super) const INK: Colour = [40, 40, 40];
-/// Behind what has no value.
+/// Background of places without a value.
 pub(super) const NIGHT: Colour = [18, 18, 22];
 
 /// Pixels of the picture per pixel of the font.
@@ -19,7 +19,7 @@ pub(super) const ADVANCE: i64 = (font::WIDTH as i64 + 1) * FONT_SCALE;
 /// Height of a line of capitals.
 pub(super) const LINE: i64 = 7 * FONT_SCALE;
 
-/// Viridis (van der Walt & Smith 2015, CC0), perceptually uniform, at eighths.
+/// Viridis (van der Walt & Smith 2015, CC0), a perceptually uniform colour map, at multiples of 1/8.
 const VIRIDIS: [Colour; 9] = [
     [68, 1, 84],
     [71, 44, 122],
@@ -32,7 +32,7 @@ const VIRIDIS: [Colour; 9] = [
     [253, 231, 37],
 ];
 
-/// The colour of a share from 0 to 1; beyond, that of the end.
+/// The colour of a number from 0 to 1. Other numbers get the colour of the nearer end.
 pub(super) fn viridis(share: f64) -> Colour {
     let place = share.clamp(0.0, 1.0) * 8.0;
     let low = (place as usize).min(7);
@@ -43,7 +43,7 @@ pub(super) fn viridis(share: f64) -> Colour {
     [0, 1, 2].map(|c| mix(c).round() as u8)
 }
 
-/// Where a label stands relative to its point.
+/// Position of a label relative to its point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Align {
     Left,
@@ -60,7 +60,7 @@ impl Canvas {
         Canvas(Picture { width, height, texels })
     }
 
-    /// Sets a pixel; nothing happens outside the picture.
+    /// Sets a pixel. Pixels outside the picture are ignored.
     pub(super) fn set(&mut self, x: i64, y: i64, colour: Colour) {
         if let (Ok(x), Ok(y)) = (u32::try_from(x), u32::try_from(y))
             && x < self.0.width

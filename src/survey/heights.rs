@@ -6,16 +6,16 @@ use crate::surface::HeightField;
 use super::canvas::viridis;
 use super::plot::{Plot, PlotRange};
 
-/// Longest side of the area.
+/// Maximum side of the area.
 const SIDE: f64 = 720.0;
 
-/// Shortest side of the area; a thinner patch is stretched.
+/// Minimum side of the area. A narrower patch is stretched.
 const THIN: f64 = 160.0;
 
-/// Share of the pixels beyond either end of the colours, so that a speck of dust does not take all of them.
+/// Share of the pixels beyond each end of the colour scale, so that a speck of dust does not use up the scale.
 const BEYOND: f64 = 0.002;
 
-/// The heights as PNG: a map, or the profile where they vary along one axis only. Axes in µm from the centre of the patch.
+/// The heights as PNG: a map, or a profile if they vary along one axis only. Axes are in µm from the centre of the patch.
 pub fn height_picture(field: &HeightField, name: &str) -> Result<Vec<u8>> {
     let (columns, rows) = (field.columns(), field.rows());
     let heights = field.heights_um();
@@ -53,7 +53,7 @@ pub fn height_picture(field: &HeightField, name: &str) -> Result<Vec<u8>> {
     plot.canvas.png()
 }
 
-/// The pixels of `count` that the pixel `at` of `total` shows; at least one.
+/// The range of pixels, of `count`, that pixel `at` of `total` shows. It has at least one pixel.
 fn span(at: i64, total: i64, count: usize) -> std::ops::Range<usize> {
     let place = |at: i64| at as usize * count / total as usize;
     let (begin, end) = (place(at), place(at + 1));
@@ -73,7 +73,7 @@ fn inner_range(heights: &[f64]) -> (f64, f64) {
 fn profile(heights: &[f64], along: PlotRange, name: &str) -> Result<Vec<u8>> {
     let range = |f: fn(f64, f64) -> f64, start| heights.iter().copied().fold(start, f);
     let (low, high) = (range(f64::min, f64::INFINITY), range(f64::max, f64::NEG_INFINITY));
-    // a tenth of air above, and ground beneath the lowest place
+    // a margin of a tenth above the highest point, and a base below the lowest
     let extent = if high > low { high - low } else { 1e-3 };
     let (floor, roof) = (low - 0.1 * extent, high + 0.1 * extent);
     let y = PlotRange { low: floor * 1e3, high: roof * 1e3, name: "height, nm".to_owned() };

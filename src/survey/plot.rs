@@ -1,4 +1,4 @@
-//! An area with axes, and a bar that explains its colours.
+//! A plot: an area with axes, and a colour bar.
 
 use super::canvas::{ADVANCE, Align, Canvas, INK, LINE, viridis};
 
@@ -20,7 +20,7 @@ pub(super) struct PlotRange {
 }
 
 impl PlotRange {
-    /// Positions and labels of round numbers, shares of the length from the low end.
+    /// Positions and labels of ticks at round numbers. Positions are shares of the length, from the low end.
     fn ticks(&self) -> Vec<(f64, String)> {
         let extent = self.high - self.low;
         if extent <= 0.0 || !extent.is_finite() {

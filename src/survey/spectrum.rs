@@ -1,4 +1,4 @@
-//! A picture of the light that the surface sends where: the power of its orders at one wavelength.
+//! A picture of where the surface sends light: the power of its orders at one wavelength.
 
 use std::f64::consts::TAU;
 
@@ -12,29 +12,30 @@ use crate::surface::HeightField;
 use super::canvas::{NIGHT, viridis};
 use super::plot::{Plot, PlotRange};
 
-/// Wavelength of the picture, nm; both directions along the normal, so `w = -2`.
+/// Wavelength of the picture, nm. Both directions are along the normal, so `w = -2`.
 const LAMBDA_NM: f64 = 550.0;
 
 /// Side of the area, pixels.
 const SIDE: i64 = 720;
 
-/// How much of the frequency plane is shown, of the radius that can be reached.
+/// Half width of the picture, relative to the maximum frequency that a pair of directions can reach.
 const BEYOND: f64 = 1.12;
 
-/// Half size of an order, pixels, where orders stand apart.
+/// Half size of an order in pixels, if orders are far apart.
 const DOT: f64 = 5.0;
 
-/// Decibels shown below the strongest order, at least and at most.
-const LEAST_DB: f64 = 30.0;
-const MOST_DB: f64 = 80.0;
+/// Minimum and maximum range of the colour scale below the strongest order, dB.
+const MIN_DB: f64 = 30.0;
+const MAX_DB: f64 = 80.0;
 
-/// Powers below this are rounding.
+/// Powers below this are rounding errors, dB.
 const ROUNDING_DB: f64 = -140.0;
 
-/// `|c_rs(z)|²` of `exp(i z h)` as PNG, zero frequency in the middle, in decibels of a mirror's, at 550 nm and `w = -2`.
+/// `|c_rs(z)|²` of `exp(i z h)` as PNG, in decibels relative to a mirror, at 550 nm and `w = -2`. Frequency zero is in
+/// the middle.
 ///
-/// The circle `|f| = 2/λ` holds all that any pair of directions can reach. Orders that stand apart are dots; where a
-/// pixel holds several their mean power is shown.
+/// The circle `|f| = 2/λ` contains all frequencies that pairs of directions can reach. Orders that are far apart are
+/// drawn as dots. A pixel with several orders shows their mean power.
 pub fn spectrum_picture(field: &HeightField, name: &str) -> Result<Vec<u8>> {
     let lambda_um = LAMBDA_NM * 1e-3;
     let reach_cpum = 2.0 / lambda_um;
@@ -87,18 +88,18 @@ fn decibels(power: f64) -> f64 {
     10.0 * power.max(1e-300).log10()
 }
 
-/// From the bulk of the orders to the strongest; what rounding leaves of orders that are not there does not count.
+/// Range from the typical order to the strongest. Rounding errors in place of absent orders do not count.
 fn decibel_range(power: &[f64]) -> (f64, f64) {
     let lit = power.iter().map(|p| decibels(*p)).filter(|db| *db > ROUNDING_DB);
     let mut sorted: Vec<f64> = lit.collect();
     sorted.sort_unstable_by(f64::total_cmp);
-    // by Parseval some order has power, though perhaps beyond what is shown
+    // by Parseval's theorem some order has power, but it may be outside the picture
     let top = sorted.last().copied().unwrap_or(0.0).ceil();
     let bulk = sorted.get(sorted.len() / 100).copied().unwrap_or(0.0).floor();
-    (bulk.clamp(top - MOST_DB, top - LEAST_DB), top)
+    (bulk.clamp(top - MAX_DB, top - MIN_DB), top)
 }
 
-/// What one pixel shows along an axis.
+/// The bins that one pixel shows along an axis.
 struct Place {
     /// Indices of bins in the table.
     bins: std::ops::Range<usize>,
@@ -109,7 +110,7 @@ struct Place {
 /// The pixels along an axis, from the low end.
 struct Line {
     places: Vec<Place>,
-    /// Whether orders are so far apart that they are drawn as dots.
+    /// Whether orders are far enough apart to be drawn as dots.
     is_sparse: bool,
 }
 
@@ -144,7 +145,7 @@ fn circle(plot: &mut Plot, radius: f64) {
     let steps = (TAU * radius * 2.0).ceil();
     for i in 0..steps as i64 {
         let angle = TAU * i as f64 / steps;
-        // sixty dashes and as many gaps
+        // sixty dashes and sixty gaps
         if (angle / TAU * 120.0) as i64 % 2 == 0 {
             let (x, y) = (middle + radius * angle.cos(), middle - radius * angle.sin());
             for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)] {

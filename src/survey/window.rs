@@ -1,4 +1,4 @@
-//! The coherence window against the patch.
+//! The coherence window in comparison with the patch.
 
 use std::f64::consts::TAU;
 
@@ -8,13 +8,14 @@ use crate::optics::{REFERENCE_NM, window_sigma_um};
 use crate::plan::{Coherence, Optics};
 use crate::surface::facts::Facts;
 
-/// Below this `σf·L` the lobes of neighbouring orders are apart: half way between them the amplitude is below 0.05.
+/// Maximum `σf·L` at which the lobes of neighbouring orders count as separate: half way between them the amplitude is
+/// below 0.05.
 const APART: f64 = 0.2;
 
-/// How the lobes of the orders lie; pairs are along x and y.
+/// Width and overlap of the lobes of orders. Pairs are along x and y.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Window {
-    /// The plan's reading of the sum over orders.
+    /// The plan's `coherence`: whether amplitudes or intensities of orders add.
     pub coherence: Coherence,
     /// Coherence length ℓc, µm, at 550 nm.
     pub coherence_um: f64,
@@ -22,18 +23,18 @@ pub struct Window {
     pub sigma_cpum: f64,
     /// The same in bins, `σf·L`.
     pub sigma_bins: [f64; 2],
-    /// Amplitude of an order's lobe half way to the next one, of its peak.
+    /// Amplitude of an order's lobe half way to the next order, relative to its peak.
     pub half_way: [f64; 2],
-    /// Patches of the tiling within the coherence length.
+    /// Number of patches of the tiling within the coherence length.
     pub patches: [f64; 2],
     /// Whether lobes of neighbouring orders overlap.
     pub overlap: [bool; 2],
-    /// What that means, in sentences.
+    /// The consequences, as sentences.
     pub meaning: Vec<String>,
 }
 
 impl Window {
-    /// Compares the window with a patch; a synthetic patch is one period of an endless surface.
+    /// Compares the window with a patch. A synthetic patch is one period of an infinite surface.
     pub fn new(optics: &Optics, facts: &Facts, is_synthetic: bool) -> Window {
         let sigma_cpum = 1.0 / (TAU * window_sigma_um(optics, REFERENCE_NM));
         let sigma_bins = facts.size_um.map(|size_um| sigma_cpum * size_um);
@@ -56,18 +57,18 @@ impl Window {
 fn meaning(optics: &Optics, facts: &Facts, overlap: bool, is_whole: bool) -> Vec<String> {
     let mut lines = Vec::new();
     let text = if overlap {
-        "orders overlap and interfere: `single` is one place of the surface, with its speckle; `ensemble` is the mean over all places"
+        "orders overlap and interfere: `single` shows one place of the surface, with speckle; `ensemble` shows the mean over all places"
     } else {
-        "orders stand apart: `single` and `ensemble` give the same colours"
+        "orders do not overlap: `single` and `ensemble` give the same colours"
     };
     lines.push(text.to_owned());
     if !is_whole {
         let size_um = facts.size_um[0].max(facts.size_um[1]);
         if overlap {
-            lines.push("the patch does not join itself: under `ensemble` its seam adds a streak, unless it is cropped to a near-period or tapered".to_owned());
+            lines.push("the patch does not join itself: with `ensemble` its seam adds a streak, unless the scan is cropped to about a period or tapered".to_owned());
         } else {
             lines.push(format!(
-                "the patch does not join itself, and the window spans {:.0} of its repetitions: sharp orders {:.3} cycles per µm apart are those of the tiling, not of the surface; a larger scan, or `coherence_um` up to {:.1}, avoids them",
+                "the patch does not join itself, and the window spans {:.0} repetitions of it: sharp orders {:.3} cycles per µm apart come from the tiling, not from the surface; to avoid them, use a larger scan, or `coherence_um` of at most {:.1}",
                 optics.coherence_um / size_um,
                 1.0 / size_um,
                 // the window of four standard deviations then spans the patch once

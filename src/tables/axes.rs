@@ -1,10 +1,11 @@
 //! Axes of a table of colours over `(u, v, w)`.
 //!
-//! * **Columns**: the angle of `(u, v)`, in octants of [`octant`], a cheap stand-in for the arc tangent. A count that eight divides
-//!   puts the axes and their bisectors on columns. A turn wider than a texture is cut into pages.
-//! * **Rows**: `asinh(s·|(u, v)|)`: equal steps near the mirror direction, equal ratios away from it, since the integral over
-//!   wavelengths smears what lies at `λ f` in proportion.
-//! * **Layers**: `w²/(4 - |(u, v)|²)` from 0 to 1, which is all there is. The square makes them dense where directions are
+//! * **Columns**: the angle of `(u, v)`, measured by [`octant`], a cheap replacement for the arc tangent. The number of
+//!   columns is a multiple of eight, so the axes and their bisectors lie on columns. A full turn that is wider than a
+//!   texture is divided into pages.
+//! * **Rows**: `asinh(s·|(u, v)|)`: equal steps near the mirror direction, equal ratios away from it, since the
+//!   integral over wavelengths smears a lobe at `λ f` in proportion to the radius.
+//! * **Layers**: `w²/(4 - |(u, v)|²)`, which is always from 0 to 1. The square makes layers denser where directions are
 //!   steep and the phase `2πwh/λ` is large.
 
 use std::f64::consts::{SQRT_2, TAU};
@@ -14,25 +15,25 @@ use serde::Serialize;
 use crate::optics::{REFERENCE_NM, window_sigma_um};
 use crate::plan::{TableFormat, Window};
 
-/// What the sizes of a table of colours aim at.
+/// Targets for the size of a table of colours.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Aim {
-    /// 95th percentile of CIEDE2000.
+    /// Error to aim at, as the 95th percentile of CIEDE2000.
     pub error: f64,
-    /// Most MiB; above them the error is given up.
+    /// Maximum size, MiB. It takes precedence over the error.
     pub mib: f64,
 }
 
 /// Sizes of a table of colours.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BakedAxes {
-    /// Columns of a full turn.
+    /// Number of columns of a full turn.
     pub columns: u32,
-    /// Pages that the turn is cut into; each repeats the first column of the next.
+    /// Number of pages that the turn is divided into. Each ends with the first column of the next.
     pub pages: u32,
-    /// Rows, from the mirror direction to `|(u, v)| = 2`.
+    /// Number of rows, from the mirror direction to `|(u, v)| = 2`.
     pub rows: u32,
-    /// Layers of a page.
+    /// Number of layers of a page.
     pub levels: u32,
     /// The factor `s`.
     pub stretch: f64,
@@ -41,11 +42,12 @@ pub struct BakedAxes {
 }
 
 impl BakedAxes {
-    /// Chooses sizes from the widths of what is on the axes, the error aimed at, and the most bytes. `height_um`: range of
-    /// the heights.
+    /// Chooses sizes from the widths of lobes along the axes, the error to aim at, and the maximum size. `height_um`:
+    /// range of the heights.
     ///
-    /// A lobe's intensity has the deviation `λσf/√2` in `|(u, v)|`, taken at 500 nm; along w the phase turns by `4πH/λ`. Errors of
-    /// linear interpolation go with the square of the steps. The shares of the axes are those that measured best.
+    /// The intensity of a lobe has the standard deviation `λσf/√2` in `|(u, v)|`, here at 500 nm. Along w the phase
+    /// changes by `4πH/λ`. Errors of linear interpolation are proportional to the square of the steps. How they are
+    /// divided among the axes was chosen by measurement.
     pub fn new(window: Window, format: TableFormat, aim: Aim, height_um: f64) -> BakedAxes {
         let sigma_um = window_sigma_um(window, REFERENCE_NM);
         let lobe = WAVELENGTH_UM / (TAU * sigma_um * SQRT_2);
@@ -53,11 +55,11 @@ impl BakedAxes {
         let stretch = (1.0 / (LOBE_ROWS * lobe * PACE)).round().max(1.0);
         let sized = |fineness: f64| {
             let columns = fineness * TAU / (LOBE_COLUMNS * lobe);
-            let pages = (columns / f64::from(MOST_COLUMNS)).ceil().max(1.0) as u32;
+            let pages = (columns / f64::from(MAX_COLUMNS)).ceil().max(1.0) as u32;
             let page = (columns / f64::from(8 * pages)).ceil().clamp(2.0, 1e6) as u32 * 8;
             let pace = (fineness * PACE).round().max(4.0);
             BakedAxes {
-                columns: pages * page.min(MOST_COLUMNS),
+                columns: pages * page.min(MAX_COLUMNS),
                 pages,
                 rows: (pace * (2.0 * stretch).asinh()).ceil() as u32 + 1,
                 levels: (fineness * TURN_LEVELS * turns).ceil() as u32 + 2,
@@ -72,26 +74,26 @@ impl BakedAxes {
         };
         let fits = |axes: &BakedAxes| {
             axes.texels() as f64 * texel <= aim.mib * f64::from(1 << 20)
-                && axes.pages * axes.levels <= MOST_LAYERS
-                && axes.rows <= MOST_COLUMNS
+                && axes.pages * axes.levels <= MAX_LAYERS
+                && axes.rows <= MAX_COLUMNS
         };
         let mut fineness = (STANDARD_ERROR / aim.error).sqrt();
         let mut axes = sized(fineness);
-        while !fits(&axes) && fineness > LEAST_FINENESS {
+        while !fits(&axes) && fineness > MIN_FINENESS {
             fineness *= SHRINKING;
             axes = sized(fineness);
         }
         axes
     }
 
-    /// Texels of the table, repeated columns included.
+    /// Number of texels of the table, including repeated columns.
     pub fn texels(&self) -> u64 {
         u64::from(self.pages * (self.page_columns() + 1))
             * u64::from(self.rows)
             * u64::from(self.levels)
     }
 
-    /// Columns of a page, the repeated one apart.
+    /// Number of columns of a page, without the repeated one.
     pub fn page_columns(&self) -> u32 {
         self.columns / self.pages
     }
@@ -129,36 +131,36 @@ impl BakedAxes {
     }
 }
 
-/// Place in an octant, 0 to 1, of a tangent from 0 to 1: within 0.4 % of the arc tangent's.
+/// Position in an octant, 0 to 1, of a tangent from 0 to 1. It is within 0.4 % of the arc tangent's position.
 pub fn octant(tangent: f64) -> f64 {
     tangent * (BEND - (BEND - 1.0) * tangent)
 }
 
-/// The tangent at a place.
+/// The tangent at a position in an octant, the inverse of [`octant`].
 fn tangent(place: f64) -> f64 {
     let rest = BEND * BEND - 4.0 * (BEND - 1.0) * place;
     (BEND - rest.sqrt()) / (2.0 * (BEND - 1.0))
 }
 
-/// Wavelength that sizes are measured by, µm.
+/// Wavelength at which sizes are chosen, µm.
 const WAVELENGTH_UM: f64 = 0.5;
-/// The error that the following shares belong to.
+/// The error for which the following numbers hold.
 const STANDARD_ERROR: f64 = 0.5;
-/// Columns are this many deviations of a lobe apart, at `|(u, v)| = 1`.
+/// Distance between columns at `|(u, v)| = 1`, in standard deviations of a lobe.
 const LOBE_COLUMNS: f64 = 0.6;
-/// The first rows are this many deviations apart.
+/// Distance between the first rows, in standard deviations of a lobe.
 const LOBE_ROWS: f64 = 0.27;
-/// Rows to a ratio of e: the colour-matching functions are a twentieth of their wavelength wide.
+/// Rows per factor of e in the radius. The colour-matching functions are a twentieth of their wavelength wide.
 const PACE: f64 = 38.0;
-/// Levels to a turn of the phase.
+/// Levels per full turn of the phase.
 const TURN_LEVELS: f64 = 8.5;
-/// Factor by which all axes are made coarser, until the table is small enough.
+/// Factor by which all axes are repeatedly made coarser until the table is small enough.
 const SHRINKING: f64 = 0.98;
-/// Nothing is gained by going on.
-const LEAST_FINENESS: f64 = 1e-3;
-/// Columns of a page, and rows: a multiple of eight, with one more within what every profile allows.
-const MOST_COLUMNS: u32 = 2040;
-/// Layers that every profile allows.
-const MOST_LAYERS: u32 = 256;
+/// Minimum fineness. Below it, coarser axes do not make the table smaller.
+const MIN_FINENESS: f64 = 1e-3;
+/// Maximum number of columns of a page, and of rows: a multiple of eight that, with one column more, fits every profile.
+const MAX_COLUMNS: u32 = 2040;
+/// Maximum number of layers. Every profile allows it.
+const MAX_LAYERS: u32 = 256;
 /// Slope of [`octant`] at 0.
 pub const BEND: f64 = 1.35;

@@ -1,10 +1,10 @@
-//! The wavelength integral done beforehand: colours over `(u, v, w)`, gain apart.
+//! Baking: the wavelength integral computed in advance. Colours over `(u, v, w)`, without the gain.
 //!
-//! `XYZ(u, v, w) = ∫ |P((u, v)/λ; 2πw/λ)|² S(λ) (x̄, ȳ, z̄)(λ) dλ / ∫ S ȳ dλ`, or with the ensemble mean of `|P|²`, on the
-//! axes of [`super::BakedAxes`]. As λ runs over its range, `(u, v)/λ` walks along the radius, so that all rows of a column
-//! share the amplitudes on one line of the frequency plane: the terms of the phase function, each under the coherence
-//! window, at equal steps of frequency. A row takes the wavelengths that fall on those steps, and combines the terms there for
-//! all `w` at once.
+//! `XYZ(u, v, w) = ∫ |P((u, v)/λ; 2πw/λ)|² S(λ) (x̄, ȳ, z̄)(λ) dλ / ∫ S ȳ dλ`, or with the ensemble mean of `|P|²`, on
+//! the axes of [`super::BakedAxes`]. As λ runs over its range, `(u, v)/λ` moves along a radius. So all rows of a column
+//! share the amplitudes on one line of the frequency plane. These are the terms of the phase function, each under the
+//! coherence window, at equal steps of frequency. A row uses the wavelengths that fall on these steps, and combines the
+//! terms there for all `w` at once.
 
 mod line;
 mod sharpen;
@@ -24,7 +24,7 @@ use line::{LANES, Lines, RadiusRow};
 pub use sharpen::sharpen;
 pub use table::{COLOUR_SCALE, shape, table};
 
-/// Colours of a table, `[level][row][column][X, Y, Z]`, columns of a full turn.
+/// Colours of a table, `[level][row][column][X, Y, Z]`. Columns cover a full turn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Colours {
     /// The axes.
@@ -33,8 +33,8 @@ pub struct Colours {
     pub xyz: Vec<[f32; 3]>,
 }
 
-/// Integrates. `done` is called with the number of columns finished since the last call, from any thread; the result is the
-/// same for any number of threads.
+/// Computes the colours. `done` is called with the number of columns finished since the last call, from any thread. The
+/// result does not depend on the number of threads.
 pub fn bake(
     height: &HeightField,
     window: Window,

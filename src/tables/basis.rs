@@ -1,4 +1,4 @@
-//! Expansions `exp(i z h) ≈ phase · Σ_{n<T} a_n(z) b_n(h)` of the phase function, with their bounds.
+//! Expansions `exp(i z h) ≈ phase · Σ_{n<T} a_n(z) b_n(h)` of the phase function, with bounds of their errors.
 
 mod bessel;
 mod curve;
@@ -14,14 +14,14 @@ pub use curve::Curve;
 use curve::{enough_nodes, nodes, series};
 use optimal::{Level, levels, optimal};
 
-/// A term basis laid on one surface.
+/// A term basis for one surface.
 ///
 /// Taylor series: with `x = z_max·(h - origin)` and `τ = z/z_max ∈ [-1, 1]`, `b_n(h) = (i x)^n / n!` and `a_n = τ^n`.
-/// The factor `exp(i z origin)` is a pure phase and cancels in `|P|²`. Written so, no number of the surface enters the
-/// shader, and neither tables nor coefficients leave the range of a 32-bit float.
+/// The factor `exp(i z origin)` is a pure phase and cancels in `|P|²`. In this form the shader contains no number of
+/// the surface, and tables and coefficients stay within the range of a 32-bit float.
 ///
 /// The other bases have functions of their own, `b_n(h) = exp(i z_c (h - origin)) i^m v_n((h - origin)/reach)` and real
-/// `a_n(z)`, which a shader reads from a table at equal steps of `z` in `[-z_max, 0]` and takes as linear in between.
+/// `a_n(z)`. A shader reads these from a table at equal steps of `z` in `[-z_max, 0]`, with linear interpolation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expansion {
     /// Which basis.
@@ -30,27 +30,28 @@ pub struct Expansion {
     pub terms: u32,
     /// Height about which the series is taken, µm.
     pub origin_um: f64,
-    /// Greatest `|h - origin|`, µm.
+    /// Maximum `|h - origin|`, µm.
     pub reach_um: f64,
-    /// Greatest `|z|`, 1/µm: `2·2π/λmin`.
+    /// Maximum `|z|`, 1/µm: `2·2π/λmin`.
     pub z_max: f64,
-    /// Greatest `|z|` that an optimal basis is best for, 1/µm; up to `z_max`, its error grows.
+    /// Maximum `|z|` for which the basis `optimal` is optimised, 1/µm. From there to `z_max` its error grows.
     pub best_z: f64,
-    /// The terms of a basis with functions of its own; of a power series none. Those beyond the last are zero.
+    /// The terms of a basis with functions of its own; empty for a power series. Terms beyond the last are zero.
     pub curves: Vec<Curve>,
-    /// Error after 0, 1, 2 … of these terms.
+    /// Error with 0, 1, 2 … of these terms.
     truncation: Vec<f64>,
 }
 
 impl Expansion {
-    /// Lays a basis on a surface for wavelengths from `min_nm` up, all alike: what a bound asks for.
+    /// A basis for a surface and all wavelengths from `min_nm` up, with equal weight. This is the right choice for a
+    /// bound on the error.
     pub fn new(basis: Basis, terms: u32, height: &HeightField, min_nm: f64) -> Expansion {
         Expansion::best_from(min_nm, basis, terms, height, min_nm)
     }
 
-    /// Lays a basis whose optimum is sought for wavelengths from `best_nm` up, and which holds from `min_nm` up: what
-    /// colours ask for, since a range up to the shortest wavelength makes every term serve light that is hardly seen as much
-    /// as all other. Only the basis `optimal` makes a difference.
+    /// A basis that is optimised for wavelengths from `best_nm` up and is valid from `min_nm` up. This is the right
+    /// choice for colours: if the shortest wavelengths had equal weight, every term would serve light that is hardly
+    /// visible as much as all other light. Only the basis `optimal` depends on `best_nm`.
     pub fn best_from(
         best_nm: f64,
         basis: Basis,
@@ -63,8 +64,8 @@ impl Expansion {
             Basis::TaylorZero => (low_um, high_um - low_um),
             _ => (0.5 * (low_um + high_um), 0.5 * (high_um - low_um)),
         };
-        let z_max = greatest_z(min_nm);
-        let best_z = greatest_z(best_nm.max(min_nm));
+        let z_max = max_z(min_nm);
+        let best_z = max_z(best_nm.max(min_nm));
         let (curves, truncation) = match basis {
             Basis::Taylor | Basis::TaylorZero => (Vec::new(), Vec::new()),
             Basis::Chebyshev => chebyshev(z_max * reach_um),
@@ -81,13 +82,13 @@ impl Expansion {
         Expansion { basis, terms, origin_um, reach_um, z_max, best_z, curves, truncation }
     }
 
-    /// Whether the coefficients are a table; otherwise they are powers of `z/z_max`.
+    /// Whether the coefficients are a table. Otherwise they are powers of `z/z_max`.
     pub fn is_tabulated(&self) -> bool {
         is_tabulated(self.basis)
     }
 
-    /// Bound of the phase function's error for every height of the surface and every `z`, that of the linear
-    /// interpolation between nodes included.
+    /// Bound of the phase function's error for every height of the surface and every `z`, including the error of linear
+    /// interpolation between nodes.
     pub fn bound(&self) -> f64 {
         match self.basis {
             Basis::Taylor | Basis::TaylorZero => remainder(self.z_max * self.reach_um, self.terms),
@@ -95,7 +96,7 @@ impl Expansion {
         }
     }
 
-    /// The same expansion with the fewest terms whose bound is at most `error`.
+    /// The same expansion with the minimum number of terms whose bound is at most `error`.
     #[must_use]
     pub fn with_error(self, error: f64) -> Expansion {
         let x = self.z_max * self.reach_um;
@@ -103,11 +104,11 @@ impl Expansion {
             Basis::Taylor | Basis::TaylorZero => remainder(x, *terms) <= error,
             _ => self.cut(*terms) + self.between(self.nodes_for(*terms)) <= error,
         };
-        let terms = (1..=MOST_TERMS).find(enough).unwrap_or(MOST_TERMS);
+        let terms = (1..=MAX_TERMS).find(enough).unwrap_or(MAX_TERMS);
         Expansion { terms, ..self }
     }
 
-    /// Greatest `|a_n b_n|` of every term.
+    /// Maximum `|a_n b_n|` of every term.
     pub fn term_sizes(&self) -> Vec<f64> {
         let x = self.z_max * self.reach_um;
         let size = |n: u32| match self.curves.get(n as usize) {
@@ -118,7 +119,8 @@ impl Expansion {
         (0..self.terms).map(size).collect()
     }
 
-    /// Middle of the z range that the tables are turned to, 1/µm: only half of it is left to the coefficients.
+    /// Middle of the z range, 1/µm. Its phase is part of the tables, so the coefficients cover only half of the range
+    /// to either side.
     pub fn centre_z(&self) -> f64 {
         if self.basis == Basis::Optimal { -0.5 * self.best_z } else { 0.0 }
     }
@@ -136,21 +138,21 @@ impl Expansion {
         }
     }
 
-    /// Nodes of the table of coefficients, a power of two; 0 without one. Between the nodes the error is a small part of
-    /// that of the terms left out.
+    /// Number of nodes of the table of coefficients, a power of two; 0 without such a table. The error between nodes is
+    /// a small part of the error of the omitted terms.
     pub fn nodes(&self) -> usize {
         if self.is_tabulated() { self.nodes_for(self.terms) } else { 0 }
     }
 
     fn nodes_for(&self, terms: u32) -> usize {
-        let mut count = FEWEST_NODES;
-        while count < MOST_NODES && self.between(count) > INTERPOLATION * self.cut(terms) {
+        let mut count = MIN_NODES;
+        while count < MAX_NODES && self.between(count) > INTERPOLATION * self.cut(terms) {
             count *= 2;
         }
         count
     }
 
-    /// Error of linear interpolation, `δ²/8` times the greatest second derivative, that of `exp(i (z - z_c)(h - origin))`.
+    /// Error of linear interpolation: `δ²/8` times the maximum second derivative of `exp(i (z - z_c)(h - origin))`.
     fn between(&self, count: usize) -> f64 {
         (self.z_max * self.reach_um / (count - 1) as f64).powi(2) / 8.0
     }
@@ -161,22 +163,22 @@ impl Expansion {
     }
 }
 
-/// Whether the coefficients of a basis are a table.
+/// Whether the coefficients of a basis are stored in a table.
 pub fn is_tabulated(basis: Basis) -> bool {
     matches!(basis, Basis::Chebyshev | Basis::Optimal)
 }
 
-/// Fewest nodes of a table of coefficients.
-const FEWEST_NODES: usize = 64;
-/// Most nodes: the width of a texture that every profile allows.
-const MOST_NODES: usize = 2048;
-/// Error of interpolation, in parts of the error of the terms left out.
+/// Minimum number of nodes of a table of coefficients.
+const MIN_NODES: usize = 64;
+/// Maximum number of nodes: every profile allows textures of this width.
+const MAX_NODES: usize = 2048;
+/// Error of interpolation, relative to the error of the omitted terms.
 const INTERPOLATION: f64 = 0.05;
 
-/// Jacobi and Anger: `exp(i phase s x) = Σ (2 - δ_n0) i^n J_n(phase s) T_n(x)`; after `T` terms an error of
-/// `Σ_{n≥T} 2 max|J_n|`.
+/// Jacobi–Anger expansion: `exp(i phase s x) = Σ (2 - δ_n0) i^n J_n(phase s) T_n(x)`. After `T` terms the error is at
+/// most `Σ_{n≥T} 2 max|J_n|`.
 fn chebyshev(phase: f64) -> (Vec<Curve>, Vec<f64>) {
-    let count = enough_nodes(phase).min(MOST_TERMS as usize);
+    let count = enough_nodes(phase).min(MAX_TERMS as usize);
     let twice = |n: usize| if n == 0 { 1.0 } else { 2.0 };
     let values: Vec<Vec<f64>> =
         nodes(enough_nodes(phase)).iter().map(|s| bessel(count, phase * s)).collect();
@@ -187,7 +189,7 @@ fn chebyshev(phase: f64) -> (Vec<Curve>, Vec<f64>) {
         Curve { along_z: series(&along_z), along_h, turns: n as u32 % 4 }
     };
     let at_most = |(n, value): (usize, &f64)| match n {
-        // beyond its argument a function is greatest at the end of the range, before that it is below 1/√2
+        // an order above the argument has its maximum at the end of the range; lower orders are below 1/√2
         _ if n as f64 >= phase => value.abs(),
         0 => 1.0,
         _ => std::f64::consts::FRAC_1_SQRT_2,
@@ -201,8 +203,8 @@ fn chebyshev(phase: f64) -> (Vec<Curve>, Vec<f64>) {
     ((0..count).map(curve).collect(), truncation)
 }
 
-/// Greatest error after every number of terms over the z range and the heights that occur. Both waves and their terms are
-/// even or odd in `s` and in `x`, so that one quadrant shows all.
+/// Maximum error for every number of terms, over the z range and the heights that occur. Cosine, sine and their terms
+/// are even or odd in `s` and in `x`, so one quadrant suffices.
 fn measured(curves: &[Curve], phase: f64, levels: &[Level]) -> Vec<f64> {
     let steps = 4 * enough_nodes(phase);
     let places: Vec<f64> = (0..=steps).map(|i| i as f64 / steps as f64).collect();
@@ -211,12 +213,12 @@ fn measured(curves: &[Curve], phase: f64, levels: &[Level]) -> Vec<f64> {
     let wave = |s: &f64, x: &f64| (phase * s * x).sin_cos();
     let mut rest: Vec<(f64, f64)> =
         places.iter().flat_map(|s| heights.iter().map(move |x| wave(s, x))).collect();
-    let greatest = |rest: &[(f64, f64)]| {
+    let largest = |rest: &[(f64, f64)]| {
         let squared =
-            rest.iter().fold(0.0, |most: f64, (odd, even)| most.max(odd * odd + even * even));
+            rest.iter().fold(0.0, |max: f64, (odd, even)| max.max(odd * odd + even * even));
         SLACK * squared.sqrt()
     };
-    let mut found = vec![greatest(&rest)];
+    let mut found = vec![largest(&rest)];
     for curve in curves {
         let along_h: Vec<f64> = heights.iter().map(|x| curve.height(*x)).collect();
         for (row, s) in rest.chunks_mut(heights.len()).zip(&places) {
@@ -225,19 +227,19 @@ fn measured(curves: &[Curve], phase: f64, levels: &[Level]) -> Vec<f64> {
                 *(if curve.turns == 1 { odd } else { even }) -= coefficient * b;
             }
         }
-        found.push(greatest(&rest));
+        found.push(largest(&rest));
     }
     found
 }
 
-/// Room for what lies between the places looked at.
+/// Allowance for errors between the sampled points.
 const SLACK: f64 = 1.02;
 
-/// More terms than this are never chosen nor accepted.
-pub const MOST_TERMS: u32 = 200;
+/// Maximum number of terms, chosen or configured.
+pub const MAX_TERMS: u32 = 200;
 
-/// Greatest `|z| = k|w|` at wavelengths from `min_nm` up: both directions along the normal.
-pub fn greatest_z(min_nm: f64) -> f64 {
+/// Maximum `|z| = k|w|` at wavelengths from `min_nm` up. It occurs with both directions along the normal.
+pub fn max_z(min_nm: f64) -> f64 {
     2.0 * std::f64::consts::TAU / (min_nm * 1e-3)
 }
 
@@ -246,8 +248,8 @@ pub fn remainder(x: f64, terms: u32) -> f64 {
     (1..=terms).fold(1.0, |product, n| product * x.abs() / f64::from(n))
 }
 
-/// The bound that the texts derive after Lagrange, `exp(x)·x^(N+1)/(N+1)!` for the polynomial of degree `N`; larger than
-/// [`remainder`] by `exp(x)`, because it bounds the derivatives of a real exponential.
+/// The bound that the texts derive from Lagrange's remainder, `exp(x)·x^(N+1)/(N+1)!` for the polynomial of degree `N`.
+/// It is larger than [`remainder`] by a factor of `exp(x)`, because it bounds the derivatives of a real exponential.
 pub fn lagrange_bound(x: f64, degree: u32) -> f64 {
     x.exp() * remainder(x, degree + 1)
 }
@@ -257,7 +259,7 @@ mod tests {
     use super::*;
     use rustfft::num_complex::Complex64;
 
-    /// The figures of the texts: x_max = 1.5π.
+    /// The numbers of the texts, for x_max = 1.5π.
     #[test]
     fn lagrange_bound_of_the_texts() {
         let x = 1.5 * std::f64::consts::PI;
@@ -267,7 +269,7 @@ mod tests {
         }
     }
 
-    /// Range 0.36 µm, sup error 1e-2: 19 terms centred, 35 from zero; and the bound holds.
+    /// For a range of 0.36 µm and a maximum error of 1e-2, 19 centred terms are needed, or 35 from zero; and the bound holds.
     #[test]
     fn term_counts_for_one_percent_and_the_bound_is_one() {
         let height = HeightField::new(2, 1, 0.05, 0.05, vec![0.1, 0.46]).expect("valid");

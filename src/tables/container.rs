@@ -1,7 +1,7 @@
-//! Tables in files that engines read: KTX2, as the texture that it is, and OpenEXR, its layers side by side.
+//! Tables in files that engines can read: KTX2 with the texture as it is, and OpenEXR with the layers side by side.
 //!
-//! The raw texels remain the normative form; a container holds the same bits, not compressed, so that its bytes depend
-//! on nothing but the texels.
+//! The raw texels remain the normative form. A container has the same bits, uncompressed, so its bytes depend only on
+//! the texels.
 
 mod ktx2;
 mod openexr;
@@ -27,14 +27,14 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// Bytes of the texels, if a file can have as many.
+    /// Bytes of the texels, if this number does not overflow.
     pub fn byte_count(&self) -> Option<usize> {
         [self.height, self.layers.max(1), self.format.texel_bytes()]
             .iter()
             .try_fold(self.width, |product, factor| product.checked_mul(*factor))
     }
 
-    /// Numbers in a layer.
+    /// Number of numbers in a layer.
     pub fn layer_numbers(&self) -> usize {
         self.width.saturating_mul(self.height).saturating_mul(self.format.channels())
     }
@@ -48,24 +48,24 @@ impl Table {
     }
 }
 
-/// Where the layers of a table lie in a picture: row by row, from its upper left.
+/// Positions of a table's layers in a picture: row by row, from the upper left.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Atlas {
-    /// Layers in a row of the picture.
+    /// Number of layers in a row of the picture.
     pub columns: usize,
-    /// Rows of layers; the last may be incomplete, its rest is 0.
+    /// Number of rows of layers. The last row may be incomplete; unused pixels are 0.
     pub rows: usize,
     /// Width of the picture.
     pub width: usize,
     /// Height of the picture.
     pub height: usize,
-    /// Texel `(column, row)` of layer `n` is pixel `(x + column, y + row)`, where `[x, y]` is element `n`; pixel (0, 0) is
-    /// the upper left one.
+    /// Element `n` is `[x, y]`: texel `(column, row)` of layer `n` is pixel `(x + column, y + row)` of the picture.
+    /// Pixel (0, 0) is at the upper left.
     pub offsets: Vec<[usize; 2]>,
 }
 
 impl Atlas {
-    /// As few columns as make the picture at least as wide as it is high.
+    /// The minimum number of columns for which the picture is at least as wide as high.
     pub fn new(shape: &Shape) -> Atlas {
         let Shape { width, height, layers, .. } = *shape;
         let layers = layers.max(1);
@@ -83,18 +83,18 @@ impl Atlas {
     }
 }
 
-/// What the description of a table says about a container.
+/// A container in the description of a table.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ContainerEntry {
-    /// File beside the description.
+    /// Name of the file, in the folder of the description.
     pub file: String,
-    /// `VkFormat`, of KTX2.
+    /// For KTX2: the `VkFormat`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vk_format: Option<&'static str>,
-    /// Names of the channels in the order of the table's, of OpenEXR.
+    /// For OpenEXR: names of the channels, in the order of the table's channels.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channels: Option<&'static [&'static str]>,
-    /// Where the layers lie, of OpenEXR.
+    /// For OpenEXR: positions of the layers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub atlas: Option<Atlas>,
 }
@@ -116,10 +116,10 @@ pub fn entry(container: Container, shape: &Shape, id: &str) -> ContainerEntry {
     }
 }
 
-/// The file of a table whose raw texels are given.
+/// The file of a table with these raw texels.
 pub fn encode(container: Container, shape: &Shape, texels: &[u8]) -> Result<Vec<u8>> {
     if shape.byte_count() != Some(texels.len()) {
-        return Err(failed(container, "the texels do not have the size of the table"));
+        return Err(failed(container, "the number of texels does not match the size of the table"));
     }
     match container {
         Container::Ktx2 => ktx2::encode(shape, texels),
@@ -127,13 +127,13 @@ pub fn encode(container: Container, shape: &Shape, texels: &[u8]) -> Result<Vec<
     }
 }
 
-/// The raw texels of a file that [`encode`] made; `None` of any other file, or of a table of another shape.
+/// The raw texels of a file that [`encode`] wrote. `None` for any other file, and for a table of another shape.
 pub fn decode(container: Container, shape: &Shape, file: &[u8]) -> Option<Vec<u8>> {
     let texels = match container {
         Container::Ktx2 => ktx2::texels(shape, file),
         Container::Exr => openexr::texels(shape, file),
     }?;
-    // everything that is not a texel is as it should be
+    // checks all bytes of the file that are not texels
     (encode(container, shape, &texels).ok()? == file).then_some(texels)
 }
 

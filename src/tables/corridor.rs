@@ -7,44 +7,46 @@ use serde::Serialize;
 use crate::optics;
 use crate::plan::{CoherenceScaling, Wavelengths, Window};
 
-/// Lobes end at this many standard deviations of the window in the frequency plane; `exp(-4²)` of the peak is left.
+/// Lobes are cut at this many standard deviations of the window in the frequency plane, where they are `exp(-4²)` of the peak.
 pub const REACH_SIGMAS: f64 = 4.0;
-/// The broadest of the narrow lobes, in distances of the nodes that broader ones are taken at.
+/// Width of the broadest narrow lobe, in distances between the nodes of broad lobes.
 pub const BROADEST: f64 = 4.0;
-/// Nodes beyond each end of the range: the lobe of a node is as wide as the nodes are apart, `exp(-9)` is left out.
+/// Number of nodes beyond each end of the range. The lobe of a node is as wide as the distance between nodes, so only
+/// `exp(-9)` is omitted.
 pub const OUTER_NODES: u32 = 2;
-/// Colour weights change by their own size over this wavenumber at the fastest, 1/µm: 15 nm in the middle of the spectrum.
+/// Shortest interval of wavenumbers over which colour weights change by their own size, 1/µm. It is 15 nm in the middle
+/// of the spectrum.
 const FASTEST_CHANGE: f64 = 0.05;
-/// Greatest width of a narrow lobe, 1/µm, however flat the surface: colours differ within it.
-const GREATEST_WIDTH: f64 = 0.06;
-/// Greatest phase `2π w H s`, `|w| = 2`, of an intensity over a narrow lobe of width `s`. Taken at two wavenumbers it errs by
-/// the phase's fourth power over 48 of the amplitude's square.
-const GREATEST_PHASE: f64 = 0.5;
-/// Greatest error of the colours of a lobe between two columns of their table, linear.
+/// Maximum width of a narrow lobe, 1/µm, even on flat surfaces, because colours vary within the lobe.
+const MAX_WIDTH: f64 = 0.06;
+/// Maximum phase `2π w H s`, `|w| = 2`, of an intensity over a narrow lobe of width `s`. An intensity that is evaluated
+/// at two wavenumbers has an error of 1/48 of the phase's fourth power, relative to the amplitude's square.
+const MAX_PHASE: f64 = 0.5;
+/// Maximum error of a lobe's colours by linear interpolation between two columns of their table.
 const COLUMN_ERROR: f64 = 1e-3;
-/// Greatest error of the colours of a lobe by the nearest row, where colours change fastest.
+/// Maximum error of a lobe's colours by taking the nearest row, where colours change fastest.
 const ROW_ERROR: f64 = 2e-2;
-/// Most columns and rows: a texture that every profile allows.
-const MOST_TEXELS: f64 = 2048.0;
-/// Most nodes, but for those beyond the ends.
-const MOST_NODES: u32 = 1024;
+/// Maximum number of columns and of rows: every profile allows textures of this size.
+const MAX_TEXELS: f64 = 2048.0;
+/// Maximum number of nodes, without those beyond the ends.
+const MAX_NODES: u32 = 1024;
 
 /// Static bounds of the loops over bins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Corridor {
-    /// Most bins that are looked at: all of a strip along the segment, or about all nodes.
+    /// Maximum number of bins that are examined: all bins of a strip along the segment, or all bins about the nodes.
     pub candidates: u32,
-    /// Bins across the strip, or across a node.
+    /// Number of bins across the strip, or across a node.
     pub minors: u32,
-    /// Nodes of broad lobes.
+    /// Number of nodes of broad lobes.
     pub nodes: u32,
-    /// Columns (or rows) about a node.
+    /// Number of columns (or rows) of bins about a node.
     pub node_bins: u32,
-    /// Columns of the table of narrow lobes.
+    /// Number of columns of the table of narrow lobes.
     pub columns: u32,
-    /// Rows of each of its two parts.
+    /// Number of rows of each of its two parts.
     pub rows: u32,
-    /// Bins beyond the end of the segment, along x and y.
+    /// Number of bins beyond the end of the segment, along x and y.
     pub margin: [u32; 2],
 }
 
@@ -53,7 +55,7 @@ pub struct Corridor {
 pub struct LobeGeometry {
     /// Patch size.
     pub patch_um: [f64; 2],
-    /// Least and greatest wavenumber.
+    /// Minimum and maximum wavenumber.
     pub range: [f64; 2],
     /// Whether the window follows the wavelength.
     pub scales: bool,
@@ -62,7 +64,7 @@ pub struct LobeGeometry {
 }
 
 impl LobeGeometry {
-    /// Lays a window and a range of wavelengths on a patch.
+    /// The geometry of a window and a range of wavelengths on a patch.
     pub fn new(window: Window, waves: &Wavelengths, patch_um: [f64; 2]) -> LobeGeometry {
         let sigma_um = optics::window_sigma_um(window, optics::REFERENCE_NM);
         LobeGeometry {
@@ -84,16 +86,16 @@ impl LobeGeometry {
         REACH_SIGMAS * self.sigma_at(self.range[1])
     }
 
-    /// `σf·L` in bins on each axis, the largest over the wavelengths: above about 0.2 neighbouring lobes interfere.
+    /// Maximum `σf·L` over the wavelengths, in bins on each axis. Above about 0.2 neighbouring lobes interfere.
     pub fn sigma_bins(&self) -> [f64; 2] {
         self.patch_um.map(|size_um| self.sigma_at(self.range[1]) * size_um)
     }
 
-    /// Bounds of the loops for a surface of a height range, µm; `|u|, |v| ≤ 2`.
+    /// Bounds of the loops for a surface with a height range in µm; `|u|, |v| ≤ 2`.
     pub fn corridor(&self, height_um: f64) -> Corridor {
         let reach = self.reach_cpum();
         let longest = self.patch_um[0].max(self.patch_um[1]);
-        // an interval of that length holds at most one bin more than fits
+        // an interval contains at most one bin more than its length in bins, rounded down
         let across = |cpum: f64| (cpum * longest).floor() as u32 + 1;
         let nodes = self.nodes(height_um);
         let (majors, minors) = (
@@ -101,7 +103,8 @@ impl LobeGeometry {
             across(2.0 * SQRT_2 * reach),
         );
         let node_bins = across(2.0 * reach);
-        // the strip across a slanting segment is wider than the corridor; nodes beyond the range lie where lobes are broad
+        // the strip across a slanted segment is wider than the corridor; nodes beyond the range exist only where lobes
+        // are broad
         let outer = f64::from(OUTER_NODES) * (2.0 * self.pace(nodes)).min(reach);
         let margin = |size_um: f64| ((SQRT_2 * reach + outer) * size_um).floor() as u32 + 1;
         let [columns, rows] = if nodes == 1 { [1, 0] } else { self.resolution(nodes) };
@@ -116,31 +119,32 @@ impl LobeGeometry {
         }
     }
 
-    /// Whether the narrow lobes of a row of the table are taken at two wavenumbers. The same as `lobe_halves` of the template.
+    /// Whether the narrow lobes in a row of the table are evaluated at two wavenumbers. The template's `lobe_halves`
+    /// has the same condition.
     pub fn is_halved(row: u32, rows: u32) -> bool {
         4 * row >= rows
     }
 
-    /// Columns and rows of the table of narrow lobes: linear between columns errs by `δ²/8` of the second derivative, the
-    /// nearest row by `s δs/2` of it.
+    /// Number of columns and rows of the table of narrow lobes. The error between columns is `δ²/8` times the second
+    /// derivative (linear interpolation), the error of the nearest row `s δs/2` times.
     fn resolution(&self, nodes: u32) -> [u32; 2] {
         let [low, high] = self.middles(nodes);
         let columns = (high - low) / (FASTEST_CHANGE * (8.0 * COLUMN_ERROR).sqrt());
         let width = BROADEST * self.pace(nodes) * self.sigma_at(self.range[1])
             / self.sigma_at(self.range[0]);
         let rows = (width / FASTEST_CHANGE).powi(2) / (4.0 * ROW_ERROR);
-        let count = |most: f64| most.ceil().clamp(8.0, MOST_TEXELS - 3.0) as u32 + 1;
+        let count = |number: f64| number.ceil().clamp(8.0, MAX_TEXELS - 3.0) as u32 + 1;
         [count(columns).max(nodes), count(rows)]
     }
 
-    /// Wavenumbers over which the lobe of a frequency is crossed by `f = uv·t`, within the range; none when the first is
-    /// above the second. The same as `lobe_span` of the template.
+    /// First and last wavenumber at which `f = uv·t` crosses the lobe of a frequency, within the range. If the first is
+    /// above the second, it does not cross the lobe.
     pub fn span(&self, place: [f64; 2], uv: [f64; 2]) -> [f64; 2] {
         let along = uv[0] * place[0] + uv[1] * place[1];
         let half = REACH_SIGMAS / SQRT_2 * self.sigma_cpum;
-        let squared = |v: [f64; 2]| (v[0] * v[0] + v[1] * v[1]).max(LEAST_SQUARED);
+        let squared = |v: [f64; 2]| (v[0] * v[0] + v[1] * v[1]).max(MIN_SQUARED);
         if self.scales {
-            // a Gaussian in λ: the window's spectrum at λ is that at 550 nm, wider by 550 nm/λ
+            // a Gaussian in λ: the window's spectrum at λ is the spectrum at 550 nm, wider by a factor of 550 nm/λ
             let half_um = half * optics::REFERENCE_NM * 1e-3 / squared(place).sqrt();
             let centre_um = along / squared(place);
             let low_um = (centre_um - half_um).max(1.0 / self.range[1]);
@@ -153,7 +157,7 @@ impl LobeGeometry {
         }
     }
 
-    /// Every bin of a direction's corridor whose lobe is crossed, with the wavenumbers of the crossing.
+    /// Every bin of a direction's corridor whose lobe the segment crosses, with the wavenumbers of the crossing.
     pub fn bins(&self, uv: [f64; 2]) -> Vec<([i64; 2], [f64; 2])> {
         let reach = self.reach_cpum();
         let upright = uv[1].abs() > uv[0].abs();
@@ -182,21 +186,21 @@ impl LobeGeometry {
         found
     }
 
-    /// Nodes of broad lobes for a surface of a height range, µm; a single one where there is one wavelength.
+    /// Number of nodes of broad lobes for a surface with a height range in µm. It is 1 for a single wavelength.
     fn nodes(&self, height_um: f64) -> u32 {
         let range = self.range[1] - self.range[0];
         if range <= 0.0 {
             return 1;
         }
-        // the greatest phase of an intensity per wavenumber
+        // maximum change of an intensity's phase per wavenumber
         let turn = 4.0 * PI * height_um;
-        let width = (GREATEST_PHASE / turn).min(GREATEST_WIDTH);
-        // of a window that follows the wavelength, lobes are broader at the other end
+        let width = (MAX_PHASE / turn).min(MAX_WIDTH);
+        // if the window depends on the wavelength, lobes are broader at the other end of the range
         let pace = width / BROADEST * self.sigma_at(self.range[0]) / self.sigma_at(self.range[1]);
-        ((range / pace).ceil() as u32).min(MOST_NODES) + 1 + 2 * OUTER_NODES
+        ((range / pace).ceil() as u32).min(MAX_NODES) + 1 + 2 * OUTER_NODES
     }
 
-    /// Bins within reach of a node.
+    /// Number of bins within reach of a node.
     pub fn node_bins(&self, uv: [f64; 2], node: u32, nodes: u32) -> u64 {
         let wavenumber = self.node(node, nodes);
         let reach = REACH_SIGMAS * self.sigma_at(wavenumber);
@@ -220,26 +224,26 @@ impl LobeGeometry {
         self.range[0] + (f64::from(node) - f64::from(OUTER_NODES)) * self.pace(nodes)
     }
 
-    /// Least and greatest middle of a narrow lobe that the table of their colours has: the range, and how far the broadest
-    /// reaches.
+    /// Minimum and maximum centre of narrow lobes in the table of their colours: the range of wavenumbers, extended by
+    /// the reach of the broadest narrow lobe.
     pub fn middles(&self, nodes: u32) -> [f64; 2] {
         let margin = REACH_SIGMAS / SQRT_2 * BROADEST * self.pace(nodes);
         let [low, high] = self.range;
         [low - margin, high + margin * self.sigma_at(high) / self.sigma_at(low)]
     }
 
-    /// Distance of the nodes.
+    /// Distance between nodes.
     pub fn pace(&self, nodes: u32) -> f64 {
         (self.range[1] - self.range[0])
             / f64::from(nodes.max(2 + 2 * OUTER_NODES) - 1 - 2 * OUTER_NODES)
     }
 
-    /// Width of the lobes of a direction over that of the broadest narrow ones; from 1 on they are broad.
+    /// Width of the lobes of a direction, relative to the broadest narrow lobe. Lobes of 1 or more are broad.
     pub fn breadth(&self, uv: [f64; 2], nodes: u32) -> f64 {
-        let length = (uv[0] * uv[0] + uv[1] * uv[1]).max(LEAST_SQUARED).sqrt();
+        let length = (uv[0] * uv[0] + uv[1] * uv[1]).max(MIN_SQUARED).sqrt();
         self.sigma_at(self.range[0]) / (BROADEST * self.pace(nodes) * length)
     }
 }
 
-/// Squares of lengths are not taken smaller than this, so that nothing is divided by zero.
-pub const LEAST_SQUARED: f64 = 1e-12;
+/// Minimum of squared lengths, to avoid divisions by zero.
+pub const MIN_SQUARED: f64 = 1e-12;

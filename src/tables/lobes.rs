@@ -1,4 +1,4 @@
-//! The colours of lobes: a Gaussian of wavenumbers under the colour weights, for sums over lobes.
+//! The colours of lobes for sums over lobes: integrals of the colour weights under a Gaussian of wavenumbers.
 
 use std::f64::consts::{PI, SQRT_2};
 
@@ -9,10 +9,11 @@ use crate::optics::spectrum::Sample;
 use super::corridor::{BROADEST, LobeGeometry, REACH_SIGMAS};
 use super::{Settings, Table, lobe_table};
 
-/// Nodes of the midpoint rule over a lobe, cut to the range; whole ones of 4√2 standard deviations are exact to 1e-9.
+/// Number of nodes of the midpoint rule over a lobe, which is cut to the range. Over a whole lobe of 4√2 standard
+/// deviations the rule is exact to 1e-9.
 const STEPS: u32 = 64;
 
-/// The spectrum table; `samples` are the colour weights per 1/µm at equal steps of the wavenumber over the range.
+/// The spectrum table. `samples` are the colour weights per 1/µm, at equal steps of the wavenumber over the range.
 pub fn lobes_table(
     samples: &[Sample],
     lobes: &LobeGeometry,
@@ -24,11 +25,11 @@ pub fn lobes_table(
     let pace = lobes.pace(count);
     let broad = |node: u32| {
         let bell = |t: f64, other: u32| (-((t - lobes.node(other, count)) / pace).powi(2)).exp();
-        // together the nodes weigh every wavenumber once
+        // the kernels of all nodes add up to 1 at every wavenumber
         let kernel = |t: f64| bell(t, node) / (0..count).map(|other| bell(t, other)).sum::<f64>();
         let middle = lobes.node(node, count);
         let reach = REACH_SIGMAS * pace;
-        // at the node itself: the bells reproduce what is linear in the wavenumber, for every colour
+        // at the node itself: the kernels reproduce linear functions of the wavenumber, for every colour
         let Moments { xyz: [x, y, z], .. } =
             weights.integral([middle - reach, middle + reach], kernel);
         [x, y, z, 1.0 / middle.clamp(lobes.range[0], lobes.range[1])]
@@ -55,7 +56,7 @@ struct Weights<'a> {
 }
 
 impl Weights<'_> {
-    /// A narrow lobe that is so wide at the long end of the range, over `σf/|(u, v)|` of 1/µm.
+    /// A narrow lobe. `width` is its width at the long-wavelength end of the range, `σf/|(u, v)|` in 1/µm.
     fn narrow(&self, middle: f64, width: f64) -> Moments {
         let LobeGeometry { range: [low, high], scales, .. } = *self.lobes;
         if width == 0.0 {
@@ -77,7 +78,7 @@ impl Weights<'_> {
         self.integral(span, lobe)
     }
 
-    /// The light under a kernel between two wavenumbers.
+    /// Moments of the light under a kernel between two wavenumbers.
     fn integral(&self, [from, to]: [f64; 2], kernel: impl Fn(f64) -> f64) -> Moments {
         let [low, high] = self.lobes.range;
         let (from, to) = (from.max(low), to.min(high));
@@ -103,7 +104,7 @@ impl Weights<'_> {
         Moments { xyz, shift, mean: mean.clamp(low, high), deviation }
     }
 
-    /// The weights at a wavenumber, linear between the samples, nothing outside.
+    /// The weights at a wavenumber: linear between samples, zero outside.
     fn at(&self, t: f64) -> [f64; 3] {
         let [low, high] = self.lobes.range;
         if t < low || t > high {
@@ -118,7 +119,7 @@ impl Weights<'_> {
     }
 }
 
-/// What is known of the light of a lobe; wavenumbers in 1/µm.
+/// Moments of the light of a lobe; wavenumbers in 1/µm.
 struct Moments {
     /// X, Y, Z.
     xyz: [f64; 3],
@@ -126,20 +127,20 @@ struct Moments {
     shift: [f64; 3],
     /// Mean wavenumber of all light.
     mean: f64,
-    /// Standard deviation of it.
+    /// Standard deviation of the wavenumber of all light.
     deviation: f64,
 }
 
 impl Moments {
-    /// All light at the mean, and nothing beside it.
+    /// All light at the mean wavenumber. The second half is zero.
     fn whole(&self) -> ([f64; 4], [f64; 4]) {
         let [x, y, z] = self.xyz;
         let wavelength_um = 1.0 / self.mean;
         ([x, y, z, wavelength_um], [0.0, 0.0, 0.0, wavelength_um])
     }
 
-    /// The light at one standard deviation below and above the mean, so that X, Y, Z, their first moments and the second one
-    /// of all light are right: Gauss's rule of two nodes.
+    /// The light at one standard deviation below and above the mean: Gauss's rule with two nodes. It preserves X, Y, Z,
+    /// their first moments, and the second moment of all light.
     fn halves(&self) -> ([f64; 4], [f64; 4]) {
         if self.deviation == 0.0 {
             return self.whole();

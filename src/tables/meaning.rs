@@ -1,4 +1,4 @@
-//! What the numbers of a table mean, in words.
+//! The meaning of a table's numbers, in words.
 
 use std::collections::BTreeMap;
 
@@ -8,24 +8,24 @@ use super::bake::COLOUR_SCALE;
 use super::spec::{CoefficientsSpec, LobesSpec};
 use super::{BakedAxes, Series, TableSpec, TermScale};
 
-/// Levels of `|(u, v)|`, from 0 to 2, each with wavelength nodes of its own.
+/// Number of levels of `|(u, v)|`, from 0 to 2, each with wavelength nodes of its own.
 pub const NODE_LEVELS: u32 = 64;
 
-/// What channels and axes of a table hold.
+/// Meaning of the channels and axes of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Meaning {
-    /// Of each channel.
+    /// Meaning of each channel.
     pub channels: Vec<String>,
-    /// Of columns, rows and layers, where there are some.
+    /// Meaning of columns, rows and layers. A plain texture has no entry for layers.
     pub axes: BTreeMap<&'static str, String>,
-    /// Factor from stored to meant numbers.
+    /// Factor that the stored numbers are to be multiplied by.
     pub scale: f64,
-    /// Factors of the terms, one by one, of a table whose terms have scales of their own.
+    /// One factor for each term, if terms have scales of their own.
     pub term_scales: Vec<f64>,
 }
 
 impl TableSpec {
-    /// What its numbers mean.
+    /// The meaning of the table's numbers.
     pub fn meaning(&self) -> Meaning {
         let (channels, axes) = match self {
             TableSpec::Terms(spec) => terms(&spec.series),
@@ -67,7 +67,7 @@ fn terms(series: &Series) -> Words {
     let bin = |axis: &str, centre: usize, l: f64| match series.grid {
         None => format!("bin {axis} = index - {centre}, frequency bin/{l} cycles per µm"),
         Some(_) => format!(
-            "frequency (index - {centre})/{l} cycles per µm, linear between; the coherence window is in it"
+            "frequency (index - {centre})/{l} cycles per µm, linear between; the terms contain the coherence window"
         ),
     };
     let axes = BTreeMap::from([
@@ -90,7 +90,7 @@ fn terms(series: &Series) -> Words {
 fn coefficients(spec: &CoefficientsSpec) -> Words {
     let channels = [0, 1, 2, 3].map(|c| format!("coefficient of term 4 row + {c}"));
     let (last, z_max) = (spec.columns() - 1, spec.z_max());
-    let between = if spec.nearest() { "the nearest counts" } else { "linear between" };
+    let between = if spec.nearest() { "take the nearest" } else { "linear between" };
     let column = format!("z = (index/{last} - 1)·{z_max} per µm, z = 2π w/wavelength; {between}");
     let axes = BTreeMap::from([("column", column), ("row", "four terms each".to_owned())]);
     (channels.to_vec(), axes)
@@ -112,12 +112,14 @@ fn lobes(spec: &LobesSpec) -> Words {
     let axes = BTreeMap::from([
         (
             "column",
-            format!("middle of the lobe, equal steps from {low} to {high} per µm; of row 0, node"),
+            format!(
+                "centre of the lobe, in equal steps from {low} to {high} per µm; in row 0, the node"
+            ),
         ),
         (
             "row",
             format!(
-                "{rows}; from 2: lobes over their width, from 0 to the broadest in equal steps, then their second halves"
+                "{rows}; from 2: narrow lobes divided by their width, in equal steps of the width from 0 to the broadest; then the same rows for their second halves"
             ),
         ),
     ]);
@@ -128,7 +130,7 @@ fn levels([min_nm, max_nm]: [f64; 2]) -> Words {
     let channels = ["X weight", "Y weight", "Z weight", "wavelength in µm, 0 after the last node"];
     let column = format!("wavelength node, {max_nm} to {min_nm} nm");
     let level = format!(
-        "the nodes of |(u, v)| below 2/{NODE_LEVELS}; row 2 on: those of the next levels, each as wide"
+        "the nodes for |(u, v)| below 2/{NODE_LEVELS}; from 2: the nodes of the next levels, of the same width"
     );
     let axes = BTreeMap::from([("column", column), ("row", row(&level))]);
     (channels.map(str::to_owned).into(), axes)
@@ -143,14 +145,14 @@ fn colours(channels: usize, axes: &BakedAxes) -> Words {
         (
             "column",
             format!(
-                "angle of (u, v): index + {page} times the page is {columns}/8 times the octant and t (1.35 - 0.35 t), t the smaller over the larger of |u| and |v| (or 1 minus that, where the octant runs back); the last column repeats the first of the next page"
+                "angle of (u, v): index + {page}·page = {columns}/8·(octant + p), where p = t (1.35 - 0.35 t), or 1 minus that in octants that run backwards, and t is the smaller of |u| and |v| divided by the larger; the last column of a page repeats the first of the next page"
             ),
         ),
         ("row", format!("{pace} asinh({stretch} |(u, v)|)")),
         (
             "layer",
             format!(
-                "{levels} times the page, of {pages}, plus {} w²/(4 - u² - v²); linear between",
+                "{levels}·page + {} w²/(4 - u² - v²), for {pages} pages counted from 0; linear between",
                 levels - 1
             ),
         ),
@@ -174,6 +176,6 @@ fn grating() -> Words {
 
 fn row(first: &str) -> String {
     format!(
-        "0: {first}; 1: first texel holds cosine and sine of the surface's rotation, scale of the first term, ratio of the scales of successive terms"
+        "0: {first}; 1: the first texel has the cosine and sine of the surface's rotation, the scale of the first term, and the ratio of the scales of successive terms"
     )
 }

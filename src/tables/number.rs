@@ -37,7 +37,7 @@ impl TexelFormat {
         }
     }
 
-    /// The numbers of bytes.
+    /// Numbers from little-endian bytes.
     pub fn decode(self, bytes: &[u8]) -> Vec<f64> {
         match self {
             TexelFormat::Rg16Float | TexelFormat::Rgba16Float => {
@@ -56,14 +56,14 @@ impl TexelFormat {
     }
 }
 
-/// Bits of a number's share.
+/// Bits of a number's mantissa.
 const MANTISSA: i32 = 9;
-/// What the exponent has more than its meaning.
+/// Bias of the exponent.
 const BIAS: i32 = 15;
-/// The largest number of the format, `511/512·2^16`.
+/// The maximum number of the format, `511/512·2^16`.
 const LARGEST: f64 = 65408.0;
 
-/// Three numbers with the exponent of the largest (Vulkan 1.0, "RGB to Shared Exponent Conversion").
+/// Three numbers with the exponent of the largest of them (Vulkan 1.0, "RGB to Shared Exponent Conversion").
 fn packed(texel: [f64; 3]) -> u32 {
     let texel = texel.map(|v| if v > 0.0 { v.min(LARGEST) } else { 0.0 });
     let largest = texel.iter().copied().fold(0.0, f64::max);
@@ -104,7 +104,7 @@ mod tests {
         assert!(near([511.9, 512.0, 0.1]) && unpacked(packed([511.9, 0.0, 0.0]))[0] == 512.0);
         assert_eq!(unpacked(packed([-1.0, f64::NAN, 0.0])), [0.0; 3]);
         assert_eq!(unpacked(packed([1e9, 0.0, 0.0])), [LARGEST, 0.0, 0.0]);
-        // Vulkan's 1.0: exponent 16, share 256
+        // 1.0 in Vulkan's format: exponent 16, mantissa 256
         assert_eq!(packed([1.0, 0.0, 0.0]), 16 << 27 | 256);
     }
 

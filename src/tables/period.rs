@@ -1,15 +1,15 @@
-//! The strongest period of a surface, for the order sum that knows gratings only.
+//! The strongest period of a surface, for the order sum `gems`, which needs a grating.
 
 use rustfft::num_complex::Complex64;
 
 use crate::field::transform::{Bins, axes, heights_upwards_um, ifft2};
 use crate::surface::HeightField;
 
-/// Longest frequency of a period that visible light resolves: `2/λmin` at 360 nm, cycles per µm.
+/// Maximum frequency of a period that visible light resolves: `2/λmin` at 360 nm, cycles per µm.
 const REACH_CPUM: f64 = 5.6;
 
-/// The period of the strongest peak of the power spectrum, as a vector from one groove to the next, µm; `None` for a flat
-/// surface. Of peaks that are equal to a millionth the one of lowest frequency, then along x, counts.
+/// The period of the strongest peak of the power spectrum, as a vector from one groove to the next, µm. `None` for a
+/// flat surface. Among peaks that are equal within a millionth, the lowest frequency wins, then the direction along x.
 pub fn strongest_period_um(height: &HeightField) -> Option<[f64; 2]> {
     let size_um = [height.size_x_um(), height.size_y_um()];
     let limit = |count: usize| (count / 2).max(1);
@@ -21,7 +21,7 @@ pub fn strongest_period_um(height: &HeightField) -> Option<[f64; 2]> {
     let mut data: Vec<Complex64> =
         heights_upwards_um(height).iter().map(|h| Complex64::new(h - middle_um, 0.0)).collect();
     let transform = ifft2(&mut data, axes(height), bins);
-    // the spectrum of real heights is symmetric: half of it, without bin 0
+    // the spectrum of real heights is symmetric, so only half of it is searched, without bin 0
     let half = (0..transform.len()).filter_map(|i| {
         let r = (i % bins.width()) as i64 - bins.r_max as i64;
         let s = (i / bins.width()) as i64 - bins.s_max as i64;

@@ -4,20 +4,20 @@ use crate::tables::basis::Expansion;
 
 use super::TermScale;
 
-/// Largest number that is stored: the format's largest is 65504, and rounding and the extremes of the ratio's own
-/// rounding need room.
+/// Maximum number that is stored. The format's maximum is 65504; the rest is a margin for rounding, including rounding
+/// of the ratio.
 const LARGEST: f64 = 32768.0;
-/// Terms below this share of the largest contribute nothing that 16 bits hold, and do not bend the sequence.
+/// Terms below this share of the largest are too small for 16 bits and do not influence the sequence.
 const RELEVANT: f64 = 1e-6;
 
 /// The geometric sequence through the bounds `x^n/n!`, `x = z_max·reach`, of the first and the last relevant term,
-/// raised so that no term exceeds the format. The bounds are on every bin of a term's transform, since `|x^n/n!|` is one
-/// on the term itself.
+/// raised so that no term exceeds the format. They are bounds of every bin of a term's transform, since `|x^n/n!|`
+/// bounds the term itself.
 pub(super) fn scale(expansion: &Expansion) -> TermScale {
     let x = expansion.z_max * expansion.reach_um;
     let mut bounds = vec![1.0];
     for n in 1..expansion.terms {
-        // the functions of the other bases are at most 1, their sizes are in the coefficients
+        // the functions of other bases are at most 1; their magnitude is in the coefficients
         let part = if expansion.is_tabulated() { 1.0 } else { x / f64::from(n) };
         bounds.push(bounds[n as usize - 1] * part);
     }

@@ -1,4 +1,4 @@
-//! The terms of the phase function on a surface, how many, of which bins, and how they lie in a table.
+//! The terms of the phase function on a surface: their number, their bins, and how a table stores them.
 
 use std::sync::Arc;
 
@@ -20,23 +20,23 @@ use super::{Settings, TermScale, terms_shape};
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Choice {
-    /// As configured; all wavelengths count alike.
+    /// The configured number, with equal weight for all wavelengths.
     Count(u32),
-    /// As configured; an optimum for the light that is seen.
+    /// The configured number, optimised for visible light.
     Seen {
         /// Number of terms.
         terms: u32,
-        /// What is seen.
+        /// The light's spectrum.
         #[serde(serialize_with = "Illuminant::serialize_identity")]
         illuminant: Illuminant,
         /// Longest wavelength, nm.
         max_nm: f64,
     },
-    /// The fewest that keep this error of the phase function.
+    /// The minimum number that keeps this error of the phase function.
     Error(f64),
 }
 
-/// A basis on a surface. What is serialised decides everything; the expansion follows from it and the surface's heights.
+/// A basis on a surface. The serialised fields and the surface's heights determine the expansion.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LaidExpansion {
     basis: Basis,
@@ -48,7 +48,7 @@ pub struct LaidExpansion {
 }
 
 impl LaidExpansion {
-    /// Lays a basis on a surface. Time: for `optimal`, a singular value decomposition.
+    /// A basis on a surface. Time: for `optimal`, a singular value decomposition.
     pub fn new(
         basis: Basis,
         choice: Choice,
@@ -78,13 +78,13 @@ impl LaidExpansion {
     }
 }
 
-/// What decided which bins a table has.
+/// How the bins of a table were chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Reach {
-    /// Bins to each side of the nearest one, as configured.
+    /// By the configured number of bins to each side of the nearest one.
     Radius(u32),
-    /// The same by the window's tail.
+    /// By a number of bins to each side that follows from the window's tail.
     Tail {
         /// Coherence length, µm.
         coherence_um: f64,
@@ -93,14 +93,14 @@ pub enum Reach {
         /// Longest wavelength, nm.
         max_nm: f64,
     },
-    /// The same by the light that replicas send between their bins.
+    /// By a number of bins to each side that follows from the light of replicas between their bins.
     Replicas {
         /// Replicas along x and y, as configured.
         periods: Option<[u32; 2]>,
         /// Coherence length, µm.
         coherence_um: f64,
     },
-    /// The lobes that the wavelengths of a direction cross.
+    /// By the lobes that the wavelengths of a direction cross.
     Corridor {
         /// Coherence length, µm.
         coherence_um: f64,
@@ -109,25 +109,25 @@ pub enum Reach {
         /// Longest wavelength, nm.
         max_nm: f64,
     },
-    /// The grid of a table that has the window in it.
+    /// By the grid of a table that contains the window.
     Prefiltered {
         /// Coherence length, µm.
         coherence_um: f64,
     },
 }
 
-/// A series of terms and the table that holds it. What is serialised decides every number of that table on a surface.
+/// A series of terms and its table. The serialised fields determine every number of the table on a surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Series {
     expansion: LaidExpansion,
     reach: Reach,
     /// Bins of the table.
     pub bins: Bins,
-    /// The table's own grid, where it has the window in it; else its bins are those of the patch.
+    /// The grid of a table that contains the window. `None` if its bins are those of the patch.
     pub grid: Option<Grid>,
     /// Size `(Lx, Ly)` of the patch, or of the grid, µm: bins are `1/size` apart.
     pub size_um: [f64; 2],
-    /// How complex terms lie in texels.
+    /// How complex terms are stored in texels.
     pub packing: Packing,
     /// Number format.
     pub format: TableFormat,
@@ -135,12 +135,12 @@ pub struct Series {
     scale: TermScale,
 }
 
-/// Columns of coefficients that are taken from the nearest one: half a step of `z` turns the phase of a height of 0.2 µm by
-/// 1.6e-3. It is the width of a texture that every profile allows.
+/// Number of columns of coefficients if the shader takes the nearest one. Half a step of `z` changes the phase of a
+/// height of 0.2 µm by 1.6e-3. Every profile allows textures of this width.
 const NEAREST_COEFFICIENTS: usize = 2048;
 
 impl Series {
-    /// Puts a laid basis into a table. `size_um`: of the patch; a grid has its own.
+    /// The series of a basis in a table. `size_um`: size of the patch, used if there is no grid.
     pub fn new(
         expansion: LaidExpansion,
         reach: Reach,
@@ -162,7 +162,7 @@ impl Series {
         self.expansion.get()
     }
 
-    /// The same with what decides it.
+    /// The basis with the fields that determine it.
     pub(super) fn laid(&self) -> &LaidExpansion {
         &self.expansion
     }
@@ -172,7 +172,7 @@ impl Series {
         self.expansion.min_nm
     }
 
-    /// Whether the table has the coherence window in it.
+    /// Whether the table contains the coherence window.
     pub fn is_prefiltered(&self) -> bool {
         self.grid.is_some()
     }
@@ -200,7 +200,7 @@ impl Series {
         Settings { rotate_deg, scale: self.scale }
     }
 
-    /// Columns of the table of coefficients; 0 without one.
+    /// Number of columns of the table of coefficients; 0 without such a table.
     pub fn coefficient_count(&self) -> usize {
         let expansion = self.expansion();
         match self.grid {
@@ -209,23 +209,23 @@ impl Series {
         }
     }
 
-    /// Rows of the table of coefficients; 0 without one.
+    /// Number of rows of the table of coefficients; 0 without such a table.
     pub fn coefficient_rows(&self) -> u32 {
         if self.expansion().is_tabulated() { self.terms().div_ceil(4) } else { 0 }
     }
 
-    /// Bytes of the table and of that of coefficients.
+    /// Bytes of the table and of the table of coefficients.
     pub fn byte_count(&self) -> u64 {
         let terms = terms_shape(self.bins, self.terms() as usize, self.packing, self.format);
         let coefficients = u64::from(self.coefficient_rows()) * self.coefficient_count() as u64;
         terms.byte_count() as u64 + 4 * 4 * coefficients
     }
 
-    /// Bound of the phase function's error, that of coefficients between their nodes included.
+    /// Bound of the phase function's error, including the error of coefficients between their nodes.
     pub fn phase_bound(&self) -> f64 {
         let expansion = self.expansion();
         let nearest = match (self.grid, self.coefficient_count()) {
-            // half a step at the greatest height
+            // half a step at the maximum height
             (Some(_), count) if count > 0 => {
                 0.5 * expansion.z_max * expansion.reach_um / (count - 1) as f64
             }
@@ -234,7 +234,7 @@ impl Series {
         expansion.bound() + nearest
     }
 
-    /// Sum of the greatest values of all terms.
+    /// Sum of the maxima of all terms.
     pub fn terms_sum(&self) -> f64 {
         self.expansion().term_sizes().iter().sum()
     }

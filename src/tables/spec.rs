@@ -1,8 +1,8 @@
-//! What a table is made from.
+//! The inputs of a table.
 //!
-//! A [`TableSpec`] is a value from which everything about a table follows, given the heights of its surface: its shape, its
-//! texels, what they mean, and its name, which is the hash of the value. Texels are computed from nothing else, so no
-//! input can be missing from the name.
+//! A [`TableSpec`] and the heights of a surface determine everything about a table: its shape, its texels, their
+//! meaning, and its name, which is the hash of the `TableSpec`. Texels are computed only from these, so no input can be
+//! missing from the name.
 
 use serde::Serialize;
 
@@ -20,13 +20,14 @@ use super::{
     spectrum_shape, spectrum_table, strongest_period_um, terms_shape, terms_table,
 };
 
-/// A table, by what it is made from. Strings named `surface` are the identity of the heights, empty where nothing is named.
+/// A table, described by its inputs. Fields called `surface` are the identity of the heights. They are empty if the
+/// table needs no name.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TableSpec {
     /// Terms of the phase function.
     Terms(TermsSpec),
-    /// Their coefficients, of a basis whose coefficients are no powers.
+    /// Coefficients of terms, for a basis whose coefficients are not powers.
     Coefficients(CoefficientsSpec),
     /// Colours over `(u, v, w)`.
     Colours(ColoursSpec),
@@ -38,7 +39,7 @@ pub enum TableSpec {
     Lobes(LobesSpec),
     /// A grating's period.
     Grating(GratingSpec),
-    /// A rotation and nothing else.
+    /// Only the rotation.
     Rotation(RotationSpec),
 }
 
@@ -49,8 +50,8 @@ pub struct TermsSpec {
     pub surface: String,
     /// The terms.
     pub series: Series,
-    /// Whether shaders read between texels through the linear filter. The same table serves both ways, so it is no part of
-    /// the identity.
+    /// Whether shaders read between texels through the linear filter. The table is the same either way, so this is not
+    /// part of the identity.
     #[serde(skip)]
     pub filtered: bool,
 }
@@ -63,12 +64,12 @@ pub struct CoefficientsSpec {
     expansion: LaidExpansion,
     /// Columns.
     columns: usize,
-    /// Whether shaders take the nearest column; otherwise they interpolate.
+    /// Whether shaders take the nearest column. Otherwise they interpolate.
     nearest: bool,
 }
 
 impl CoefficientsSpec {
-    /// Of a series whose coefficients are a table; `None` where they are powers.
+    /// The table of coefficients of a series. `None` if the coefficients are powers.
     pub fn new(surface: &str, series: &Series) -> Option<CoefficientsSpec> {
         series.expansion().is_tabulated().then(|| CoefficientsSpec {
             surface: surface.to_owned(),
@@ -103,7 +104,7 @@ pub struct ColoursSpec {
     /// The light.
     #[serde(serialize_with = "Illuminant::serialize_identity")]
     pub illuminant: Illuminant,
-    /// What the sizes aim at.
+    /// Targets for the size.
     pub aim: Aim,
     /// Sizes.
     pub axes: BakedAxes,
@@ -114,17 +115,17 @@ pub struct ColoursSpec {
     pub filtered: bool,
 }
 
-/// What the row of settings of a spectrum table comes from.
+/// The inputs of the row of settings of a spectrum table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SettingsSpec {
     /// Rotation of the surface, degrees.
     pub rotate_deg: f64,
-    /// Terms in 16-bit floats, whose scales are in it.
+    /// The terms, if they are 16-bit floats: the row contains their scales.
     pub scaled: Option<Box<TermsSpec>>,
 }
 
 impl SettingsSpec {
-    /// Beside a table of terms.
+    /// The settings for a table of terms.
     pub fn new(rotate_deg: f64, terms: &TermsSpec) -> SettingsSpec {
         let scaled = terms.series.format == TableFormat::F16;
         SettingsSpec { rotate_deg, scaled: scaled.then(|| Box::new(terms.clone())) }
@@ -151,16 +152,16 @@ pub struct NodesSpec {
 /// See [`levels_table`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LevelsSpec {
-    /// Identity of the heights, whose range decides the counts.
+    /// Identity of the heights. Their range determines the numbers of nodes.
     pub surface: String,
-    /// Coherence length, µm, which decides the counts too.
+    /// Coherence length, µm. It determines the numbers of nodes, too.
     pub coherence_um: f64,
     /// The light.
     #[serde(serialize_with = "Illuminant::serialize_identity")]
     pub illuminant: Illuminant,
     /// Range of wavelengths, nm.
     pub range_nm: [f64; 2],
-    /// Nodes at every level.
+    /// Number of nodes at every level.
     pub counts: Vec<u32>,
     /// Row 1.
     pub settings: SettingsSpec,
@@ -169,25 +170,25 @@ pub struct LevelsSpec {
 /// See [`lobe_table`](super::lobe_table).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LobesSpec {
-    /// Identity of the heights, whose range decides the sizes.
+    /// Identity of the heights. Their range determines the sizes.
     pub surface: String,
     /// The light.
     #[serde(serialize_with = "Illuminant::serialize_identity")]
     pub illuminant: Illuminant,
     /// Range of wavelengths, nm.
     pub range_nm: [f64; 2],
-    /// How the width of lobes depends on the wavelength. The coherence length itself has no part in their colours.
+    /// How the width of lobes depends on the wavelength. The colours of lobes do not depend on the coherence length itself.
     pub coherence_scaling: CoherenceScaling,
-    /// Nodes of broad lobes; 1 of a single wavelength.
+    /// Number of nodes of broad lobes; 1 for a single wavelength.
     pub nodes: u32,
-    /// Columns and rows of narrow lobes.
+    /// Number of columns and rows of narrow lobes.
     pub narrow: [u32; 2],
     /// Row 1.
     pub settings: SettingsSpec,
 }
 
 impl LobesSpec {
-    /// The geometry of lobes with a coherence length of 1 µm on a patch of 1 µm: colours depend on ratios only.
+    /// The geometry of lobes for a coherence length of 1 µm and a patch of 1 µm. Colours depend only on ratios.
     pub(super) fn geometry(&self) -> LobeGeometry {
         let window = Window {
             coherence_um: 1.0,
@@ -219,7 +220,7 @@ pub struct RotationSpec {
 }
 
 impl TableSpec {
-    /// The name: what the table is, and the hash of this value and the tool's version.
+    /// The name: the name of the binding, and a hash of this value and the tool's version.
     pub fn id(&self) -> String {
         let value = serde_json::json!([TOOL_VERSION, self]);
         format!("{}-{}", self.shape().name, &of_value(&value)[..12])
@@ -251,12 +252,12 @@ impl TableSpec {
         }
     }
 
-    /// Whether computing it takes so long that it is kept.
+    /// Whether the table takes so long to compute that it is cached.
     pub fn is_expensive(&self) -> bool {
         matches!(self, TableSpec::Terms(_) | TableSpec::Colours(_))
     }
 
-    /// The texels, unrounded, from the heights that it is named by.
+    /// The table with its texels, unrounded. `height` must be the heights that its name refers to.
     pub fn compute(&self, height: &HeightField) -> Result<Table> {
         self.compute_with(height, &|_| ())
     }
@@ -293,7 +294,7 @@ impl TableSpec {
             }
             TableSpec::Lobes(spec) => lobes(spec)?,
             TableSpec::Grating(spec) => {
-                // a surface without a period has no such table
+                // a surface without a period does not have this table
                 let period_um = strongest_period_um(height).unwrap_or_default();
                 grating_table(period_um, spec.rotate_deg)
             }
@@ -312,7 +313,7 @@ fn lobes(spec: &LobesSpec) -> Result<Table> {
     Ok(lobes_table(&samples, &spec.geometry(), spec.nodes, spec.narrow, settings))
 }
 
-/// A range without a step.
+/// A range of wavelengths, with any step.
 fn range([min_nm, max_nm]: [f64; 2]) -> Wavelengths {
     Wavelengths { min_nm, max_nm, step_nm: (max_nm - min_nm).max(1.0) }
 }

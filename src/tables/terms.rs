@@ -10,16 +10,16 @@ use crate::field::transform::{Bins, GridAxis, axes, heights_upwards_um, ifft2};
 use crate::surface::HeightField;
 use crate::tables::basis::Expansion;
 
-/// A grid of frequencies that does not depend on the patch: the coherence window is applied in space to the plane that the
-/// patch tiles, and what it leaves is transformed at a spacing that linear interpolation bears.
+/// A grid of frequencies that does not depend on the patch. The coherence window is applied in space to the plane that
+/// the patch tiles, and the product is transformed. The frequencies are so close that linear interpolation suffices.
 ///
-/// The window is also divided by `sinc²(x/size)`, the transform of the linear interpolation, so that what is read between
-/// texels has no roll-off and errs by the images of the window alone.
+/// The window is also divided by `sinc²(x/size)`, the transform of the linear interpolation, so that interpolated
+/// values have no roll-off. Their only error comes from the images of the window.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Grid {
     /// Samples along x and y, at the pitch of the patch.
     pub samples: [usize; 2],
-    /// Their extent, µm; texels are `1/size` cycles per µm apart.
+    /// Extent of the samples, µm. Texels are `1/size` cycles per µm apart.
     pub size_um: [f64; 2],
     /// Standard deviation of the coherence window, µm.
     pub sigma_um: f64,
@@ -35,10 +35,11 @@ pub struct Terms {
 }
 
 impl Terms {
-    /// Transforms all terms. Two real functions share one complex transform, `f + i g`, and are told apart by the
-    /// symmetry `F(-r, -s) = F*(r, s)`; the powers of `i` are put on afterwards.
+    /// Transforms all terms. Two real functions share one complex transform, `f + i g`, and are separated by the
+    /// symmetry `F(-r, -s) = F*(r, s)`. The powers of `i` are multiplied in afterwards.
     ///
-    /// With a grid they are the terms of `P(f; z)` at its frequencies, instead of those of `c_rs(z)` at the patch's bins.
+    /// With a grid, they are the terms of `P(f; z)` at the grid's frequencies. Without one, they are the terms of
+    /// `c_rs(z)` at the bins of the patch.
     pub fn new(
         height: &HeightField,
         expansion: &Expansion,
@@ -65,7 +66,7 @@ impl Terms {
                 .for_each(|((p, pair), &x)| *p = next(pair.im, x, n + 1));
             let both = transform(data, axes(height), bins, grid);
             let last = both.len() - 1;
-            // bins run from -max to max on both axes, so the mirrored bin lies at the mirrored index
+            // bins run from -max to max on both axes, so the mirrored bin has the mirrored index
             let mirrored = |i: usize| both[last - i].conj();
             tables.push(
                 (0..both.len())
@@ -89,7 +90,7 @@ impl Terms {
     }
 }
 
-/// The terms of a basis with functions of its own, one transform each: they are complex.
+/// The terms of a basis with functions of its own. Each needs a transform, because they are complex.
 fn curves(
     height: &HeightField,
     expansion: &Expansion,
@@ -135,7 +136,8 @@ fn transform(
     ifft2(&mut windowed, [columns.0, rows.0], bins)
 }
 
-/// One axis of a grid about the patch's centre; of every sample the patch's sample that lies there, and the window.
+/// One axis of a grid about the patch's centre. For every sample: the index of the patch's sample there, and the
+/// window's value.
 fn line(patch: GridAxis, samples: usize, sigma_um: f64) -> (GridAxis, Vec<(usize, f64)>) {
     let pitch_um = patch.period_um / patch.count as f64;
     let size_um = samples as f64 * pitch_um;
@@ -173,7 +175,7 @@ mod tests {
     use crate::field::coefficient_brute;
     use crate::plan::Basis;
 
-    /// The series with enough terms is the transform of the phase function itself, up to the phase of the origin.
+    /// With enough terms, the series equals the transform of the phase function, up to the phase of the origin.
     #[test]
     fn many_terms_give_the_transform_of_the_phase_function() {
         let heights_um: Vec<f64> = (0..35).map(|i| f64::from(i * i % 13) * 0.02).collect();
@@ -199,7 +201,7 @@ mod tests {
         }
     }
 
-    /// One term fewer than asked for must show: the comparison above can fail.
+    /// One missing term must be noticed, which shows that the comparison above can fail.
     #[test]
     fn a_missing_term_shows() {
         let height = HeightField::new(2, 1, 0.05, 0.05, vec![0.0, 0.4]).expect("valid");

@@ -1,4 +1,4 @@
-//! A-priori bounds of approximations, for every direction.
+//! A-priori bounds of the errors of approximations, valid for every direction.
 
 use std::f64::consts::TAU;
 
@@ -9,41 +9,42 @@ use crate::optics;
 use crate::plan::{TableFormat, Window};
 use crate::tables::Series;
 
-/// Share of the window's energy that `window_radius = "auto"` may leave out.
+/// Maximum share of the window's energy that `window_radius = "auto"` leaves out.
 pub const AUTO_TAIL: f64 = 1e-4;
-/// The same of `pq`, whose periodic sinc falls off like the inverse of the distance.
+/// The same for `pq`, whose periodic sinc decreases only with the inverse of the distance.
 pub const AUTO_TAIL_PQ: f64 = 1e-2;
-/// Above this `σf·L`, in bins, neighbouring lobes overlap, and amplitudes of neighbouring bins interfere.
+/// Maximum `σf·L`, in bins, at which neighbouring lobes count as separate. Above it, amplitudes of neighbouring bins interfere.
 pub const ISOLATED: f64 = 0.2;
 
-/// A-priori bounds, for every direction.
+/// A-priori bounds, valid for every direction.
 #[derive(Clone, Debug, Serialize)]
 pub struct ErrorBound {
     /// Number of terms.
     pub terms: u32,
-    /// Greatest error of the phase function after the series is cut.
+    /// Maximum error of the phase function caused by the finite number of terms.
     pub phase_function: f64,
-    /// Greatest error of a bin's amplitude by the rounding of its terms to the table's format.
+    /// Maximum error of a bin's amplitude caused by rounding the terms to the table's format.
     pub packing: f64,
-    /// Bins to each side of the nearest one; none where a corridor of four standard deviations takes their place.
+    /// Number of bins to each side of the nearest one. `None` for forms without such a number.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub window_radius: Option<u32>,
-    /// Share of the coherence window's energy, or of the light that the replicas send between their bins, beyond them.
+    /// Share of the light that is left out: energy of the coherence window, or light of the replicas in `pq`, beyond
+    /// the bins that are read.
     pub window_tail: f64,
-    /// What linear interpolation leaves of the amplitude between texels that have the window in them, root of the mean square.
+    /// Root mean square error of linear interpolation between texels of a prefiltered table, relative to that of the amplitude.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interpolation: Option<f64>,
-    /// Share of what oscillates fastest along the wavelengths that their nodes take for something slower.
+    /// Aliasing of the wavelength nodes: share of the fastest oscillation over the wavelengths that the nodes take for
+    /// a slower one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub node_alias: Option<f64>,
-    /// Width of a lobe in bins of the patch, `σf·L`, of forms for which it makes a difference: above 0.2 lobes overlap and
-    /// interfere.
+    /// Width of a lobe in bins of the patch, `σf·L`, if the error depends on it. Above 0.2 lobes overlap and interfere.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lobe_bins: Option<f64>,
 }
 
 impl ErrorBound {
-    /// Of a series under a window with a tail.
+    /// The bounds of a series under a window with a tail.
     pub(super) fn new(series: &Series, window_radius: Option<u32>, window_tail: f64) -> ErrorBound {
         ErrorBound {
             terms: series.terms(),
@@ -58,19 +59,19 @@ impl ErrorBound {
     }
 }
 
-/// What bounds a sum over lobes.
+/// Bounds of a sum over lobes.
 #[derive(Clone, Debug, Serialize)]
 pub struct LobeBounds {
-    /// Greatest number of bins that a pixel looks at, each of which counts at most twice: the static bound of the shader's loops,
-    /// whatever the direction.
+    /// Maximum number of bins that a pixel examines in any direction, each evaluated at most twice: the static bound of
+    /// the shader's loops.
     pub candidates: u32,
-    /// `σf·L`, width of the window's spectrum over the distance of bins, at its greatest.
+    /// Maximum `σf·L`: width of the window's spectrum, divided by the distance between bins.
     pub overlap: f64,
-    /// Up to which overlap the sum is that of amplitudes; none where intensities add, which is exact at any.
+    /// Maximum overlap at which lobes count as separate. `None` where intensities add, which is exact at any overlap.
     pub overlap_limit: Option<f64>,
 }
 
-/// Half a unit in the last place of every term at its largest.
+/// Half a unit in the last place of every term at its maximum.
 fn packing(series: &Series) -> f64 {
     series.terms_sum()
         * match series.format {
@@ -80,14 +81,14 @@ fn packing(series: &Series) -> f64 {
         }
 }
 
-/// Share of the light that `pq` loses by interpolating from `taps` bins: `1 - Q ∫ A(t)² Σ D(t - k)² dt` over a bin and over
-/// the bins kept, on both axes. All bins together have `Σ D² = 1`.
+/// Share of the light that `pq` loses by interpolating from `taps` bins: `1 - Q ∫ A(t)² Σ D(t - k)² dt` over one bin of
+/// `t` and summed over the bins that are kept, on both axes. The sum `Σ D²` over all bins is 1.
 pub fn replica_tail(periods: [u32; 2], taps: [u32; 2], pixels: [u32; 2]) -> f64 {
     const STEPS: i32 = 16;
     let kept = |axis: usize| {
         let (q, taps, count) = (periods[axis], taps[axis], f64::from(pixels[axis]));
         let kernel = |t: f64| sinc(t) / sinc(t / count);
-        // midpoints, fine enough for the lobes of Q replicas
+        // midpoint rule, fine enough for the lobes of Q replicas
         let steps = STEPS * q.min(1000) as i32;
         let (mut all, mut kept) = (0.0, 0.0);
         for i in 0..steps {
@@ -103,8 +104,8 @@ pub fn replica_tail(periods: [u32; 2], taps: [u32; 2], pixels: [u32; 2]) -> f64 
     1.0 - kept(0) * kept(1)
 }
 
-/// Greatest share of the window's energy beyond `radius` bins of the nearest one, over all places between bins and the
-/// wavelengths of a range, nm.
+/// Maximum share of the window's energy beyond `radius` bins from the nearest one, over all positions between bins and
+/// all wavelengths of a range in nm.
 pub fn window_tail(
     window: impl Into<Window>,
     range_nm: [f64; 2],
@@ -129,7 +130,7 @@ pub fn window_tail(
 fn kept_on_axis(sigma_bins: f64, offset: f64, radius: u32) -> f64 {
     let radius = i64::from(radius);
     let far = radius + 2 + (8.0 * sigma_bins).ceil() as i64;
-    // relative to the nearest bin, so that a window much narrower than a bin does not underflow
+    // relative to the nearest bin, so that weights of a spectrum much narrower than a bin do not underflow
     let energy = |bin: i64| {
         (-((bin as f64 - offset).powi(2) - offset * offset) / (sigma_bins * sigma_bins)).exp()
     };

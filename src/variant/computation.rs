@@ -1,4 +1,4 @@
-//! What every form answers about itself.
+//! The interface of all forms.
 
 use crate::defines::Defines;
 use crate::optics;
@@ -8,27 +8,28 @@ use crate::tables::{Series, TableSpec};
 use super::tolerance::Promise;
 use super::{Cost, ErrorBound, FUNCTIONS, Function, LobeBounds};
 
-/// What tables of a surface are named by.
+/// The facts about a surface that the names of its tables depend on.
 #[derive(Clone, Copy, Debug)]
 pub struct Ground<'a> {
-    /// Identity of the heights; empty where tables need no names.
+    /// Identity of the heights. Empty if the tables need no names.
     pub surface: &'a str,
     /// Rotation of the surface about its normal, degrees.
     pub rotate_deg: f64,
 }
 
-/// What every form answers about itself.
+/// The interface of all forms: what text, manifest, comparisons and probes need to know about a form.
 pub trait Computation {
-    /// What its templates are told. `wavelengths`: nodes of the spectrum table, 1 for a single wavelength.
+    /// Sets the flags and constants of its templates. `wavelengths`: number of nodes of the spectrum table, 1 for a
+    /// single wavelength.
     fn define(&self, wavelengths: usize, into: &mut Defines);
 
     /// Its tables, in the order of their bindings.
     fn tables(&self, on: Ground<'_>) -> Vec<TableSpec>;
 
-    /// What a lit pixel costs.
+    /// Cost of a lit pixel.
     fn cost(&self) -> Cost;
 
-    /// What comparisons may find.
+    /// Errors that comparisons may find.
     fn promise(&self) -> Promise;
 
     /// Functions that its shader offers.
@@ -36,22 +37,22 @@ pub trait Computation {
         &FUNCTIONS
     }
 
-    /// A-priori bounds of its approximations; `None` where no error is claimed, or where only a comparison shows it.
+    /// A-priori bounds of its approximations. `None` if no error is claimed, or if only a comparison shows the error.
     fn error_bound(&self) -> Option<ErrorBound> {
         None
     }
 
-    /// What bounds its loops over lobes, where it has such loops.
+    /// Bounds of its loops over lobes, if it has such loops.
     fn lobe_bounds(&self) -> Option<LobeBounds> {
         None
     }
 
-    /// Its terms, where it adds up a series.
+    /// Its terms, if it sums a series.
     fn series(&self) -> Option<&Series> {
         None
     }
 
-    /// Bins to each side of the nearest one, where it has such a number.
+    /// Number of bins to each side of the nearest one, if the form has such a number.
     fn window_radius(&self) -> Option<u32> {
         None
     }
@@ -66,17 +67,17 @@ pub trait Computation {
         false
     }
 
-    /// Number and length, µm, of the replicas along x and y, where a surface is made of a finite number of them.
+    /// Number of replicas and their length in µm, along x and y, if the surface is a finite number of replicas.
     fn replicas(&self) -> Option<[(f64, f64); 2]> {
         None
     }
 
-    /// Why it has no response at a single wavelength; `None` where it has one.
+    /// The reason why it cannot compute a response at a single wavelength. `None` if it can.
     fn no_wavelength_axis(&self) -> Option<&'static str> {
         None
     }
 
-    /// Radiance relative to a white diffuser per unit of its result; `None` where that has no unit.
+    /// Radiance relative to a white diffuser, per unit of its result. `None` if the unit is arbitrary.
     fn diffuser_scale(&self, optics: &Optics) -> Option<f64> {
         Some(optics::diffuser_scale(optics))
     }

@@ -1,29 +1,30 @@
-//! What a variant costs, counted before anything runs.
+//! Cost of a variant, counted without running it.
 
 use serde::Serialize;
 
 use crate::tables::Series;
 
-/// What one lit pixel costs, whatever the driver. Forms with uniform wavelengths cost the same everywhere; the others
-/// cost what their direction meets, counted over the directions of `mean_and_worst`.
+/// Cost of one lit pixel, independent of the driver. Forms with uniform wavelengths cost the same in every direction.
+/// The cost of other forms depends on the direction; it is counted over the directions of `mean_and_worst`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Cost {
-    /// Evaluations of the amplitude, at worst: wavelength nodes, or lobes.
+    /// Maximum number of evaluations of the amplitude: wavelength nodes, or lobes.
     pub evaluations: u64,
-    /// The same on average.
+    /// Mean number of evaluations of the amplitude.
     pub evaluations_mean: f64,
-    /// Texels read from the term table, at worst.
+    /// Maximum number of texels read from the term table.
     pub term_fetches: u64,
-    /// All texels read, at worst.
+    /// Maximum number of texels read from all tables.
     pub fetches: u64,
-    /// The same on average.
+    /// Mean number of texels read from all tables.
     pub fetches_mean: f64,
     /// Bytes of all tables.
     pub table_bytes: u64,
 }
 
 impl Cost {
-    /// `evaluations`, mean and worst, each of which reads `terms` texels of the term table and `others`.
+    /// Cost of `evaluations`, as mean and maximum. Each reads `terms` texels of the term table and `others` texels of
+    /// other tables.
     pub(super) fn of_evaluations(
         (mean, worst): (f64, u64),
         terms: u64,
@@ -40,17 +41,17 @@ impl Cost {
         }
     }
 
-    /// Uniform wavelengths, `nodes` of them, each of which adds up `taps` bins.
+    /// Cost of uniform wavelengths: `nodes` of them, each with a sum over `taps` bins.
     pub(super) fn uniform(series: &Series, nodes: usize, taps: u64) -> Cost {
         let nodes = nodes as u64;
-        // neighbouring texels of every row of coefficients for each tap, and the node
+        // two neighbouring texels of every row of coefficients for each tap, and the node
         let others = taps * 2 * u64::from(series.coefficient_rows()) + 1;
         let terms = taps * u64::from(series.layers());
         let table_bytes = series.byte_count() + spectrum_bytes(nodes, 2);
         Cost::of_evaluations((nodes as f64, nodes), terms, others, table_bytes)
     }
 
-    /// Wavelengths, mean and worst, each of which reads once between the texels of a table.
+    /// Cost of `nodes` wavelengths, as mean and maximum. Each reads one interpolated value of a table.
     pub(super) fn between(
         series: &Series,
         wavelengths: (f64, u64),
@@ -58,23 +59,23 @@ impl Cost {
         spectrum_bytes: u64,
     ) -> Cost {
         let texels = if filters { 1 } else { 4 };
-        // the nearest coefficients, and the node
+        // the nearest column of coefficients, and the node
         let others = u64::from(series.coefficient_rows()) + 1;
         let terms = texels * u64::from(series.layers());
         Cost::of_evaluations(wavelengths, terms, others, series.byte_count() + spectrum_bytes)
     }
 }
 
-/// Bytes of a spectrum table, its row of settings included.
+/// Bytes of a spectrum table, including its row of settings.
 pub(super) fn spectrum_bytes(columns: u64, rows: u64) -> u64 {
     4 * 4 * columns * rows
 }
 
-/// What a direction's `(u, v)` costs, mean over the disc of viewing directions under a light 20° from the normal in the plane
-/// of x, and the most over that disc and its mirror direction.
+/// Cost of a direction's `(u, v)`, given by `count`: the mean over the disc of viewing directions, under a light 20°
+/// from the normal in the plane of x, and the maximum over this disc and the mirror direction.
 pub(super) fn mean_and_worst(count: impl Fn([f64; 2]) -> u64) -> (f64, u64) {
     const SIDE: i32 = 48;
-    /// sin 20°, rounded: configured, so that the counts are the same on every processor.
+    /// sin 20°, rounded. It is a constant, so that counts are the same on every processor.
     const SIN_LIGHT: f64 = 0.342;
     let (mut sum, mut directions) = (0, 0);
     let mut worst = count([0.0, 0.0]);

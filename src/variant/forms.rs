@@ -1,4 +1,4 @@
-//! How a variant computes on a surface: one file for each way, and the choice between them.
+//! Forms: the ways in which a variant computes on a surface, one file for each, and the choice between them.
 
 mod baked;
 mod full_prefiltered;
@@ -29,18 +29,18 @@ pub use lobes::Lobes;
 pub use pq::Pq;
 pub use warped::Warped;
 
-/// A variant on a surface, by the way it computes. Every form holds the numbers that it needs, and no others.
+/// A variant on a surface, by the way it computes. Every form has only the numbers that it needs.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Form {
-    /// Bins under the coherence window, uniform wavelengths.
+    /// Sum over bins under the coherence window, at uniform wavelengths.
     FullWindow(FullWindow),
-    /// A table with the window in it, uniform wavelengths.
+    /// Interpolation in a table that contains the window, at uniform wavelengths.
     FullPrefiltered(FullPrefiltered),
-    /// Replicas of the patch, uniform wavelengths.
+    /// Replicas of the patch, at uniform wavelengths.
     Pq(Pq),
-    /// Lobes of the bins that the wavelengths of a direction cross.
+    /// Sum over the lobes of bins that the wavelengths of a direction cross.
     Lobes(Lobes),
-    /// A table with the window in it, wavelengths where the light is.
+    /// Interpolation in a table that contains the window, at wavelengths that are closer where there is more light.
     Warped(Warped),
     /// A table of colours over `(u, v, w)`.
     Baked(Baked),
@@ -49,9 +49,9 @@ pub enum Form {
 }
 
 impl Form {
-    /// Chooses what was left to the tool. Time: arithmetic on the surface's size and height range; for the basis `optimal` a
-    /// singular value decomposition, for `gems` a transform. An error is a combination that has no meaning on this surface,
-    /// with the reason.
+    /// Chooses all values that the plan leaves to the tool. It is an error, with the reason, if the combination has no
+    /// meaning on this surface. Time: arithmetic on the surface's size and height range; for the basis `optimal` a
+    /// singular value decomposition, for `gems` a transform.
     pub fn new(variant: &Variant, height: &HeightField) -> Result<Form> {
         use Reconstruction::Prefiltered;
         Ok(match (variant.mode, variant.reconstruction) {
@@ -69,7 +69,7 @@ impl Form {
         })
     }
 
-    /// What every form answers.
+    /// The form behind its interface.
     fn get(&self) -> &(dyn Computation + 'static) {
         match self {
             Form::FullWindow(form) => form,
@@ -131,11 +131,11 @@ fn define_patch([width_um, height_um]: [f64; 2], into: &mut Defines) {
     );
 }
 
-/// Constants of templates on a grid of its own.
+/// Constants of templates on the grid of a prefiltered table.
 fn define_grid([width_um, height_um]: [f64; 2], into: &mut Defines) {
     let [width, height] = [
-        "texels of the terms are 1 / this apart in frequency along x, µm",
-        "texels of the terms are 1 / this apart in frequency along y, µm",
+        "inverse of the distance in frequency between texels of the terms, along x, µm",
+        "inverse of the distance in frequency between texels of the terms, along y, µm",
     ];
     into.number("GRID_WIDTH_UM", width_um, width);
     into.number("GRID_HEIGHT_UM", height_um, height);

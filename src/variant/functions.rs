@@ -1,5 +1,5 @@
-//! What a shader offers to call, a file for each function. A form says which of them it has; text, manifest, probes and cost
-//! follow.
+//! The functions that engines can call in a shader, one file for each. A form lists its functions; text, manifest,
+//! probes and cost follow from that.
 
 mod directional;
 
@@ -12,24 +12,24 @@ use super::{Cost, Form, Twin};
 
 pub use directional::{DIRECTIONAL, Directional, PROBES};
 
-/// A function of a shader, in every language by the same name.
+/// A function of a shader. It has the same name in every language.
 pub trait Function: Sync {
     /// Its name.
     fn name(&self) -> &'static str;
 
-    /// The function of the same arguments that returns tristimulus values.
+    /// Name of the function with the same arguments that returns tristimulus values.
     fn tristimulus_name(&self) -> &'static str;
 
-    /// Arguments and result in WGSL, behind the name.
+    /// Arguments and result in WGSL, as written after the name.
     fn signature(&self) -> &'static str;
 
-    /// What the arguments are, in words.
+    /// Meaning of the arguments, in words.
     fn arguments(&self) -> &'static str;
 
-    /// What a lit pixel costs that calls it once.
+    /// Cost of a lit pixel that calls the function once.
     fn cost(&self, form: &Form) -> Cost;
 
-    /// Arguments at which an integration is tested, with their exact results.
+    /// Arguments for testing an integration, with the exact results.
     fn probes(
         &self,
         height: &HeightField,
@@ -37,14 +37,14 @@ pub trait Function: Sync {
         optics: &Optics,
     ) -> Result<Vec<ExactProbe>>;
 
-    /// Its algorithm in f64: relative tristimulus values.
+    /// Its algorithm in f64. Returns relative tristimulus values.
     fn evaluate(&self, twin: &Twin<'_>, arguments: Directions) -> [f64; 3];
 }
 
 /// Arguments of a probe and their exact result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExactProbe {
-    /// To the light and to the viewer, of components that 32-bit floats hold exactly.
+    /// Directions to the light and to the viewer, with components that are exact in 32-bit floats.
     pub directions: Directions,
     /// Relative tristimulus values, gain included.
     pub xyz: [f64; 3],

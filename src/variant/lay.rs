@@ -1,4 +1,4 @@
-//! What several forms have in common when they are laid on a surface.
+//! Common parts of forms when they are set up on a surface.
 
 use crate::error::{Error, Result};
 use crate::field::transform::Bins;
@@ -9,7 +9,7 @@ use crate::tables::{Choice, LaidExpansion};
 /// The configured basis on a surface.
 pub(super) fn expansion(variant: &Variant, height: &HeightField) -> Result<LaidExpansion> {
     let choice = match variant.terms {
-        // a number of terms gives the best colours that it can
+        // for a given number of terms, the basis is optimised for colours
         Auto::Value(terms) if variant.basis == Basis::Optimal => Choice::Seen {
             terms,
             illuminant: variant.optics.illuminant.clone(),
@@ -23,7 +23,9 @@ pub(super) fn expansion(variant: &Variant, height: &HeightField) -> Result<LaidE
     if variant.terms != Auto::Auto || !laid.get().is_tabulated() || bound <= wanted {
         return Ok(laid);
     }
-    let cause = format!("no number of terms keeps `term_error = {wanted:e}`: {bound:.1e} is left");
+    let cause = format!(
+        "the maximum number of terms has an error of {bound:.1e}, above `term_error = {wanted:e}`"
+    );
     Err(Error::new(&variant.name, cause).remedy("use a larger `term_error`, or basis = \"taylor\""))
 }
 
@@ -43,14 +45,14 @@ pub(super) fn range_nm(variant: &Variant) -> [f64; 2] {
     [variant.wavelengths.min_nm, variant.wavelengths.max_nm]
 }
 
-/// Bins that any direction reaches, and a margin along x and y: |u| and |v| reach 2.
+/// Bins that directions can reach (|u| and |v| are at most 2), with a margin along x and y.
 pub(super) fn bins(size_um: [f64; 2], min_nm: f64, margin: [usize; 2]) -> Bins {
     let [x, y] = margin.map(|m| Bins::reachable(size_um[0], size_um[1], 2.0 / (min_nm * 1e-3), m));
     Bins { r_max: x.r_max, s_max: y.s_max }
 }
 
-/// The fewest bins to each side for which `tail` is at most `wanted`, from `least` on; at most 64.
-pub(super) fn radius(least: u32, wanted: f64, tail: impl Fn(u32) -> f64) -> u32 {
-    const MOST: u32 = 64;
-    (least..=MOST).find(|&radius| tail(radius) <= wanted).unwrap_or(MOST)
+/// The minimum number of bins to each side, from `min` to 64, for which `tail` is at most `wanted`.
+pub(super) fn radius(min: u32, wanted: f64, tail: impl Fn(u32) -> f64) -> u32 {
+    const MAX_RADIUS: u32 = 64;
+    (min..=MAX_RADIUS).find(|&radius| tail(radius) <= wanted).unwrap_or(MAX_RADIUS)
 }

@@ -1,4 +1,4 @@
-//! What forms on a table with the window in it have in common: the grid of the table, and the wavelength nodes.
+//! Common parts of forms on a table that contains the window: the grid of the table, and the wavelength nodes.
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
@@ -11,21 +11,22 @@ use crate::tables::{NODE_LEVELS, Reach, Series};
 
 use super::{ErrorBound, lay};
 
-/// 95th percentile of CIEDE2000 that is promised where the wavelengths are fine enough.
+/// Promised 95th percentile of CIEDE2000, if the wavelength steps are fine enough.
 pub(super) const MODEL_P95: f64 = 1.5;
 
-/// Error of linear interpolation in the grid, the root of its mean square over that of the amplitude.
+/// Target error of linear interpolation in the grid: root mean square, relative to that of the amplitude.
 pub const GRID_ERROR: f64 = 0.008;
-/// Most samples of the transform along an axis: two of them make a gigabyte.
-const MOST_SAMPLES: usize = 8192;
+/// Maximum number of samples of the transform along an axis. With this number on both axes, the samples take a gigabyte.
+const MAX_SAMPLES: usize = 8192;
 
-/// Share of what oscillates fastest along 1/λ that the nodes may take for something slower.
+/// Maximum aliasing of wavelength nodes: share of the fastest oscillation along 1/λ that the nodes take for a slower one.
 ///
-/// Along `f = (u, v)/λ` the amplitude is a sum of waves in 1/λ whose rate is a path difference: `(u, v)·x` under the window
-/// and `w h`. Between two of them lie rates with the Gaussian distribution `exp(-τ²/4σ²)`, `σ = |(u, v)| σs` and the
-/// heights' range on top. `n` nodes over a range `T` take a rate `n/T` for none: this much of it is left at `n/T = pace σ`.
+/// Along `f = (u, v)/λ` the amplitude is a sum of waves in 1/λ whose rate is a path difference: `(u, v)·x` under the
+/// window and `w h`. The differences of two rates have the Gaussian distribution `exp(-τ²/4σ²)`, `σ = |(u, v)| σs`,
+/// plus the range of the heights. `n` nodes over a range `T` take the rate `n/T` for 0. At `n/T = pace σ` the
+/// distribution has fallen to this value.
 pub const NODE_ERROR: f64 = 0.07;
-/// Rate that the colour weights themselves add, µm: their narrowest lobe, in the blue, is 0.12/µm wide.
+/// Rate that the colour weights add, µm. Their narrowest lobe, in the blue, is 0.12/µm wide.
 const COLOUR_PATH_UM: f64 = 4.5;
 
 /// The terms of a variant on the grid.
@@ -33,13 +34,13 @@ pub(super) fn series(variant: &Variant, height: &HeightField) -> Result<Series> 
     let grid = grid(variant, height)?;
     let expansion = lay::expansion(variant, height)?;
     let reach = Reach::Prefiltered { coherence_um: variant.optics.coherence_um };
-    // the texel on the other side
+    // one more, for the neighbouring texel
     let bins = lay::bins(grid.size_um, variant.wavelengths.min_nm, [1; 2]);
     let texels = (variant.packing, variant.table);
     Ok(Series::new(expansion, reach, bins, Some(grid), grid.size_um, texels))
 }
 
-/// What a series on a grid leaves out.
+/// Error bounds of a series on a grid.
 pub(super) fn error_bound(series: &Series, patch_um: [f64; 2]) -> Option<ErrorBound> {
     let grid = series.grid.as_ref()?;
     let sizes = patch_um.map(|size_um| size_um / (TAU * grid.sigma_um));
@@ -50,7 +51,7 @@ pub(super) fn error_bound(series: &Series, patch_um: [f64; 2]) -> Option<ErrorBo
     })
 }
 
-/// The window ends with its grid, half the size from the middle.
+/// Share of the window beyond its grid, which ends at half its size from the middle.
 fn beyond(grid: &Grid) -> f64 {
     grid.size_um.map(|size_um| libm::erfc(0.5 * size_um / grid.sigma_um)).iter().sum()
 }
@@ -61,9 +62,9 @@ fn grid(variant: &Variant, height: &HeightField) -> Result<Grid> {
     let pitch_um = [height.pitch_x_um(), height.pitch_y_um()];
     let wanted_um = sigma_um * (interpolation() / GRID_ERROR).sqrt();
     let samples = pitch_um.map(|pitch_um| smooth((wanted_um / pitch_um).ceil() as usize));
-    if let Some(most) = samples.iter().max().filter(|most| **most > MOST_SAMPLES) {
+    if let Some(max) = samples.iter().max().filter(|max| **max > MAX_SAMPLES) {
         let cause = format!(
-            "a window of coherence_um = {} takes {most} samples on an axis, above {MOST_SAMPLES}",
+            "the window of coherence_um = {} needs {max} samples on an axis, above the limit of {MAX_SAMPLES}",
             variant.optics.coherence_um
         );
         return Err(Error::new(&variant.name, cause)
@@ -73,13 +74,14 @@ fn grid(variant: &Variant, height: &HeightField) -> Result<Grid> {
     Ok(Grid { samples, size_um, sigma_um })
 }
 
-/// Root mean square of what a grid's interpolation leaves, over that of the amplitude, to first order in its spacing.
+/// Root mean square error of a grid's interpolation, relative to that of the amplitude, to first order in the grid's spacing.
 pub fn grid_error(grid: &Grid) -> f64 {
     let [x, y] = grid.size_um.map(|size_um| (grid.sigma_um / size_um).powi(2));
     interpolation() * (0.5 * (x * x + y * y)).sqrt()
 }
 
-/// Wavelength nodes at every level of `|(u, v)|`, at its upper end; one level of one node where there is one wavelength.
+/// Number of wavelength nodes at every level of `|(u, v)|`, for the upper end of the level. For a single wavelength,
+/// one level with one node.
 pub(super) fn node_counts(variant: &Variant, height: &HeightField) -> Vec<u32> {
     let waves = &variant.wavelengths;
     if waves.max_nm <= waves.min_nm {
@@ -102,14 +104,15 @@ pub fn node_level(uv: f64) -> u32 {
     (uv * 0.5 * f64::from(NODE_LEVELS)).clamp(0.0, f64::from(NODE_LEVELS - 1)) as u32
 }
 
-/// Images of the window at `x` from the `m`-th period are `(x/(size m))²` of it: with `⟨x⁴⟩ = 3/4 σ⁴` under the squared
-/// window and `Σ 1/m⁴ = π⁴/45` over both signs, on both axes, this times `(σ/size)²` is the root of the mean square.
+/// At `x` from the `m`-th period, the image of the window is `(x/(size m))²` of the window. With `⟨x⁴⟩ = 3/4 σ⁴` under
+/// the squared window and `Σ 1/m⁴ = π⁴/45` over both signs, on both axes, the root mean square error is this number
+/// times `(σ/size)²`.
 fn interpolation() -> f64 {
     (0.75 * PI.powi(4) / 45.0).sqrt() * SQRT_2
 }
 
-/// The next whole number that has no prime factors above 7, for which transforms are fast.
-fn smooth(least: usize) -> usize {
+/// The next whole number without prime factors above 7, for which transforms are fast.
+fn smooth(min: usize) -> usize {
     let is_smooth = |n: &usize| {
         let rest = [2, 3, 5, 7].iter().fold(*n, |mut n, p| {
             while n % p == 0 {
@@ -119,5 +122,5 @@ fn smooth(least: usize) -> usize {
         });
         rest == 1
     };
-    (least.max(1)..).find(is_smooth).unwrap_or(least)
+    (min.max(1)..).find(is_smooth).unwrap_or(min)
 }

@@ -1,8 +1,8 @@
 //! The algorithms of the templates in f64, function by function.
 //!
-//! `twin/x.rs` stands beside `templates/x.wgsl` with the same function names. What all forms share is not written twice: the
-//! f64 form of `gain.wgsl` is [`crate::optics`], that of the map's geometry [`crate::optics::brdf_map`]. `full.wgsl` and `thesis.wgsl`
-//! compute one sum in two orders; `twin/full.rs` is the twin of both.
+//! `twin/x.rs` has the same function names as `templates/x.wgsl`. Parts that all forms share are not repeated: the f64
+//! form of `gain.wgsl` is [`crate::optics`], and [`crate::optics::brdf_map`] is the f64 form of the map's geometry.
+//! `full.wgsl` and `thesis.wgsl` compute the same sum in different orders; `twin/full.rs` is the twin of both.
 
 mod adaptive;
 mod baked;
@@ -25,16 +25,16 @@ use crate::tables::{TERMS, Table, single_wavelength};
 
 use super::Form;
 
-/// Everything that one pixel of a variant reads, and the variant's algorithm on it.
+/// Everything that a pixel of a variant reads, and the variant's algorithm.
 #[derive(Clone, Copy)]
 pub struct Twin<'a> {
     /// How the variant computes.
     pub form: &'a Form,
-    /// Term table, or the table of colours, rounded or not; empty where the form has none.
+    /// Term table or table of colours, rounded or not. Empty if the form has neither.
     pub terms: &'a Table,
     /// Spectrum table, rounded or not.
     pub spectrum: &'a Table,
-    /// Table of coefficients, rounded or not; empty where they are powers.
+    /// Table of coefficients, rounded or not. Empty if the coefficients are powers.
     pub coefficients: &'a Table,
     /// Light and material.
     pub optics: &'a Optics,
@@ -43,7 +43,7 @@ pub struct Twin<'a> {
 }
 
 impl<'a> Twin<'a> {
-    /// Takes the tables by their names.
+    /// Finds the tables by their names.
     pub fn new(
         form: &'a Form,
         tables: &'a [Table],
@@ -74,7 +74,8 @@ impl<'a> Twin<'a> {
         }
     }
 
-    /// `|P|²` of this variant at one wavelength, µm, along `path = (u, v, w)`; `None` where it has no wavelengths.
+    /// `|P|²` of this variant at one wavelength in µm, along `path = (u, v, w)`. `None` if the variant does not have
+    /// wavelengths.
     pub fn response(&self, path: DVec3, lambda_um: f64) -> Option<f64> {
         match self.form {
             Form::FullWindow(form) => Some(full::response(self, form, path, lambda_um)),
@@ -100,7 +101,7 @@ impl<'a> Twin<'a> {
 }
 
 impl mesh::OrientationMap {
-    /// No angle anywhere: for meshes whose vertices have all angles.
+    /// A map with angle 0 everywhere, for meshes where only the vertices have angles.
     pub fn none() -> mesh::OrientationMap {
         mesh::OrientationMap { width: 1, height: 1, angles: vec![0.0] }
     }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use diffraction_shaders::error::Result;
 
 use super::clock::{Clock, ms};
-use super::stats::{self, LEAST_VALUES, median, relative_width};
+use super::stats::{self, MIN_VALUES, median, relative_width};
 
 /// Something that draws frames and says how long they took.
 pub trait Executor {
@@ -31,15 +31,15 @@ pub struct Rules {
     /// Time for each subject, warm-up not included; a round that began is finished.
     pub budget: Duration,
     /// Fewest rounds, whatever they cost.
-    pub least_rounds: usize,
+    pub min_rounds: usize,
     /// Most rounds, whatever the precision.
-    pub most_rounds: usize,
+    pub max_rounds: usize,
 }
 
 impl Rules {
     /// 2 %, in 6 to 60 rounds.
     pub fn standard(budget: Duration) -> Rules {
-        Rules { precision: 0.02, budget, least_rounds: LEAST_VALUES, most_rounds: 60 }
+        Rules { precision: 0.02, budget, min_rounds: MIN_VALUES, max_rounds: 60 }
     }
 }
 
@@ -89,9 +89,9 @@ pub struct Measured {
 /// In a round, a subject is drawn for this long at least, ms: frames of 2 ms twenty times …
 const ROUND_MS: f64 = 40.0;
 /// … and for this share of the longest frame: a short glance meets the machine busy or idle, a long one both.
-const LEAST_SHARE: f64 = 0.25;
+const MIN_SHARE: f64 = 0.25;
 /// … but no more frames than these.
-const MOST_FRAMES: f64 = 20.0;
+const MAX_FRAMES: f64 = 20.0;
 /// Time stamps that differ by more from the wall are not believed …
 const AGREEMENT: f64 = 0.05;
 /// … unless it is by less than what a submission costs, ms.
@@ -117,11 +117,11 @@ pub fn measure(
     let (timing, mut samples) = warm_up(subjects, stop);
     let budget = rules.budget * subjects.len() as u32;
     let begun = clock.wall();
-    for round in 0..rules.most_rounds {
+    for round in 0..rules.max_rounds {
         let spent = clock.wall() - begun;
         progress((spent.as_secs_f64() / budget.as_secs_f64()).min(1.0));
         let active = active(&samples, round, rules);
-        if active.is_empty() || stop() || (spent >= budget && round >= rules.least_rounds) {
+        if active.is_empty() || stop() || (spent >= budget && round >= rules.min_rounds) {
             break;
         }
         for index in order(&active, round) {
@@ -171,8 +171,8 @@ fn warm_up(
     let longest = lengths.iter().flatten().copied().fold(0.0, f64::max);
     let mut agree = true;
     let mut warm = |subject: &mut dyn Executor, once: f64| {
-        let frames = (ROUND_MS.max(LEAST_SHARE * longest) / once.max(1e-3)).ceil();
-        let frames = frames.clamp(1.0, MOST_FRAMES) as usize;
+        let frames = (ROUND_MS.max(MIN_SHARE * longest) / once.max(1e-3)).ceil();
+        let frames = frames.clamp(1.0, MAX_FRAMES) as usize;
         if stop() {
             return Ok(Samples { frames, ..Samples::default() });
         }
@@ -229,7 +229,7 @@ fn active(samples: &[Result<Samples>], round: usize, rules: &Rules) -> Vec<usize
         let width = stats::interval(&values).zip(median(&values));
         let width =
             width.map_or(f64::INFINITY, |(interval, value)| relative_width(value, interval));
-        (round < rules.least_rounds || width > rules.precision).then_some(index)
+        (round < rules.min_rounds || width > rules.precision).then_some(index)
     };
     let mut wanted: Vec<usize> =
         samples.iter().enumerate().skip(1).filter_map(|(i, s)| wanting((i, s))).collect();

@@ -7,7 +7,7 @@
 pub const CONFIDENCE: f64 = 0.95;
 
 /// Fewest values of which the extremes hold the median with [`CONFIDENCE`]: `1 - 2·2⁻⁶ = 0.969`.
-pub const LEAST_VALUES: usize = 6;
+pub const MIN_VALUES: usize = 6;
 
 /// Above this modified z-score a value is an outlier: B. Iglewicz and D. Hoaglin, *How to Detect and Handle Outliers*
 /// (ASQC, 1993).
@@ -55,7 +55,7 @@ pub fn mad(values: &[f64]) -> Option<f64> {
 
 /// Interval of the median without an assumption about the distribution: the `k`-th value from either end, with the
 /// greatest `k` for which `P(B < k)`, `B` binomial of `n` tosses of a fair coin, is at most half of `1 -` [`CONFIDENCE`]
-/// (W. J. Conover, *Practical Nonparametric Statistics*, 1971, chapter 3). Fewer than [`LEAST_VALUES`] give their extremes,
+/// (W. J. Conover, *Practical Nonparametric Statistics*, 1971, chapter 3). Fewer than [`MIN_VALUES`] give their extremes,
 /// which hold the median less often.
 pub fn interval(values: &[f64]) -> Option<[f64; 2]> {
     let sorted = sorted(values);
@@ -139,7 +139,7 @@ mod tests {
         {
             assert_eq!(interval_rank(count), rank, "{count}");
         }
-        assert_eq!(interval_rank(LEAST_VALUES - 1), 0);
+        assert_eq!(interval_rank(MIN_VALUES - 1), 0);
         // far beyond the range of 2⁻ⁿ; the normal approximation gives 2500 - 98
         assert!((interval_rank(10_000) as f64 - 4902.0).abs() < 2.0);
     }

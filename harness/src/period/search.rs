@@ -16,7 +16,7 @@ const PER_LOBE: f64 = 8.0;
 /// of a Gaussian window or of replicas is 2 % down.
 const NEAR_LARGEST: f64 = 0.9;
 /// What is weaker is rounding, not light: the exact field, 1 at its peak, is right to 1e-9.
-const LEAST_RESPONSE: f64 = 1e-18;
+const MIN_RESPONSE: f64 = 1e-18;
 /// Greatest grid index on either side: the horizon is left out.
 const LAST: i32 = 8999;
 /// Where the first order is searched, in units of its expected distance from the mirror direction.
@@ -103,7 +103,7 @@ fn vertex(responses: [f64; 3]) -> f64 {
 fn maxima(samples: &Samples, (first, last): (i32, i32)) -> Vec<([i32; 3], f64)> {
     let inside: Vec<(i32, f64)> = samples.range(first..=last).map(|(i, r)| (*i, *r)).collect();
     let is_maximum =
-        |w: &&[(i32, f64)]| w[1].1 > LEAST_RESPONSE && w[1].1 >= w[0].1 && w[1].1 > w[2].1;
+        |w: &&[(i32, f64)]| w[1].1 > MIN_RESPONSE && w[1].1 >= w[0].1 && w[1].1 > w[2].1;
     let found = inside.windows(3).filter(is_maximum);
     found.map(|w| ([w[0].0, w[1].0, w[2].0], w[1].1)).collect()
 }

@@ -19,7 +19,7 @@ use crate::drivers::gpu::{
     TextureFormat, TextureLayout,
 };
 use crate::drivers::{Prepared, table_texture};
-use crate::scene::{Light, MOST_LIGHTS, Mesh};
+use crate::scene::{Light, MAX_LIGHTS, Mesh};
 
 pub use truth::{Truth, truth};
 
@@ -32,7 +32,7 @@ const ORIENTATION_MAP: u32 = 9;
 const SHADE_BLOCK: u32 = 20;
 const BODY_COLOUR: u32 = 21;
 const BODY_SAMPLER: u32 = 22;
-const SHADE_NUMBERS: usize = 8 + 8 * MOST_LIGHTS;
+const SHADE_NUMBERS: usize = 8 + 8 * MAX_LIGHTS;
 const PARAMS_NUMBERS: usize = 56;
 
 /// Levels of widened lobes; the last stands for lobes 32 times as wide.
@@ -112,11 +112,8 @@ impl<'a> Drawing<'a> {
     /// Draws a picture with four samples to a pixel.
     pub fn draw(&self, params: &MeshParams, look: &Look, size: [u32; 2]) -> Result<Hdr> {
         let fail = |cause: String| Err(Error::new(&self.mesh.name, cause));
-        if look.lights.is_empty() || look.lights.len() > MOST_LIGHTS {
-            return fail(format!(
-                "{} lights; from 1 to {MOST_LIGHTS} can shine",
-                look.lights.len()
-            ));
+        if look.lights.is_empty() || look.lights.len() > MAX_LIGHTS {
+            return fail(format!("{} lights; from 1 to {MAX_LIGHTS} can shine", look.lights.len()));
         }
         if let Some(light) = look.lights.iter().find(|l| l.direction.try_normalize().is_none()) {
             return fail(format!("a light from {}, which is no direction", light.direction));
@@ -149,7 +146,7 @@ impl<'a> Drawing<'a> {
         for (i, light) in look.lights.iter().enumerate() {
             let direction = light.direction.as_vec3().normalize();
             numbers[8 + 4 * i..][..3].copy_from_slice(&direction.to_array());
-            numbers[8 + 4 * (MOST_LIGHTS + i)..][..3].copy_from_slice(&light.colour);
+            numbers[8 + 4 * (MAX_LIGHTS + i)..][..3].copy_from_slice(&light.colour);
         }
         numbers
     }

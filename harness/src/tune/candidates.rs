@@ -62,7 +62,7 @@ pub fn candidates(plan: &Plan, height: &HeightField) -> (Vec<Candidate>, Vec<Los
 /// Names and keys of the grid's presets, numbers of terms filled in.
 fn texts(height: &HeightField) -> Vec<(String, Vec<(&'static str, String)>)> {
     let bases = [Basis::Optimal, Basis::Chebyshev, Basis::Taylor];
-    let laid = bases.map(|basis| (basis.as_str(), Expansion::new(basis, 1, height, LEAST_NM)));
+    let laid = bases.map(|basis| (basis.as_str(), Expansion::new(basis, 1, height, MIN_NM)));
     let mut texts = Vec::new();
     for row in GRIDS.into_iter().flat_map(product) {
         let basis = row.iter().find(|(key, _)| *key == "basis");
@@ -83,7 +83,7 @@ fn texts(height: &HeightField) -> Vec<(String, Vec<(&'static str, String)>)> {
 }
 
 /// The shortest wavelength of the grid, nm.
-const LEAST_NM: f64 = 380.0;
+const MIN_NM: f64 = 380.0;
 
 /// The number of terms for an error, as TOML; a word stays.
 fn terms(error: &str, expansion: &Expansion) -> String {

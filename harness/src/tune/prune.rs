@@ -28,7 +28,7 @@ pub struct Limits {
 /// by a factor of three to ten, so each limit is about five times what was seen to leave a 95th percentile of 1.
 const FAR: Bounds = Bounds { phase: 0.5, tail: 0.1, step: 0.5 };
 /// Bounds grow with the budget, but a small one is no reason to measure nothing at all.
-const LEAST_BUDGET: f64 = 0.1;
+const MIN_BUDGET: f64 = 0.1;
 
 /// Splits candidates into those that are worth measuring and those that are not.
 pub fn prune(
@@ -99,7 +99,7 @@ fn unfit(candidate: &Candidate, limits: &Limits, rotate_deg: f64) -> Option<(Ver
 }
 
 fn too_far(candidate: &Candidate, limits: &Limits) -> Option<(Verdict, String)> {
-    let scale = limits.budget_de.max(LEAST_BUDGET);
+    let scale = limits.budget_de.max(MIN_BUDGET);
     let names = ["the series leaves", "the window leaves out", "the wavelength's steps miss"];
     let what = ["of the phase function", "of a lobe", "of a lobe"];
     let all = candidate.bounds.all().into_iter().zip(FAR.all());

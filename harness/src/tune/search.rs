@@ -119,22 +119,22 @@ pub fn to_time(candidates: &[Candidate], states: &[State], budget_de: f64) -> Ve
     let (firsts, rest): (Vec<usize>, Vec<usize>) =
         within.iter().partition(|i| seen.insert(candidates[**i].kind.as_str()));
     let mut within = [firsts, rest].concat();
-    within.truncate(MOST_WITHIN);
+    within.truncate(MAX_WITHIN);
     by_cost(candidates, &mut within);
     let Some(&cheapest) = within.first() else { return Vec::new() };
     let cheaper = |i: usize| candidates[i].fetches() < candidates[cheapest].fetches();
     let mut near: Vec<(usize, f64)> =
         measured.into_iter().filter(|(i, p95)| *p95 > budget_de && cheaper(*i)).collect();
     near.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-    within.extend(near.into_iter().take(MOST_NEAR).map(|(i, _)| i));
+    within.extend(near.into_iter().take(MAX_NEAR).map(|(i, _)| i));
     by_cost(candidates, &mut within);
     within
 }
 
 /// Most candidates within the budget that are timed.
-const MOST_WITHIN: usize = 12;
+const MAX_WITHIN: usize = 12;
 /// Most of those that miss it.
-const MOST_NEAR: usize = 3;
+const MAX_NEAR: usize = 3;
 
 /// Candidates by their kind, cheapest first; the kind with the cheapest first.
 fn kinds(candidates: &[Candidate]) -> Vec<Vec<usize>> {

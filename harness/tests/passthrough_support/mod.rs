@@ -63,7 +63,7 @@ pub fn centred(name: &str) -> Variant {
 /// rounded to 24 bits.
 pub fn texts_bound(height: &HeightField) -> f64 {
     let (low_um, high_um) = height.range_um();
-    let z_max = diffraction_shaders::tables::basis::greatest_z(380.0);
+    let z_max = diffraction_shaders::tables::basis::max_z(380.0);
     (z_max * (high_um - low_um)).exp() * 2.0_f64.powi(-24)
 }
 

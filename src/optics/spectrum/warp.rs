@@ -1,14 +1,14 @@
-//! Wavelength nodes with the density of the light.
+//! Wavelength nodes that are closer where there is more light.
 
 use crate::plan::Wavelengths;
 
 use super::{Sample, Spectrum};
 
-/// Power of the weights that the density of nodes follows: few nodes where little light is, but not none.
+/// The density of nodes is this power of the weights: few nodes where there is little light, but always some.
 const POWER: f64 = 0.3;
-/// Least density, over the greatest.
-const LEAST: f64 = 0.05;
-/// Cells that weights are added up over, at equal steps of 1/λ.
+/// Minimum density, relative to the maximum.
+const MIN_DENSITY: f64 = 0.05;
+/// Number of cells over which weights are summed, at equal steps of 1/λ.
 const CELLS: usize = 4096;
 
 /// See [`Spectrum::warped_samples`].
@@ -24,7 +24,7 @@ pub(super) fn samples(
     counts.iter().map(|&count| (0..count).map(|i| warp.sample(i, count)).collect()).collect()
 }
 
-/// Weights and densities added up from the longest wavelength, at `CELLS + 1` places of equal steps of 1/λ.
+/// Cumulative weights and densities from the longest wavelength on, at `CELLS + 1` equally spaced values of 1/λ.
 struct Warp {
     low: f64,
     pace: f64,
@@ -44,13 +44,13 @@ impl Warp {
         };
         let cells: Vec<[f64; 3]> = (0..CELLS).map(cell).collect();
         let light = |cell: &[f64; 3]| cell.iter().sum::<f64>().max(0.0);
-        let most = cells.iter().map(light).fold(f64::MIN_POSITIVE, f64::max);
+        let max = cells.iter().map(light).fold(f64::MIN_POSITIVE, f64::max);
         let mut weights = vec![[0.0; 3]];
         let mut density = vec![0.0];
         for cell in &cells {
             let (before, sum) = (weights[weights.len() - 1], density[density.len() - 1]);
             weights.push(std::array::from_fn(|c| before[c] + cell[c]));
-            density.push(sum + (light(cell) / most).powf(POWER).max(LEAST));
+            density.push(sum + (light(cell) / max).powf(POWER).max(MIN_DENSITY));
         }
         let all = density[CELLS];
         density.iter_mut().for_each(|sum| *sum /= all);
@@ -66,7 +66,7 @@ impl Warp {
         Sample { lambda_nm: 1e3 / wavenumber, xyz: std::array::from_fn(|c| after[c] - before[c]) }
     }
 
-    /// Where the density has added up to a share, in cells.
+    /// Position, in cells, at which the cumulative density reaches a share.
     fn place(&self, share: f64) -> f64 {
         let above = self.density.partition_point(|sum| *sum <= share).clamp(1, CELLS);
         let (before, after) = (self.density[above - 1], self.density[above]);

@@ -1,8 +1,8 @@
-//! Finished tables and probes in a folder, by their identity.
+//! A folder of finished tables and probes, named by their identity.
 //!
-//! The cache is only a saving: what cannot be read or written is computed, and then stays in memory. Beside every file stands
-//! the hash of its content, and a file that has another content is made anew: a disk that flips a bit, or somebody who
-//! edits the cache, must not reach a package.
+//! The cache only saves time: a file that cannot be read or written is computed and kept in memory. Each file has the
+//! hash of its content beside it, and a file whose content has another hash is computed again. So neither a flipped bit
+//! nor an edited cache can get into a package.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -12,17 +12,18 @@ use crate::error::Result;
 use crate::hash::{sha256, sha256_of};
 use crate::package::Content;
 
-/// End of the name of a file that is being written.
+/// Extension of files that are being written.
 const PARTIAL: &str = "partial";
-/// Age of such a file whose writer is gone.
+/// Age at which such a file counts as abandoned.
 const STALE: Duration = Duration::from_secs(3600);
 
-/// A folder, or none.
+/// The folder of the cache; `None` turns the cache off.
 #[derive(Clone, Copy)]
 pub(super) struct Cache<'a>(pub(super) Option<&'a Path>);
 
 impl Cache<'_> {
-    /// Bytes of that length, from the cache, or made and put there: a file of the cache where there is one.
+    /// Content of that length: read from the cache, or computed and stored there. Refers to a file of the cache if
+    /// there is one.
     pub(super) fn content(
         self,
         id: &str,
@@ -37,7 +38,7 @@ impl Cache<'_> {
         Ok(if store(&file, &bytes) { Content::Stored(file) } else { Content::Bytes(bytes) })
     }
 
-    /// So many numbers, from the cache, or made and put there.
+    /// `count` numbers: read from the cache, or computed and stored there.
     pub(super) fn numbers(
         self,
         id: &str,
@@ -64,7 +65,7 @@ impl Cache<'_> {
         Ok(numbers)
     }
 
-    /// Removes what killed runs left unfinished, an hour old or more: nothing takes so long to write.
+    /// Removes unfinished files of killed runs. They are at least an hour old; no file takes that long to write.
     pub(super) fn sweep(self) {
         let Some(entries) = self.0.and_then(|folder| fs::read_dir(folder).ok()) else { return };
         for path in entries.flatten().map(|entry| entry.path()) {
@@ -81,14 +82,14 @@ impl Cache<'_> {
     }
 }
 
-/// Whether a file has that length and the content that it was written with.
+/// Whether a file has that length and still has the content it was written with.
 fn is_whole(file: &Path, length: usize) -> bool {
     fs::metadata(file).is_ok_and(|found| found.len() == length as u64)
         && stored_hash(Some(file))
             .is_some_and(|hash| File::open(file).and_then(sha256_of).is_ok_and(|own| own == hash))
 }
 
-/// The hash that was written beside a file.
+/// The hash stored beside a file.
 fn stored_hash(file: Option<&Path>) -> Option<String> {
     fs::read_to_string(hash_file(file?)).ok()
 }
@@ -97,7 +98,8 @@ fn hash_file(file: &Path) -> PathBuf {
     file.with_extension("sha256")
 }
 
-/// Writes a file and its hash, whole; whether it did. The hash comes first: without its file it says nothing.
+/// Writes a file and its hash, each completely or not at all. Returns whether both were written. The hash is written
+/// first, because a hash without its file does no harm.
 fn store(file: &Path, bytes: &[u8]) -> bool {
     let folder = file.parent().map_or(Ok(()), fs::create_dir_all);
     folder.is_ok()
@@ -105,7 +107,7 @@ fn store(file: &Path, bytes: &[u8]) -> bool {
         && write_whole(file, bytes)
 }
 
-/// Writes a whole file or none; whether it did.
+/// Writes a file completely or not at all. Returns whether it was written.
 fn write_whole(file: &Path, bytes: &[u8]) -> bool {
     let mut name = file.as_os_str().to_owned();
     name.push(format!(".{}.{PARTIAL}", std::process::id()));
@@ -137,7 +139,7 @@ mod tests {
         assert_eq!(names.map(|name| folder.path().join(name).exists()), [false, true, true]);
     }
 
-    /// A flipped bit, a hash of something else, a missing hash, a wrong length: the file is made anew.
+    /// A flipped bit, a wrong hash, a missing hash, a wrong length: each time the file is computed again.
     #[test]
     fn damaged_files_are_made_anew() {
         let folder = tempfile::tempdir().expect("folder");

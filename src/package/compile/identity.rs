@@ -1,4 +1,4 @@
-//! Names of computed things: hashes of everything that their numbers come from. Tables name themselves, see
+//! Names of computed numbers: hashes of all their inputs. For tables see
 //! [`TableSpec::id`](crate::tables::TableSpec::id).
 
 use serde_json::json;

@@ -1,17 +1,17 @@
-//! What a long run tells.
+//! Progress of a long run.
 
-/// What a run of [`super::generate`] tells while it goes on.
+/// Progress that [`super::generate`] reports.
 #[derive(Clone, Copy, Debug)]
 pub enum Step<'a> {
-    /// Surface and variant that are finished.
+    /// A surface and variant that is finished.
     Finished(&'a str),
-    /// Columns of a table of colours that were finished since the last call, of so many; from any thread.
+    /// Finished columns of a table of colours. Reported from any thread.
     Baked {
         /// Surface and variant.
         label: &'a str,
-        /// Columns since the last call.
+        /// Columns finished since the last call.
         columns: usize,
-        /// All columns.
+        /// Number of all columns.
         of: usize,
     },
 }

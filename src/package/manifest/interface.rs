@@ -1,4 +1,4 @@
-//! What a shader reads from outside, by reflection: resources, uniform blocks, attributes of vertices.
+//! The inputs of a shader, by reflection: resources, uniform blocks, vertex attributes.
 
 use naga::{
     AddressSpace, Binding as Place, ImageClass, ImageDimension, Scalar, TypeInner, VectorSize,
@@ -9,7 +9,7 @@ use crate::tables::Table;
 
 use super::{Binding, TableEntry, UniformBlock, UniformMember, VertexInput};
 
-/// The vertex stage whose attributes come from buffers.
+/// Name of the vertex stage whose attributes come from buffers.
 const MESH_VERTEX: &str = "mesh_vert";
 
 /// The resources of a module, with the tables that fill them.
@@ -40,7 +40,7 @@ pub(super) fn bindings(module: &Module, tables: &[(&Table, TableEntry)]) -> Vec<
             let source = match table {
                 Some((_, entry)) => format!("table {}", entry.id),
                 None if kind == "sampler" => {
-                    "reads the textures of sample type `float`; where samplers are part of textures, their parameters".to_owned()
+                    "samples the textures of sample type `float`; in APIs without separate samplers, these are the parameters of those textures".to_owned()
                 }
                 None => source(&name).to_owned(),
             };
@@ -64,16 +64,16 @@ pub(super) fn bindings(module: &Module, tables: &[(&Table, TableEntry)]) -> Vec<
     all
 }
 
-/// What fills a resource that is no table of the package.
+/// What fills a resource that no table of the package fills.
 fn source(name: &str) -> &'static str {
     match name {
-        "params" => "see `uniforms`; of `map` and `probe` only",
+        "params" => "see `uniforms`; used by `map` and `probe` only",
         "directions" => {
-            "rgba32float, two rows per row of the picture: directions to the light and to the viewer, of `probe` only"
+            "rgba32float; two rows for each row of the picture, with the directions to the light and to the viewer; used by `probe` only"
         }
-        "mesh_params" => "see `uniforms`; of `mesh_vert` and `mesh` only",
+        "mesh_params" => "see `uniforms`; used by `mesh_vert` and `mesh` only",
         "orientation_map" => {
-            "any float format, r: angle in radians from the tangent towards the bitangent, added to that of the vertices; repeats; one texel of 0 where there is no map; of `mesh` only"
+            "any float format; r: angle in radians from the tangent towards the bitangent, added to the angle of the vertices; the map repeats; without a map, bind one texel of 0; used by `mesh` only"
         }
         _ => "the engine",
     }
@@ -99,7 +99,7 @@ pub(super) fn uniforms(module: &Module) -> Vec<UniformBlock> {
     uniform.filter_map(|(_, v)| block(v)).collect()
 }
 
-/// The attributes of [`MESH_VERTEX`]; none where there is no such stage.
+/// The attributes of [`MESH_VERTEX`]. Empty if the shader does not have this stage.
 pub(super) fn vertex_inputs(module: &Module) -> Vec<VertexInput> {
     let ir = module.ir();
     let entry = ir.entry_points.iter().find(|entry| entry.name == MESH_VERTEX);
@@ -114,26 +114,26 @@ pub(super) fn vertex_inputs(module: &Module) -> Vec<VertexInput> {
     arguments.filter_map(input).collect()
 }
 
-/// What a member of a uniform block, or an attribute of a vertex stage, holds.
+/// Meaning of a member of a uniform block or of an attribute of a vertex stage.
 fn meaning(of: &str, name: &str) -> &'static str {
     match (of, name) {
-        ("params", "light") => "xyz: unit direction to the light, of `map`; w: unused",
+        ("params", "light") => "xyz: unit direction to the light, for `map`; w: unused",
         ("params", "size") => "xy: size of the picture in pixels; zw: unused",
         ("mesh_params", "model") => {
-            "from the mesh to the world; may scale unevenly and mirror; column by column"
+            "matrix from the mesh to the world, column by column; it may scale unevenly and mirror"
         }
-        ("mesh_params", "view") => "from the world to the camera; column by column",
+        ("mesh_params", "view") => "matrix from the world to the camera, column by column",
         ("mesh_params", "projection") => {
-            "from the camera to the clip space of the API; column by column"
+            "matrix from the camera to the clip space of the API, column by column"
         }
         ("mesh_params", "light_direction") => {
-            "xyz: direction to the light in the world, of any length; w: unused"
+            "xyz: direction to the light in the world, any length; w: unused"
         }
-        ("mesh_params", "eye") => "xyz: place of the viewer in the world; w: unused",
-        (MESH_VERTEX, "position") => "place in the mesh",
+        ("mesh_params", "eye") => "xyz: position of the viewer in the world; w: unused",
+        (MESH_VERTEX, "position") => "position in the mesh",
         (MESH_VERTEX, "normal") => "unit normal",
         (MESH_VERTEX, "tangent") => {
-            "xyz: unit tangent; w: handedness, so that the bitangent is w (normal × tangent), as MikkTSpace and glTF have it"
+            "xyz: unit tangent; w: handedness, the bitangent is w (normal × tangent), as in MikkTSpace and glTF"
         }
         (MESH_VERTEX, "uv") => "texture coordinates; (0, 0) is the corner of the first texel",
         (MESH_VERTEX, "orientation_angle") => {
@@ -143,7 +143,7 @@ fn meaning(of: &str, name: &str) -> &'static str {
     }
 }
 
-/// WGSL's name of the types that interfaces have.
+/// WGSL's name of a type of an interface.
 fn type_name(inner: &TypeInner) -> &'static str {
     match *inner {
         TypeInner::Scalar(Scalar::F32) => "f32",

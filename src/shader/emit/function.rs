@@ -1,12 +1,14 @@
-//! Function forms: the functions that a shader offers and what they need, without entry points and bindings. The first of
-//! them stands first in `.fn.wgsl`; the others may be missing.
+//! Function forms: the functions that a shader offers and everything that they call, without entry points and bindings.
+//! The first function stands first in `.fn.wgsl`; the others are optional.
 //!
-//! - `.fn.wgsl` is the specialised text with its comments. Textures and the sampler are parameters behind the directions,
-//!   threaded through every function that reads them, since node systems such as that of three.js know no free names. The
-//!   text begins with `fn diffraction(`, which such systems want. The comment that describes it begins the body.
-//! - `.fn.glsl` declares its textures as uniforms of their names in the templates, samplers being part of them. It has no
-//!   `#version`, no precision statement and no `main`, and is valid behind those of GLSL ES 3.00 and of GLSL 4.50.
-//! - `.fn.hlsl` declares its textures and the sampler as globals of their names in the templates, without registers.
+//! - `.fn.wgsl` is the specialised text with its comments. Textures and the sampler are parameters after the
+//!   directions, and are passed on to every function that reads them, since node systems such as that of three.js do
+//!   not support global names. The text begins with `fn diffraction(`, as such systems require. The comment that
+//!   describes it is at the beginning of the body.
+//! - `.fn.glsl` declares its textures, combined with their samplers, as uniforms with their names in the templates. It
+//!   has no `#version`, no precision statement and no `main`, and is valid after those of GLSL ES 3.00 and of GLSL
+//!   4.50.
+//! - `.fn.hlsl` declares its textures and the sampler as globals with their names in the templates, without registers.
 
 mod core;
 mod wgsl;
@@ -19,7 +21,7 @@ use super::{EmittedFile, Function, bindings, failure, glsl, head, hlsl};
 
 use self::core::Core;
 
-/// The function form that belongs to a target; `None` for targets whose engines take whole shaders only.
+/// The function form that belongs to a target. `None` for targets whose engines accept only whole shaders.
 pub fn emit(module: &Module, target: Target) -> Result<Option<EmittedFile>> {
     let fail = |cause: String| failure(module, target, format!("function form: {cause}"));
     let core = || core::extract(module, module.functions()).map_err(fail);
@@ -45,7 +47,8 @@ pub fn emit(module: &Module, target: Target) -> Result<Option<EmittedFile>> {
     };
     let text = text.map_err(fail)?;
     let functions = core.names.iter().map(|name| {
-        let signature = signature(&text, name).ok_or(format!("`{name}` got lost"))?;
+        let signature =
+            signature(&text, name).ok_or(format!("`{name}` is missing in the emitted text"))?;
         Ok(Function { name: name.clone(), signature })
     });
     let functions: Result<_, String> = functions.collect();
@@ -66,7 +69,8 @@ pub fn emit(module: &Module, target: Target) -> Result<Option<EmittedFile>> {
     }))
 }
 
-/// What naga writes for GLSL ES 3.00, whose precision qualifiers desktop GLSL reads and ignores, less its frame.
+/// The text that naga writes for GLSL ES 3.00, without `#version`, precision statements and `main`. Desktop GLSL
+/// accepts and ignores its precision qualifiers.
 fn glsl_text(module: &Module, core: &Core) -> Result<(String, glsl::SamplerTextures), String> {
     let (whole, names) = glsl::write_unbound(&core.unbound, &core.info, core::SHELL)?;
     let mut kept = vec![head::bare(module), String::new()];
@@ -88,7 +92,7 @@ fn hlsl_text(module: &Module, core: &Core) -> Result<String, String> {
     Ok(hlsl::with_head(module, &hlsl::write_unbound(&ir, &info)?))
 }
 
-/// The declaration of a function: its line in the text, or what is left of it before the body.
+/// The declaration of a function: its line in the text up to the body.
 fn signature(text: &str, name: &str) -> Option<String> {
     let declares = |line: &&str| {
         let before = line.split_once(&format!("{name}(")).map(|(before, _)| before);

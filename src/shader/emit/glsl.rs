@@ -1,6 +1,6 @@
-//! GLSL 4.50 and GLSL ES 3.00, one file per entry point, whose function is `main`.
+//! GLSL 4.50 and GLSL ES 3.00, one file per entry point. The entry point is called `main`.
 //!
-//! Precision in ES is `highp` throughout: naga states it for float, int and every sampler.
+//! In ES all precisions are `highp`: naga writes this for float, int and every sampler.
 
 use std::collections::BTreeMap;
 
@@ -15,12 +15,12 @@ use super::{
     file_name, head, singles,
 };
 
-/// Desktop GLSL. Bindings are written out: binding `b` of group 0 is unit or block `b`.
+/// Desktop GLSL. The text contains bindings: binding `b` of group 0 is texture unit or uniform block `b`.
 pub fn emit_450(module: &Module) -> Result<Vec<EmittedFile>> {
     emit(module, Target::Glsl450, Version::Desktop(450), ["vert.glsl", "frag.glsl"])
 }
 
-/// WebGL2. The language has no place for bindings; the engine sets them by name.
+/// GLSL for WebGL2. The language cannot express bindings; the engine sets them by name.
 pub fn emit_es300(module: &Module) -> Result<Vec<EmittedFile>> {
     let version = Version::Embedded { version: 300, is_webgl: true };
     emit(module, Target::GlslEs300, version, ["es300.vert", "es300.frag"])
@@ -69,7 +69,7 @@ fn write(single: &Single, version: Version) -> Result<(String, Vec<BindingName>)
     }
     let options = glsl::Options {
         version,
-        // no ADJUST_COORDINATE_SPACE: clip space stays as written
+        // ADJUST_COORDINATE_SPACE is not set, so clip space stays as written
         writer_flags: glsl::WriterFlags::empty(),
         binding_map,
         zero_initialize_workgroup_memory: false,
@@ -87,7 +87,7 @@ fn write(single: &Single, version: Version) -> Result<(String, Vec<BindingName>)
         rename(&mut binding, handle, single.stage, &reflection);
         let place = naga::ResourceBinding { group: binding.group, binding: binding.binding };
         let unit = options.binding_map.get(&place).map(|unit| u32::from(*unit));
-        // a sampler has no unit of its own
+        // a sampler shares the unit of its texture
         binding.emitted_binding = unit.filter(|_| binding.kind != BindingKind::Sampler);
         binding
     });
@@ -95,11 +95,11 @@ fn write(single: &Single, version: Version) -> Result<(String, Vec<BindingName>)
     Ok((text, named))
 }
 
-/// The name of a texture for every sampler.
+/// For every sampler, the name of a texture that it is combined with.
 pub type SamplerTextures = BTreeMap<naga::Handle<naga::GlobalVariable>, String>;
 
-/// Text of a module without bindings in GLSL ES 3.00, whose entry point is a fragment shader; and of every sampler the texture
-/// that it is a part of.
+/// Text in GLSL ES 3.00 of a module without bindings whose entry point is a fragment shader. Also returns, for every
+/// sampler, the texture that it is combined with.
 pub fn write_unbound(
     ir: &naga::Module,
     info: &naga::valid::ModuleInfo,
@@ -120,18 +120,18 @@ pub fn write_unbound(
     let reflection = glsl::Writer::new(&mut text, ir, info, &options, &pipeline, UNCHECKED)
         .and_then(|mut writer| writer.write())
         .map_err(|error| error.to_string())?;
-    // a sampler may serve several textures: the first name, in the order of names
+    // a sampler may be combined with several textures; the first name in alphabetical order is used
     let names: BTreeMap<&String, _> = reflection.texture_mapping.iter().collect();
     let pairs = names.iter().rev().filter_map(|(name, m)| Some((m.sampler?, (*name).clone())));
     Ok((text, pairs.collect()))
 }
 
-/// Unit of a binding: groups do not exist in GLSL, so that only the first has one.
+/// Unit of a binding. GLSL does not have groups, so only bindings of group 0 have a unit.
 fn unit(place: naga::ResourceBinding) -> Option<u8> {
     if place.group == 0 { u8::try_from(place.binding).ok() } else { None }
 }
 
-/// Puts the names in that naga reports to have written.
+/// Sets the emitted names, as naga reports them.
 fn rename(
     binding: &mut BindingName,
     handle: naga::Handle<naga::GlobalVariable>,
@@ -155,7 +155,7 @@ fn rename(
             }
         }
         BindingKind::Texture | BindingKind::Sampler => {
-            // a sampler may serve several textures: the first name, in the order of names
+            // a sampler may be combined with several textures; the first name in alphabetical order is used
             let names = reflection.texture_mapping.iter().filter_map(of_texture);
             if let Some(name) = names.min() {
                 binding.emitted_name = name;
@@ -164,7 +164,7 @@ fn rename(
     }
 }
 
-/// The comment goes below `#version`: GLSL ES allows nothing above it.
+/// The comment goes below `#version`, because GLSL ES requires `#version` first.
 fn with_head(head: &str, text: &str) -> String {
     let (version, rest) = text.split_once('\n').unwrap_or((text, ""));
     format!("{version}\n{head}\n\n{}\n", rest.trim())

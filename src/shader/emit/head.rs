@@ -1,17 +1,16 @@
 //! The comment at the top of every text.
 //!
-//! The lines that describe the shader are those at the top of its template, `templates/shader.wgsl`: frame of the inputs,
-//! unit and range of the output, names of the files beside it. The WGSL has them already. The other writers repeat them,
-//! since naga writes no comments. Nothing in them is computed.
+//! The lines that describe the shader come from the top of its template, `templates/shader.wgsl`: frame of the inputs,
+//! unit and range of the output, names of the files beside it. The WGSL text already has them. The other writers repeat
+//! them, since naga does not write comments. They do not contain computed numbers.
 
 use crate::shader::module::Module;
 use crate::shader::template::GENERATED;
 
-/// Where the comments are that naga leaves out.
-const COMMENTED: &str =
-    "The text with all comments is diffraction.wgsl, the same shader in the target wgsl.";
+/// States where the comments are, since naga leaves them out.
+const COMMENTED: &str = "This text has no further comments. The same shader with all comments is diffraction.wgsl of the target wgsl.";
 
-/// The generated-by line, the name, and the comment at the top of the WGSL, each line with its `//`.
+/// The generated-by line, the name, and the comment at the top of the WGSL text, each line with its `//`.
 pub fn lines(module: &Module) -> Vec<String> {
     let top = module.text().lines().skip(1).take_while(|line| line.starts_with("//"));
     let mut lines = vec![format!("// {GENERATED}"), format!("// {}", subject(module.name()))];
@@ -19,14 +18,14 @@ pub fn lines(module: &Module) -> Vec<String> {
     lines
 }
 
-/// The same for a text without comments: it also says where they are.
+/// The same for a text without comments. It also states where the comments are.
 pub fn bare(module: &Module) -> String {
     let mut lines = lines(module);
     lines.push(format!("// {COMMENTED}"));
     lines.join("\n")
 }
 
-/// A module is named by its surface and its variant, or by its variant alone.
+/// A module is named by surface and variant, or only by its variant.
 fn subject(name: &str) -> String {
     match name.split_once(' ') {
         Some((surface, variant)) => format!("Surface {surface}, variant {variant}."),

@@ -1,4 +1,4 @@
-//! HLSL of shader model 5.1, all entry points in one file.
+//! HLSL, shader model 5.1, with all entry points in one file.
 
 use naga::{TypeInner, back::hlsl};
 
@@ -10,8 +10,8 @@ use super::{EmittedFile, bindings, entry_points, failure, head, resolved};
 
 mod sampler;
 
-/// Binding `b` is register `bB`, `tB` or `sB`: one number for all kinds, so that Vulkan's compilers of HLSL, which know no
-/// kinds of registers, need no shifts. A group other than 0 is a register space.
+/// Binding `B` is register `bB`, `tB` or `sB`. Numbers are unique over all kinds, so that compilers from HLSL to
+/// Vulkan, where all kinds share one set of numbers, need no shifts. A group other than 0 is a register space.
 pub fn emit(module: &Module) -> Result<Vec<EmittedFile>> {
     let (ir, info) = resolved(module, Target::Hlsl)?;
     let fail = |cause: String| failure(module, Target::Hlsl, cause);
@@ -27,7 +27,7 @@ pub fn emit(module: &Module) -> Result<Vec<EmittedFile>> {
     }])
 }
 
-/// Text, and the name of every entry point or why it is missing.
+/// The text, and for every entry point its name or the reason why it is missing.
 pub fn write(
     ir: &naga::Module,
     info: &naga::valid::ModuleInfo,
@@ -36,7 +36,7 @@ pub fn write(
     let options = hlsl::Options {
         shader_model: hlsl::ShaderModel::V5_1,
         binding_map,
-        // a binding without a register is an error, not a guess
+        // a binding without a register must be an error; naga must not choose one
         fake_missing_bindings: false,
         sampler_buffer_binding_map: sampler::index_buffers(ir),
         special_constants_binding: None,
@@ -56,7 +56,7 @@ pub fn write(
     Ok((text, names.map(|name| name.map_err(|error| error.to_string())).collect()))
 }
 
-/// A text below the comment that describes it.
+/// The text with the comment that describes it above.
 pub fn with_head(module: &Module, text: &str) -> String {
     format!("{}\n\n{}\n", head::bare(module), text.trim())
 }

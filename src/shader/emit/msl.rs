@@ -1,4 +1,4 @@
-//! Metal Shading Language 2.0, all entry points in one file.
+//! Metal Shading Language 2.0, with all entry points in one file.
 
 use naga::{AddressSpace, TypeInner, back::msl};
 
@@ -19,7 +19,7 @@ pub fn emit(module: &Module) -> Result<Vec<EmittedFile>> {
         per_entry_point_map: names.map(|name| (name, resources.clone())).collect(),
         inline_samplers: Vec::new(),
         spirv_cross_compatibility: false,
-        // an entry point whose binding has no slot is an error, not a guess
+        // an entry point whose binding has no slot must be an error; naga must not choose one
         fake_missing_bindings: false,
         bounds_check_policies: UNCHECKED,
         zero_initialize_workgroup_memory: false,
@@ -44,7 +44,7 @@ pub fn emit(module: &Module) -> Result<Vec<EmittedFile>> {
     }])
 }
 
-/// Groups do not exist in Metal, so that only the first has slots.
+/// The slots of bindings. Metal does not have groups, so only group 0 has slots.
 fn slots(ir: &naga::Module) -> msl::BindingMap {
     let globals = ir.global_variables.iter();
     let slots = globals.filter_map(|(_, global)| {

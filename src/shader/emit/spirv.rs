@@ -8,7 +8,7 @@ use crate::shader::module::{Module, Stage};
 
 use super::{EmittedFile, EntryPoint, UNCHECKED, bindings, failure, file_name, singles};
 
-/// Descriptor sets and bindings are those of the templates; names are kept as debug names.
+/// Descriptor sets and bindings are as in the templates. Names are kept as debug names.
 pub fn emit(module: &Module) -> Result<Vec<EmittedFile>> {
     let globals = module.ir().global_variables.iter();
     let places = globals.filter_map(|(_, global)| {
@@ -22,7 +22,7 @@ pub fn emit(module: &Module) -> Result<Vec<EmittedFile>> {
     });
     let options = spv::Options {
         lang_version: (1, 0),
-        // the default differs between debug and release builds
+        // set explicitly, because the default differs between debug and release builds
         flags: spv::WriterFlags::DEBUG | spv::WriterFlags::LABEL_VARYINGS,
         fake_missing_bindings: false,
         binding_map: places.collect(),
@@ -33,11 +33,11 @@ pub fn emit(module: &Module) -> Result<Vec<EmittedFile>> {
         ray_query_initialization_tracking: false,
         trace_ray_argument_validation: false,
         use_storage_input_output_16: false,
-        // would hold the path of a file
+        // off, because it would contain the path of a file
         debug_info: None,
         task_dispatch_limits: None,
         mesh_shader_primitive_indices_clamp: false,
-        // a zero divisor stays defined as in WGSL; compilers fold the check of a constant one
+        // division by zero stays defined as in WGSL; for constant divisors compilers remove the check
         emit_int_div_checks: true,
     };
     let mut files = Vec::new();

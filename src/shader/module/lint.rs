@@ -1,4 +1,4 @@
-//! What all targets and drivers can take, beyond what naga checks.
+//! Rules that a module must satisfy to work in all targets and drivers, in addition to naga's checks.
 
 mod fragment;
 mod interface;
@@ -30,46 +30,46 @@ pub const LINTS: &[Lint] = &[
     },
     Lint {
         name: "trailing-digit",
-        why: "naga appends `_` to names that end in a digit, so that targets would disagree about them",
+        why: "naga appends `_` to names that end in a digit, so names would differ between targets",
         find: trailing_digits,
     },
     Lint {
         name: "resources",
-        why: "WebGL2 has no storage buffers and no storage textures; separate samplers differ between the targets, \
-              so there is none but the linear one at its place, and that only where it has been declared",
+        why: "WebGL2 does not support storage buffers and storage textures; separate samplers differ between targets, \
+              so only the linear sampler is allowed, at its fixed binding and only in shaders that declare it",
         find: interface::resources,
     },
     Lint {
         name: "texture-count",
-        why: "the narrowest API guarantees that many textures in a stage",
+        why: "the API with the lowest limits guarantees only that many textures per stage",
         find: interface::texture_count,
     },
     Lint {
         name: "uniform-layout",
-        why: "blocks of nothing but vec4 and mat4 have the same layout in every language, and the narrowest API \
-              guarantees that many bytes and blocks",
+        why: "blocks that contain only vec4 and mat4x4 have the same layout in every language, and the API with the lowest \
+              limits guarantees only that many bytes and blocks",
         find: interface::uniform_layout,
     },
     Lint {
         name: "texture-gather",
-        why: "GLSL ES 3.00 has no textureGather, and naga writes it without an error",
+        why: "GLSL ES 3.00 does not support textureGather, but naga writes it without an error",
         find: fragment::gather,
     },
     Lint {
         name: "dynamic-indexing",
-        why: "an array, vector or matrix in a variable that is indexed by a number known only at run time spills out of \
-              registers, and compilers of HLSL reject it in constants; uniform arrays and textures are the places for that",
+        why: "a variable with an array, vector or matrix that is indexed by a number known only at run time does not stay in \
+              registers, and HLSL compilers reject such an index into constants; use a uniform array or a texture",
         find: fragment::dynamic_indices,
     },
     Lint {
         name: "fragment-struct",
-        why: "some drivers keep members of structs in fragment code in half precision; uniform blocks are exempt as \
-              long as their members are read one by one",
+        why: "some drivers store members of structs in fragment code in half precision; uniform blocks are exempt if their \
+              members are read one by one",
         find: fragment::structs,
     },
 ];
 
-/// What the rules look at.
+/// The module that the rules examine.
 pub(super) struct Linted<'a> {
     ir: &'a naga::Module,
     info: &'a ModuleInfo,
@@ -99,7 +99,7 @@ fn trailing_digits(subject: &Linted) -> Vec<Diagnostic> {
     names.extend(ir.constants.iter().filter_map(|(_, constant)| constant.name.as_deref()));
     names.extend(ir.overrides.iter().filter_map(|(_, constant)| constant.name.as_deref()));
     for (_, ty) in ir.types.iter() {
-        // predeclared types have no name of their own
+        // predeclared types are not named in the text
         names.extend(ty.name.as_deref());
         if let naga::TypeInner::Struct { members, .. } = &ty.inner {
             names.extend(members.iter().filter_map(|member| member.name.as_deref()));
@@ -117,7 +117,10 @@ fn trailing_digits(subject: &Linted) -> Vec<Diagnostic> {
     let bad = names.into_iter().filter(|name| name.ends_with(|c: char| c.is_ascii_digit()));
     let find = |name| {
         let message = format!("name `{name}` ends in a digit");
-        subject.locator.diagnostic(message, subject.locator.word(name)).help("end it in a letter")
+        subject
+            .locator
+            .diagnostic(message, subject.locator.word(name))
+            .help("rename it so that it ends in a letter")
     };
     bad.map(find).collect()
 }

@@ -1,11 +1,11 @@
-//! From bytes of generated text to lines of templates.
+//! Maps bytes of generated text to lines of templates.
 
 use naga::Span;
 
 use crate::diagnostic::{Diagnostic, GeneratedLine, Place};
 use crate::shader::template::{Sources, Specialised, Words};
 
-/// Knows where every byte of one variant's text comes from.
+/// The origin of every byte of one variant's text.
 pub struct Locator<'a> {
     specialised: &'a Specialised,
     sources: &'a Sources,
@@ -13,7 +13,7 @@ pub struct Locator<'a> {
 }
 
 impl<'a> Locator<'a> {
-    /// For the text of `variant`.
+    /// A locator for the text of `variant`.
     pub fn new(
         specialised: &'a Specialised,
         sources: &'a Sources,
@@ -22,7 +22,7 @@ impl<'a> Locator<'a> {
         Locator { specialised, sources, variant }
     }
 
-    /// An error at a span of the generated text; without a place if the span is undefined.
+    /// An error at a span of the generated text. It has no place if the span is undefined.
     pub fn diagnostic(&self, message: impl Into<String>, span: Span) -> Diagnostic {
         let mut diagnostic = Diagnostic::error(message).variant(self.variant);
         if let Some((place, generated)) = self.place(span) {
@@ -32,7 +32,7 @@ impl<'a> Locator<'a> {
         diagnostic
     }
 
-    /// Template place and generated line of the begin of a span.
+    /// Template place and generated line of the beginning of a span.
     pub fn place(&self, span: Span) -> Option<(Place, GeneratedLine)> {
         let text = &self.specialised.text;
         let offset = span.to_range()?.start.min(text.len());
@@ -40,18 +40,19 @@ impl<'a> Locator<'a> {
         let index = before.matches('\n').count();
         let start = before.rfind('\n').map_or(0, |newline| newline + 1);
         let column = before[start..].chars().count() as u32 + 1;
-        // a span at the end of the text lies behind the last line
+        // a span at the end of the text is after the last line
         let origin = self.specialised.origins.get(index).or(self.specialised.origins.last())?;
         let line = text.lines().nth(index).unwrap_or_default();
         let mut place = self.sources.place(&origin.file, origin.line, column);
         if place.text.trim_end() != line {
-            // a generated declaration: the column means nothing in the template
+            // in a generated declaration, the column has no meaning for the template
             place.column = 1;
         }
         Some((place, GeneratedLine { line: index as u32 + 1, text: line.to_owned() }))
     }
 
-    /// Where a name is declared: its first occurrence outside comments after a keyword that declares, else its first.
+    /// Span of a name's declaration: its first occurrence outside comments after a declaring keyword, otherwise its
+    /// first occurrence.
     pub fn word(&self, name: &str) -> Span {
         let mut words = Words::default();
         let mut start = 0;

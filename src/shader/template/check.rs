@@ -1,4 +1,4 @@
-//! Reads every template that a root reaches and finds all errors of the dialect.
+//! Reads every template that a root imports, directly or indirectly, and finds all errors of the dialect.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,10 +6,10 @@ use crate::diagnostic::Diagnostic;
 
 use super::{Defines, Sources, Words};
 
-/// What a note to the developers of the templates begins with.
+/// Beginning of a note to the developers of the templates.
 const NOTE: &str = "//-";
 
-/// What ends a line comment of WGSL.
+/// Characters that end a line comment of WGSL.
 const LINE_BREAKS: [char; 7] = ['\n', '\u{b}', '\u{c}', '\r', '\u{85}', '\u{2028}', '\u{2029}'];
 
 /// One line of a template.
@@ -26,7 +26,7 @@ pub enum Line<'a> {
 /// Templates by name, line by line.
 pub type Templates<'a> = BTreeMap<&'a str, Vec<Line<'a>>>;
 
-/// The templates that `root` reaches, or all that is wrong with them.
+/// The templates that `root` imports, directly or indirectly, or all errors in them.
 pub fn check<'a>(
     sources: &'a Sources,
     root: &'a str,
@@ -55,14 +55,14 @@ struct Check<'a, 'd> {
     defines: &'d Defines,
     root: &'a str,
     templates: Templates<'a>,
-    /// Flags tested and words met, in any reached template and any branch.
+    /// Flags that are tested and words that occur, in any template and any branch.
     used: BTreeSet<&'a str>,
     /// Line of the `#constants` directive.
     constants_block: Option<u32>,
     errors: Vec<Diagnostic>,
 }
 
-/// An open block: where it began, and whether its `#else` was met.
+/// An open block: its beginning, and whether its `#else` was read.
 struct Block {
     line: u32,
     column: u32,
@@ -87,7 +87,7 @@ impl<'a> Check<'a, '_> {
                         name,
                         number,
                         1,
-                        "a line break within a note, which would hide code",
+                        "a note contains a line break, so code would be dropped with it",
                     );
                 }
                 Line::Note
@@ -95,7 +95,7 @@ impl<'a> Check<'a, '_> {
                 self.used.extend(words.of(text).into_iter().map(|(_, word)| word));
                 if let Some(at) = text.find(NOTE) {
                     let column = text[..at].chars().count() as u32 + 1;
-                    let message = "a note stands on a line of its own, outside block comments";
+                    let message = "a note must be on a line of its own, outside block comments";
                     self.error(name, number, column, message);
                 }
                 Line::Text(text.trim_end())
@@ -116,7 +116,7 @@ impl<'a> Check<'a, '_> {
         }
     }
 
-    /// Reads a directive; `None` after an error.
+    /// Reads a directive. Returns `None` after an error.
     fn directive(
         &mut self,
         file: &str,
@@ -204,7 +204,7 @@ impl<'a> Check<'a, '_> {
         }
     }
 
-    /// Notes that a flag is tested; it has to be declared.
+    /// Records that a flag is tested. It must be declared.
     fn flag(&mut self, file: &str, line: u32, column: u32, flag: &'a str) {
         self.used.insert(flag);
         if self.defines.flags.contains_key(flag) {
@@ -213,13 +213,13 @@ impl<'a> Check<'a, '_> {
         let place = self.sources.place(file, line, column);
         let error = Diagnostic::error(format!("`{flag}` is not a declared flag")).at(place);
         self.errors.push(if self.defines.constants.contains_key(flag) {
-            error.help("it is a constant, and only flags can be tested")
+            error.help("it is a constant; only flags can be tested")
         } else {
             with_nearest(error, flag, self.defines.flags.keys())
         });
     }
 
-    /// Every flag and constant has a use, every constant a value and a place.
+    /// Checks that every flag and constant is used, and that every constant has a value, a meaning and a place.
     fn defines(&mut self) {
         let root = self.root;
         let line = self.constants_block.unwrap_or(1);
@@ -228,7 +228,9 @@ impl<'a> Check<'a, '_> {
         for flag in flags.keys().filter(|flag| !self.used.contains(flag.as_str())) {
             found.push((
                 1,
-                format!("flag `{flag}` is declared, but no template reached from here tests it"),
+                format!(
+                    "flag `{flag}` is declared, but this template and its imports do not test it"
+                ),
             ));
         }
         for (name, constant) in constants {
@@ -236,7 +238,7 @@ impl<'a> Check<'a, '_> {
                 found.push((
                     line,
                     format!(
-                        "constant `{name}` is given, but no template reached from here uses it"
+                        "constant `{name}` is given, but this template and its imports do not use it"
                     ),
                 ));
             }
@@ -246,11 +248,17 @@ impl<'a> Check<'a, '_> {
             }
             let meaning = constant.meaning;
             if meaning.trim().is_empty() || meaning.contains(LINE_BREAKS) {
-                found.push((line, format!("constant `{name}` has no meaning of one line")));
+                found.push((
+                    line,
+                    format!("the meaning of constant `{name}` is not one line of text"),
+                ));
             }
         }
         if !constants.is_empty() && self.constants_block.is_none() {
-            found.push((1, "constants are given, but the template has no `#constants`".to_owned()));
+            found.push((
+                1,
+                "constants are given, but the template does not contain `#constants`".to_owned(),
+            ));
         }
         for (line, message) in found {
             self.error(root, line, 1, message);
@@ -263,7 +271,7 @@ impl<'a> Check<'a, '_> {
     }
 }
 
-/// Adds the known name that is most alike, where one is.
+/// Adds the most similar known name, if one is similar enough.
 fn with_nearest<N: AsRef<str>>(
     error: Diagnostic,
     name: &str,

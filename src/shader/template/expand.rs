@@ -7,7 +7,7 @@ use super::{
     check::{Line, Templates},
 };
 
-/// The text that `root` specialises to.
+/// The specialised text of template `root`.
 pub fn expand(templates: &Templates, root: &str, defines: &Defines) -> Specialised {
     let mut expansion = Expansion {
         templates,
@@ -42,9 +42,9 @@ struct Expansion<'a> {
     defines: &'a Defines,
     imported: BTreeSet<&'a str>,
     words: Words,
-    /// Constants that a kept line uses.
+    /// Constants that kept lines use.
     used: BTreeSet<&'a str>,
-    /// Index into `lines` and origin of the generated declarations.
+    /// Index in `lines` and origin of the generated declarations.
     constants_at: Option<(usize, Origin)>,
     lines: Vec<(String, Origin)>,
 }

@@ -1,6 +1,6 @@
-//! Words of WGSL outside comments.
+//! Splits WGSL into words, without comments.
 
-/// Reads a text line by line and remembers open block comments, which nest in WGSL.
+/// Reads a text line by line. It keeps track of open block comments, which nest in WGSL.
 #[derive(Default)]
 pub(crate) struct Words {
     depth: u32,

@@ -8,30 +8,31 @@ use serde::Serialize;
 
 use crate::surface::{HeightField, level};
 
-/// Most peaks that are told.
-const MOST_PEAKS: usize = 5;
+/// Maximum number of peaks that are reported.
+const MAX_PEAKS: usize = 5;
 
-/// Least share of the power of a peak that is told.
-const LEAST_SHARE: f64 = 0.01;
+/// Minimum share of the power for a peak to be reported.
+const MIN_SHARE: f64 = 0.01;
 
-/// Half width of the main lobe of the Hann window, in bins: peaks closer than this are one, and lower frequencies cannot
-/// be told from the trend (Harris 1978, table I).
+/// Half width of the main lobe of the Hann window, in bins. Peaks closer than this count as one, and lower frequencies
+/// cannot be distinguished from the trend (Harris 1978, table I).
 const HANN_BINS: usize = 2;
 
-/// Where less than this share of the power is left after the plane is taken off, the plane is the relief itself: one
+/// If less than this share of the power remains after the plane is subtracted, the plane is the relief itself: one
 /// period of a sawtooth.
 const RELIEF_LEFT: f64 = 0.05;
 
-/// What repeats on a surface.
+/// The periods of a surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Periods {
-    /// Whether the spectrum is that of the tiled patch; else the plane was taken off and a Hann window applied, along x and y.
+    /// Along x and y: whether the spectrum is that of the tiled patch. If not, the plane was subtracted and a Hann
+    /// window applied.
     pub tiled: [bool; 2],
     /// The strongest peaks of the two-dimensional spectrum, strongest first.
     pub peaks: Vec<Peak>,
-    /// Along x, whatever happens along y.
+    /// Periods along x, whatever the period along y.
     pub along_x: AxisPeriods,
-    /// Along y.
+    /// Periods along y.
     pub along_y: AxisPeriods,
 }
 
@@ -40,7 +41,7 @@ pub struct Periods {
 pub struct Peak {
     /// Its period, µm.
     pub period_um: f64,
-    /// Direction in which the heights repeat, across the ridges, from `+x` towards `+y`, degrees, 0 to below 180.
+    /// Direction in which the heights repeat, across the ridges, in degrees from `+x` towards `+y`, 0 to below 180.
     pub direction_deg: f64,
     /// Its share of the power (mean square height).
     pub share: f64,
@@ -51,27 +52,28 @@ pub struct Peak {
 pub struct AxisPeriods {
     /// The strongest peaks of the spectrum summed over the other axis, strongest first.
     pub peaks: Vec<Peak>,
-    /// Mean period of the power within half an octave of the strongest peak, µm; scans have broad peaks.
+    /// Mean period of the power within half an octave of the strongest peak, µm. It is given because scans have broad peaks.
     pub mean_um: Option<f64>,
-    /// Standard deviation of the same, µm.
+    /// Standard deviation of this period, µm.
     pub deviation_um: Option<f64>,
     /// Share of the power in that octave.
     pub share: f64,
 }
 
-/// Finds the periods of a field that is periodic (a synthetic one), or joins itself, along the axes that are `tiled`.
+/// Finds the periods of a field. `tiled`: axes along which the field is periodic (a synthetic surface) or joins itself.
 ///
-/// On a tiled axis the spectrum is discrete and exact. On the others the least-squares plane is taken off, a Hann window
-/// keeps the seam out, and peaks are placed between bins by a parabola through the logarithms of three. Peaks are ranked
-/// by frequency times power, the power per octave, since the waviness of a scan has the most power and no colours; shares are of
-/// the power itself. Sources: Harris 1978 (window), Press et al., Numerical Recipes, section 13.4 (leakage).
+/// On a tiled axis the spectrum is discrete and exact. On other axes the least-squares plane is subtracted, a Hann
+/// window suppresses the seam, and peaks are located between bins by a parabola through the logarithms of three bins.
+/// Peaks are ranked by frequency times power, the power per octave, since the waviness of a scan has most of the power
+/// but makes no colours. Shares are shares of the power itself. Sources: Harris 1978 (window), Press et al., Numerical
+/// Recipes, section 13.4 (leakage).
 pub fn periods(field: &HeightField, tiled: [bool; 2]) -> Periods {
     let (tiled, heights) = prepared(field, tiled);
     let spectrum = Spectrum::new(field, tiled, heights);
     Periods { tiled, peaks: spectrum.peaks(), along_x: spectrum.axis(0), along_y: spectrum.axis(1) }
 }
 
-/// Heights without mean or trend, windowed; rows upwards.
+/// Heights without mean and trend, multiplied by the window, rows upwards.
 fn prepared(field: &HeightField, tiled: [bool; 2]) -> ([bool; 2], Vec<f64>) {
     let (columns, rows) = (field.columns(), field.rows());
     let plane = level::fit_plane(field);
@@ -127,8 +129,8 @@ impl Spectrum {
             transposed(&columns, count[1]).iter().map(Complex64::norm_sqr).collect();
         shares[0] = 0.0;
         let total: f64 = shares.iter().sum();
-        // what rounding leaves of a flat surface is no relief
-        let scale = heights.iter().fold(0.0_f64, |most, h| most.max(h.abs())) * 1e-12;
+        // rounding errors of a flat surface are not a relief
+        let scale = heights.iter().fold(0.0_f64, |max, h| max.max(h.abs())) * 1e-12;
         let floor = (scale * heights.len() as f64).powi(2);
         let of_total = |power: f64| if total > floor { power / total } else { 0.0 };
         shares.iter_mut().for_each(|power| *power = of_total(*power));
@@ -142,12 +144,12 @@ impl Spectrum {
         self.shares[at(s, self.count[1]) * self.count[0] + at(r, self.count[0])]
     }
 
-    /// Bins to either side that belong to one line.
+    /// Number of bins to either side that belong to the same line.
     fn width(&self, axis: usize) -> i64 {
         if self.tiled[axis] { 0 } else { HANN_BINS as i64 }
     }
 
-    /// Whether a frequency is too low to be told from the trend.
+    /// Whether a frequency is too low to be distinguished from the trend.
     fn is_trend(&self, r: i64, s: i64) -> bool {
         let bins = |bin: i64, axis| bin as f64 / if self.tiled[axis] { 1.0 } else { 3.0 };
         bins(r, 0).hypot(bins(s, 1)) < 1.0 - 1e-9
@@ -158,7 +160,8 @@ impl Spectrum {
         (r as f64 / self.size_um[0]).hypot(s as f64 / self.size_um[1]) * self.share(r, s)
     }
 
-    /// Whether no bin of the same line ranks higher; of equals the last counts. Bins of a tiled axis are lines of their own.
+    /// Whether no bin of the same line ranks higher. Among equal bins the last counts. On a tiled axis every bin is a
+    /// line of its own.
     fn is_highest(&self, r: i64, s: i64) -> bool {
         let (value, wx, wy) = (self.rank(r, s), self.width(0), self.width(1));
         let mut near = (-wy..=wy).flat_map(|j| (-wx..=wx).map(move |i| (j, i)));
@@ -170,7 +173,7 @@ impl Spectrum {
 
     fn peaks(&self) -> Vec<Peak> {
         let [columns, rows] = self.count.map(|n| n as i64);
-        // the spectrum of real heights is symmetric: half of it, and of its middle line the right half
+        // the spectrum of real heights is symmetric, so only half of it is searched, and only the right half of its middle row
         let half =
             (0..=rows / 2).flat_map(|s| ((1 - columns) / 2..=columns / 2).map(move |r| (r, s)));
         let is_half = |r: i64, s: i64| r > 0 || (s > 0 && 2 * s < rows);
@@ -187,7 +190,7 @@ impl Spectrum {
             let y = s as f64 + self.between(1, |d| self.share(r, s + d));
             let (fx, fy) = (x / self.size_um[0], y / self.size_um[1]);
             let cells = (-wy..=wy).flat_map(|j| (-wx..=wx).map(move |i| (r + i, s + j)));
-            // a bin that is its own mirror image holds its power once
+            // half of a peak's power is in the mirror image of its bin, unless the two are the same bin
             let images = if (2 * r) % columns == 0 && (2 * s) % rows == 0 { 1.0 } else { 2.0 };
             Peak {
                 period_um: 1.0 / fx.hypot(fy),
@@ -195,7 +198,7 @@ impl Spectrum {
                 share: images * cells.map(|(r, s)| self.share(r, s)).sum::<f64>(),
             }
         };
-        told(found.into_iter().map(peak))
+        strongest(found.into_iter().map(peak))
     }
 
     /// Periods along x (0) or y (1).
@@ -226,7 +229,7 @@ impl Spectrum {
             direction_deg: 90.0 * axis as f64,
             share: (-width..=width).filter(|d| bin + d <= last).map(|d| both(bin + d)).sum(),
         };
-        let peaks = told(found.iter().map(peak));
+        let peaks = strongest(found.iter().map(peak));
         let Some(strongest) = peaks.first() else {
             return AxisPeriods { peaks, mean_um: None, deviation_um: None, share: 0.0 };
         };
@@ -244,7 +247,7 @@ impl Spectrum {
         AxisPeriods { peaks, mean_um: Some(mean_um), deviation_um: Some(deviation_um), share: sum }
     }
 
-    /// The place of a line between bins, from the bin of the maximum; bins of a tiled axis are exact.
+    /// Position of a line between bins, relative to the bin of the maximum. On a tiled axis it is the bin itself.
     fn between(&self, axis: usize, share: impl Fn(i64) -> f64) -> f64 {
         let [before, at, after] = [-1, 0, 1].map(|d| share(d).max(f64::MIN_POSITIVE).ln());
         let curvature = before - 2.0 * at + after;
@@ -261,9 +264,9 @@ fn direction_deg(x: f64, y: f64) -> f64 {
     if degrees > 179.9999 { 0.0 } else { degrees }
 }
 
-/// Those that are worth telling, of peaks by falling rank; far down the list are none.
-fn told(peaks: impl Iterator<Item = Peak>) -> Vec<Peak> {
-    peaks.take(8 * MOST_PEAKS).filter(|peak| peak.share >= LEAST_SHARE).take(MOST_PEAKS).collect()
+/// The peaks to report, from peaks in descending rank. Peaks far down the list are too weak.
+fn strongest(peaks: impl Iterator<Item = Peak>) -> Vec<Peak> {
+    peaks.take(8 * MAX_PEAKS).filter(|peak| peak.share >= MIN_SHARE).take(MAX_PEAKS).collect()
 }
 
 fn transposed(data: &[Complex64], width: usize) -> Vec<Complex64> {

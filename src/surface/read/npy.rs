@@ -1,4 +1,4 @@
-//! NPY: two-dimensional (or one-dimensional, a profile) arrays of floats, or of 8-bit or 16-bit unsigned integers.
+//! NPY: arrays of floats or of 8-bit or 16-bit unsigned integers, two-dimensional, or one-dimensional for a profile.
 
 use npyz::{DType, Deserialize, NpyFile, Order, TypeChar};
 
@@ -6,14 +6,14 @@ use super::{check_length, check_pixels, grey};
 use crate::error::{Error, Result};
 use crate::surface::raster::{Raster, Samples};
 
-/// A header longer than this is none; that of a plain array has 128 bytes.
+/// Maximum length of a header, in bytes. The header of a plain array has 128 bytes.
 const MAX_HEADER: usize = 1 << 16;
 
-/// Brackets within brackets that the header of any array has, structured ones included. The crate's parser takes a multiple
-/// of the time for each more.
+/// Maximum nesting of brackets in a header. Headers of arrays, even of structured ones, stay within it. Each further
+/// level multiplies the time of the crate's parser.
 const MAX_NESTING: usize = 4;
 
-/// Reads a file whose magic string has been seen; `[row][column]` in either memory order and byte order.
+/// Reads a file whose magic string has been seen. Arrays are `[row][column]`, in either memory order and byte order.
 pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
     let error = |cause: String| Error::new(subject, cause);
     let broken = |e: std::io::Error| {
@@ -21,14 +21,16 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
             .source(e)
             .remedy("the file is truncated or damaged")
     };
-    // the crate multiplies the extents unchecked, so they are looked at first
-    let (start, shape) = declared(bytes).map_err(error)?;
+    // the crate multiplies the extents unchecked, so they are checked first
+    let (start, shape) = declared(bytes).map_err(|cause| {
+        error(cause).remedy("the file is damaged or of a rare kind; save it with numpy.save")
+    })?;
     let (rows, columns) = match shape[..] {
         [columns] => (1, columns),
         [rows, columns] => (rows, columns),
         _ => {
             return Err(error(format!(
-                "an array of {} dimensions is no height field",
+                "the array has {} dimensions, but a height field has two",
                 shape.len()
             ))
             .remedy("save a two-dimensional array [row][column]"));
@@ -75,7 +77,7 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
     Ok(Raster { columns, rows, samples, scale: None, notes: Vec::new() })
 }
 
-/// All elements, row by row whatever the file's order.
+/// All elements row by row, whatever the file's memory order.
 fn elements<T: Deserialize + Copy>(
     file: NpyFile<&[u8]>,
     order: Order,
@@ -92,7 +94,7 @@ fn elements<T: Deserialize + Copy>(
     })
 }
 
-/// Where the data start, and the extents of the header's `shape`.
+/// Position of the data, and the extents in the header's `shape`.
 fn declared(bytes: &[u8]) -> Result<(usize, Vec<u64>), String> {
     let number = |range: std::ops::Range<usize>| {
         let field = bytes.get(range).ok_or("the NPY header is truncated")?;
@@ -101,19 +103,19 @@ fn declared(bytes: &[u8]) -> Result<(usize, Vec<u64>), String> {
     let (text_at, length) = match number(6..7)? {
         1 => (10, number(8..10)?),
         2 | 3 => (12, number(8..12)?),
-        version => return Err(format!("NPY version {version} is not known")),
+        version => return Err(format!("NPY version {version} is not supported")),
     };
     if length > MAX_HEADER {
-        return Err(format!("an NPY header of {length} bytes is not plausible"));
+        return Err(format!("the NPY header has {length} bytes, above the limit of {MAX_HEADER}"));
     }
     let header = bytes.get(text_at..text_at + length).ok_or("the NPY header is truncated")?;
     let text = String::from_utf8_lossy(header);
     if nesting(&text) > MAX_NESTING {
-        return Err("an NPY header with so many brackets within brackets is not plausible".into());
+        return Err(format!("the NPY header has brackets nested deeper than {MAX_NESTING} levels"));
     }
-    // else the crate might read another shape than this function, with an escape or at the second place
+    // otherwise the crate and this function might read different shapes
     if text.contains('\\') || text.matches("shape").count() > 1 {
-        return Err("the NPY header has an escape or several `shape`".into());
+        return Err("the NPY header has a backslash, or more than one `shape`".into());
     }
     let shape = text
         .split_once("'shape'")
@@ -129,22 +131,22 @@ fn declared(bytes: &[u8]) -> Result<(usize, Vec<u64>), String> {
         .map(|s| {
             s.trim_end_matches('L')
                 .parse::<u64>()
-                .map_err(|_| format!("the NPY shape ({shape}) is not understood"))
+                .map_err(|_| format!("the NPY shape ({shape}) is not a list of whole numbers"))
         })
         .collect();
     Ok((text_at + length, extents?))
 }
 
-/// Most brackets that are open at once.
+/// Maximum number of brackets that are open at the same time.
 fn nesting(text: &str) -> usize {
-    let (mut open, mut most) = (0usize, 0);
+    let (mut open, mut max) = (0usize, 0);
     for c in text.chars() {
         match c {
             '(' | '[' | '{' => open += 1,
             ')' | ']' | '}' => open = open.saturating_sub(1),
             _ => {}
         }
-        most = most.max(open);
+        max = max.max(open);
     }
-    most
+    max
 }

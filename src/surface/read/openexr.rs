@@ -1,4 +1,4 @@
-//! OpenEXR: one channel of half or single precision, or several that agree exactly; the first layer.
+//! OpenEXR: the first layer, with one channel of half or single precision or several equal ones.
 
 use std::io::Cursor;
 
@@ -14,17 +14,17 @@ use super::{check_length, check_pixels};
 use crate::error::{Error, Result};
 use crate::surface::raster::{Raster, Samples};
 
-/// Largest tile of a layer that is smaller than a quarter of it. The crate takes memory for as many bytes as a tile may have,
-/// before it reads them.
+/// Maximum size in bytes of a tile, unless four times the layer is more. The crate allocates memory for a whole tile
+/// before it reads one.
 const MAX_TILE_BYTES: u64 = 16 << 20;
 
-/// Reads a file whose magic number has been seen. A channel named `A` is opacity and not read, unless it is the only one.
+/// Reads a file whose magic number has been seen. A channel named `A` is opacity and ignored, unless it is the only one.
 pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
     let error = |cause: String| Error::new(subject, cause);
     let broken = |e: exr::error::Error| {
-        error("the OpenEXR file cannot be decoded".into())
-            .source(e)
-            .remedy("the file is truncated, damaged or of a rare kind")
+        error("the OpenEXR file cannot be decoded".into()).source(e).remedy(
+            "the file is truncated, damaged or of a rare kind; export it again as scan lines",
+        )
     };
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(broken)?;
     for header in &meta.headers {
@@ -36,14 +36,16 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
             let (x, y) = (tiles.tile_size.x() as u64, tiles.tile_size.y() as u64);
             let tile = x.saturating_mul(y).saturating_mul(header.channels.bytes_per_pixel as u64);
             if tile > MAX_TILE_BYTES.max(4 * total) {
-                let cause = format!("tiles of {x} × {y} pixels for {columns} × {rows}");
-                return Err(error(cause).remedy("the file is damaged"));
+                let cause = format!(
+                    "the file has tiles of {x} × {y} pixels for a layer of {columns} × {rows}"
+                );
+                return Err(error(cause).remedy("the file is damaged; export it again"));
             }
         }
     }
     check_chunks(bytes).map_err(broken)?.then_some(()).ok_or_else(|| {
-        error("the OpenEXR file's table of chunks leads to other layers or levels".into())
-            .remedy("the file is damaged")
+        error("the table of chunks of the OpenEXR file points to other layers or levels".into())
+            .remedy("the file is damaged; export it again")
     })?;
     let image = reader()
         .no_deep_data()
@@ -65,7 +67,7 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
             FlatSamples::F16(v) => v.into_iter().map(|h| f64::from(h.to_f32())).collect(),
             FlatSamples::F32(v) => v.into_iter().map(f64::from).collect(),
             FlatSamples::U32(_) => {
-                return Err(error(format!("channel {name} holds 32-bit integers"))
+                return Err(error(format!("channel {name} has 32-bit integers"))
                     .remedy("export half or float samples"));
             }
         };
@@ -85,21 +87,23 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
                         known[i],
                         values[i]
                     );
-                    return Err(error(cause).remedy("heights need one channel, or equal ones"));
+                    return Err(error(cause).remedy("export one channel, or several equal ones"));
                 }
             }
         }
     }
-    let (_, values) = heights.ok_or_else(|| error("the OpenEXR file has no channel".into()))?;
+    let (_, values) = heights.ok_or_else(|| {
+        error("the OpenEXR file has no channels".into()).remedy("export one channel of heights")
+    })?;
     let notes = match meta.headers.len() {
         0 | 1 => Vec::new(),
-        _ => vec!["the OpenEXR file holds several layers; the first is used".to_owned()],
+        _ => vec!["the OpenEXR file has several layers; the first is used".to_owned()],
     };
     Ok(Raster { columns, rows, samples: Samples::float(values), scale: None, notes })
 }
 
-/// Whether every chunk that the table of the first layer's largest level leads to says that it belongs there. The crate
-/// trusts the table, and would write a smaller level's lines into the largest.
+/// Whether every chunk in the table of the first layer's largest level really belongs to that level. The crate does not
+/// check this, and would write lines of a smaller level into the largest.
 fn check_chunks(bytes: &[u8]) -> Result<bool, exr::error::Error> {
     let largest = Vec2(0, 0);
     let chunks = exr::block::read(Cursor::new(bytes), false)?

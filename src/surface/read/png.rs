@@ -1,4 +1,4 @@
-//! PNG, 8 or 16 bits; fewer bits and palettes are expanded to 8.
+//! PNG with 8 or 16 bits. Fewer bits and palettes are expanded to 8 bits.
 
 use std::io::Cursor;
 
@@ -14,14 +14,14 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
     let error = |e: image::ImageError| {
         Error::new(subject, "the PNG cannot be decoded")
             .source(e)
-            .remedy("the file is truncated or damaged")
+            .remedy("the file is truncated or damaged; export it again")
     };
     let decoder = PngDecoder::with_limits(Cursor::new(bytes), Limits::default()).map_err(error)?;
     let (width, height) = decoder.dimensions();
     let (columns, rows) = check_pixels(subject, width.into(), height.into())?;
     let colour = decoder.color_type();
     let total = decoder.total_bytes();
-    // samples of fewer than eight bits come out as bytes
+    // samples of fewer than eight bits are expanded to bytes
     check_length(subject, bytes.len(), total / 8, true)?;
     let (channels, alpha) = (usize::from(colour.channel_count()), colour.has_alpha());
     let mut pixels = vec![0; total as usize];

@@ -6,8 +6,9 @@ use crate::surface::raster::{Raster, Samples};
 
 /// Reads numbers separated by white space, commas or semicolons, one kind per file.
 ///
-/// The separator is the semicolon if the file has any, else white space if it has a tab, else the comma, else white
-/// space: so a decimal comma beside semicolons or tabs is an error and not a separator. `nan` is a void pixel.
+/// The separator is the semicolon if the file has one, otherwise white space if it has a tab, otherwise the comma if it
+/// has one, otherwise white space. So a decimal comma in a file with semicolons or tabs is an error, not a separator.
+/// `nan` marks a void pixel.
 pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
     let error = |cause: String| Error::new(subject, cause);
     let text = std::str::from_utf8(bytes).map_err(|e| {
@@ -44,15 +45,17 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
             (columns, first) = (width, number);
         } else if width != columns {
             return Err(error(format!(
-                "line {number} has {width} numbers, line {first} has {columns}"
+                "line {number} has {width} numbers, but line {first} has {columns}"
             ))
-            .remedy("every row of heights needs the same number"));
+            .remedy("write the same number of heights in every row"));
         }
         rows += 1;
         check_pixels(subject, columns as u64, rows)?;
     }
     if rows == 0 {
-        return Err(error("the file has no numbers".into()));
+        return Err(
+            error("the file has no numbers".into()).remedy("write one row of heights per line")
+        );
     }
     let (columns, rows) = check_pixels(subject, columns as u64, rows)?;
     Ok(Raster { columns, rows, samples: Samples::float(values), scale: None, notes: Vec::new() })
@@ -66,8 +69,8 @@ fn not_a_number(subject: &str, line: usize, column: usize, field: &str) -> Error
     };
     let remedy = match field {
         "" => "write `nan` for a void pixel, and no separator at the end of a line",
-        _ if field.contains(',') => "write decimal points, not commas",
-        _ => "start headings and comments with `#`",
+        _ if field.contains(',') => "write numbers with a decimal point, not a comma",
+        _ => "write numbers only; start headings and comments with `#`",
     };
     Error::new(subject, cause).remedy(remedy)
 }

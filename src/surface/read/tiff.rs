@@ -1,4 +1,4 @@
-//! TIFF: 8-bit and 16-bit unsigned integers, 32-bit and 64-bit floats; the first image of the file.
+//! TIFF: the first image of the file, with 8-bit or 16-bit unsigned integers or 32-bit or 64-bit floats.
 
 use std::io::Cursor;
 
@@ -10,8 +10,9 @@ use super::{check_length, check_pixels, grey};
 use crate::error::{Error, Result};
 use crate::surface::raster::{Raster, Samples};
 
-/// `PhotometricInterpretation` of an image whose zero is black, `Orientation` of one whose first row is the top and first
-/// column the left, `PlanarConfiguration` of interleaved channels, `Compression` of none (TIFF 6.0, section 8).
+/// Values of tags (TIFF 6.0, section 8): `PhotometricInterpretation` with black as zero, `Orientation` with the first
+/// row at the top and the first column at the left, `PlanarConfiguration` of interleaved channels, `Compression` of
+/// uncompressed data.
 const BLACK_IS_ZERO: u32 = 1;
 const TOP_LEFT: u32 = 1;
 const INTERLEAVED: u32 = 1;
@@ -23,7 +24,7 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
     let broken = |e: TiffError| {
         error("the TIFF cannot be decoded".into())
             .source(e)
-            .remedy("the file is truncated, damaged or of a rare kind")
+            .remedy("the file is truncated, damaged or of a rare kind; export it again")
     };
     let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(broken)?;
     let (width, height) = decoder.dimensions().map_err(broken)?;
@@ -48,7 +49,7 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
     let black = tag(Tag::PhotometricInterpretation, BLACK_IS_ZERO)?;
     if orientation != TOP_LEFT {
         return Err(error(format!(
-            "the TIFF tag Orientation is {orientation}: its first row is not the top row"
+            "the TIFF tag Orientation is {orientation}, so the first row is not at the top left"
         ))
         .remedy("export it upright, with Orientation 1"));
     }
@@ -57,7 +58,7 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
             .remedy("export a single grey channel"));
     }
     if black == 0 {
-        return Err(error("the TIFF tag PhotometricInterpretation is 0: zero is white, so heights would be upside down".into())
+        return Err(error("the TIFF tag PhotometricInterpretation is 0, so zero is white and heights would be upside down".into())
             .remedy("export it with zero as black"));
     }
     let total =
@@ -70,7 +71,7 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
     let pixels = decoder.read_image().map_err(broken)?;
     let floats = |values: Vec<f64>| match channels {
         1 => Ok(Samples::float(values)),
-        n => Err(error(format!("a float TIFF with {n} channels is not a height field"))
+        n => Err(error(format!("the float TIFF has {n} channels, but heights need one"))
             .remedy("export one channel")),
     };
     let samples = match pixels {
@@ -92,7 +93,7 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
     };
     let mut notes = Vec::new();
     if decoder.more_images() {
-        notes.push("the TIFF holds several images; the first is used".to_owned());
+        notes.push("the TIFF has several images; the first is used".to_owned());
     }
     Ok(Raster { columns, rows, samples, scale: None, notes })
 }

@@ -1,4 +1,4 @@
-//! The plan's keys of a file: scale and height, checked and applied.
+//! Checks and applies the plan's keys for a file: scale and height.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use crate::plan::FileSource;
 use crate::surface::raster::{Raster, Samples};
 use crate::surface::{MAX_HEIGHT_UM, MAX_PITCH_UM, MAX_SIDE, MIN_PITCH_UM, check_pixel, check_um};
 
-/// Checks the keys that need no file.
+/// Checks the keys as far as that does not need the file.
 pub(super) fn check_keys(source: &FileSource, subject: &str) -> Result<()> {
     let check = |key: &str, value: Option<f64>, max: f64| {
         value.map_or(Ok(()), |v| check_um(subject, key, v, max))
@@ -15,7 +15,7 @@ pub(super) fn check_keys(source: &FileSource, subject: &str) -> Result<()> {
     check("size_um", source.size_um, MAX_SIDE as f64 * MAX_PITCH_UM)?;
     check("pixel_um", source.pixel_um, MAX_PITCH_UM)?;
     check("height_um", source.height_um, MAX_HEIGHT_UM)?;
-    // metres are the largest unit that a height field is stored in
+    // the largest unit of heights in files is the metre
     check("z_unit_um", source.z_unit_um, 1e6)?;
     if let (Some(size), Some(pixel)) = (source.size_um, source.pixel_um) {
         let cause = format!("both `size_um = {size}` and `pixel_um = {pixel}` are given");
@@ -31,7 +31,7 @@ pub(super) fn pitch(
     subject: &str,
     notes: &mut Vec<String>,
 ) -> Result<(f64, f64)> {
-    // the size is that along a profile, whichever way it lies
+    // for a profile, the size is its length, whether it is a row or a column
     let along = if raster.columns == 1 { raster.rows } else { raster.columns };
     let aspect = raster.scale.map_or(1.0, |(x, y)| y / x);
     let given = match (source.size_um, source.pixel_um) {
@@ -50,7 +50,7 @@ pub(super) fn pitch(
         (Some((origin, x, aspect)), _) => (origin, x, x * aspect),
         (None, Some((x, y))) => ("the file's own scale".to_owned(), x, y),
         (None, None) => {
-            return Err(Error::new(subject, "no physical scale: neither `size_um` nor `pixel_um` is given")
+            return Err(Error::new(subject, "has no physical scale: neither `size_um` nor `pixel_um` is given")
                 .remedy("add `size_um` (width of the patch in µm) or `pixel_um` (pitch of the pixels in µm)"));
         }
     };
@@ -73,14 +73,14 @@ pub(super) struct Steps {
     /// µm from one height to the next.
     pub(super) size_um: f64,
     bits: u8,
-    /// Grey levels per step; above 1 where fewer bits were stored in more.
+    /// Grey levels per step. Above 1 if the file has more bits than the data.
     levels: u32,
 }
 
 impl fmt::Display for Steps {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let nm = self.size_um * 1e3;
-        // three significant digits: a 16-bit step is some thousandth of a nanometre
+        // three significant digits, since a 16-bit step is a few thousandths of a nanometre
         let digits = (2.0 - nm.log10().floor()).clamp(0.0, 9.0) as usize;
         write!(f, "heights come in steps of {nm:.digits$} nm ({}-bit grey", self.bits)?;
         match self.levels {
@@ -90,7 +90,7 @@ impl fmt::Display for Steps {
     }
 }
 
-/// The steps of an integer file whose height is known; floats have none.
+/// The steps of an integer file whose height is known. Floats have no steps.
 pub(super) fn steps(source: &FileSource, samples: &Samples) -> Option<Steps> {
     let (Samples::Grey { shares, bits }, Some(height_um)) = (samples, source.height_um) else {
         return None;
@@ -99,7 +99,7 @@ pub(super) fn steps(source: &FileSource, samples: &Samples) -> Option<Steps> {
     let mut greys = shares.iter().filter(|share| !share.is_nan()).map(|s| (s * top).round() as u32);
     let first = greys.next()?;
     let common = greys.map(|grey| grey.abs_diff(first)).fold(0, greatest_common_divisor);
-    // a flat surface does not tell
+    // a flat surface has only one level, so the step is unknown
     let levels = common.max(1);
     Some(Steps { size_um: height_um * f64::from(levels) / top, bits: *bits, levels })
 }
@@ -108,7 +108,7 @@ fn greatest_common_divisor(a: u32, b: u32) -> u32 {
     if b == 0 { a } else { greatest_common_divisor(b, a % b) }
 }
 
-/// Samples to µm, with the checks that need the samples.
+/// Converts samples to µm, with the checks that need the samples.
 pub(super) fn heights(
     source: &FileSource,
     samples: Samples,
@@ -122,12 +122,12 @@ pub(super) fn heights(
             let top = (1u32 << bits) - 1;
             if let Some(unit) = source.z_unit_um {
                 return Err(error(format!(
-                    "`z_unit_um = {unit}` is for float files, this one has {bits}-bit integers"
+                    "`z_unit_um = {unit}` is for float files, but this file has {bits}-bit integers"
                 ))
                 .remedy(format!("give `height_um`, the height of the full grey range 0…{top}")));
             }
             let height_um = source.height_um.ok_or_else(|| {
-                error(format!("`height_um` is missing: the file has {bits}-bit integers, which carry no height"))
+                error(format!("`height_um` is missing: the file has {bits}-bit integers without a unit"))
                     .remedy(format!("give the height in µm of the full grey range 0…{top}, not of the image's extrema"))
             })?;
             (shares, height_um, format!("`height_um = {height_um}`"))
@@ -135,13 +135,13 @@ pub(super) fn heights(
         Samples::Float { values, unit_um, needs_unit } => {
             if let Some(height) = source.height_um {
                 let cause = format!(
-                    "`height_um = {height}` is for integer files, this one holds floats, which are heights in µm"
+                    "`height_um = {height}` is for integer files, but this file has floats, which are heights in µm"
                 );
                 return Err(error(cause)
-                    .remedy("remove it; if the numbers are not µm, scale them with `z_unit_um`"));
+                    .remedy("remove `height_um`; if the numbers are not in µm, set `z_unit_um`"));
             }
             if needs_unit && source.z_unit_um.is_none() {
-                return Err(error("the file's heights are in a unit that is no length".into())
+                return Err(error("the unit of the file's heights is not a unit of length".into())
                     .remedy("give `z_unit_um`, the µm per unit"));
             }
             if let (Some(plan), Some(file)) = (source.z_unit_um, unit_um)
@@ -163,7 +163,7 @@ pub(super) fn heights(
                 i % columns,
                 i / columns
             ))
-            .remedy("only NaN marks a void pixel"));
+            .remedy("write NaN for void pixels"));
         }
         *v *= unit_um;
         (low, high) = (low.min(*v), high.max(*v));
@@ -173,10 +173,10 @@ pub(super) fn heights(
         return Err(error(format!(
             "heights from {low} to {high} µm ({what}) span more than {MAX_HEIGHT_UM} µm"
         ))
-        .remedy("are the numbers nm? then `z_unit_um = 0.001`"));
+        .remedy("if the numbers are in nm, set `z_unit_um = 0.001`"));
     }
     if range > 0.0 && range < MIN_PITCH_UM {
-        notes.push(format!("the heights span only {range:e} µm, less than an atom: are they metres (`z_unit_um = 1e6`)?"));
+        notes.push(format!("the heights span only {range:e} µm, less than an atom; if they are in metres, set `z_unit_um = 1e6`"));
     }
     Ok(values)
 }

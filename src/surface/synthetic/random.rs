@@ -43,19 +43,19 @@ pub(super) struct Waves {
 }
 
 impl Waves {
-    /// `modes` waves with wave numbers up to `most_x` and `most_y`, of equal amplitude; neither may be constant in both.
+    /// `modes` waves with wave numbers up to `max_x` and `max_y`, of equal amplitude; neither may be constant in both.
     pub(super) fn new(
         random: &mut SplitMix64,
         n: usize,
         modes: usize,
-        most_x: usize,
-        most_y: usize,
+        max_x: usize,
+        max_y: usize,
     ) -> Waves {
         let (mut x, mut y) = (Vec::new(), Vec::new());
         let whole =
-            |random: &mut SplitMix64, most: usize| (random.share() * (most + 1) as f64).floor();
+            |random: &mut SplitMix64, max: usize| (random.share() * (max + 1) as f64).floor();
         for _ in 0..modes {
-            let (mut kx, ky) = (whole(random, most_x), whole(random, most_y));
+            let (mut kx, ky) = (whole(random, max_x), whole(random, max_y));
             if kx == 0.0 && ky == 0.0 {
                 kx = 1.0;
             }

@@ -1,8 +1,9 @@
-//! Random surfaces with the looks of beetles and snakes: deterministic in the seed, periodic over the patch.
+//! Random surfaces that look like those of beetles and snakes. The seed determines them, and they are periodic over the patch.
 //!
-//! None of them is a scan. They imitate what decides the colours: spacing, relief, order of the lattice.
-//! A patch holds whole numbers of features, so `pitch_um` and `length_um` are adjusted to the nearest that fit, with a
-//! note. `regularity` scales every irregularity by `1 - regularity`. Heights are scaled to exactly `0 … height_um`.
+//! They are not scans. They imitate the properties that determine colours: spacing, relief, regularity of the lattice.
+//! A patch has whole numbers of features, so `pitch_um` and `length_um` are adjusted to the nearest values that fit,
+//! with a note. `regularity` scales every irregularity by `1 - regularity`. Heights are scaled to exactly `0 …
+//! height_um`.
 
 use crate::error::{Error, Result};
 use crate::plan::Rough;
@@ -10,23 +11,25 @@ use crate::surface::synthetic::grid;
 use crate::surface::synthetic::random::{SplitMix64, Waves};
 use crate::surface::{HeightField, MAX_HEIGHT_UM, check_pixels, check_um};
 
-/// Streams of the generator, one per use.
+/// Streams of the random generator, one per use.
 const PLACES: u64 = 1;
 const WARP: u64 = 2;
 const SHEETS: u64 = 3;
 const SWELL: u64 = 4;
 
-/// Smooth domes `A (1 - r²)²`, `r < 1`, `r` being the distance over 0.62 of the pitch; the higher one where two meet.
+/// Smooth domes `A (1 - r²)²`, `r < 1`, where `r` is the distance divided by 0.62 of the pitch. Where two meet, the
+/// higher one counts.
 ///
-/// They sit on a brick lattice of cells `pitch_um × length_um`, displaced by up to `0.5 (1 - regularity)` of a cell along each
-/// axis; `A` varies by as much below 1.
+/// They sit on a brick lattice of cells `pitch_um × length_um`, displaced by up to `0.5 (1 - regularity)` of a cell
+/// along each axis; `A` is up to the same amount below 1.
 pub fn bumps(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<HeightField> {
     let lattice = Lattice::new(rough, 1.0, subject, notes)?;
     let (nx, ny, disorder) = (lattice.columns, lattice.rows, 1.0 - rough.regularity);
     let mut random = SplitMix64::new(rough.seed, PLACES);
     let domes: Vec<(f64, f64, f64)> = (0..nx * ny)
         .map(|i| {
-            // every other row is shifted by half a cell; an odd last row meets the first unshifted
+            // every other row is shifted by half a cell; if the number of rows is odd, the last row is not shifted
+            // relative to the first
             let brick = if (i / nx) % 2 == 1 { 0.5 } else { 0.0 };
             let (x, y) = (random.signed() * disorder * 0.5, random.signed() * disorder * 0.5);
             (0.5 + brick + x, 0.5 + y, 1.0 - 0.5 * disorder * random.share())
@@ -48,21 +51,21 @@ pub fn bumps(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<He
     })
 }
 
-/// *Elaphe*-like: overlapping sheets like roof tiles, the upper edge of each cut into fingers that point up the picture.
+/// *Elaphe*-like: sheets that overlap like roof tiles. The upper edge of each is cut into fingers that point up the picture.
 ///
-/// Columns of fingers stand `pitch_um` apart, sheets follow each other every `length_um`; a finger's tip rests on the root
-/// of the one above. With `s` across a finger (`-½ … ½`) and `t` from its tip down to its root, the finger covers
-/// `|s| < w(t)`, `w = 0.22 √t + 0.28 t`: a rounded tip, and flanks that part until they meet the neighbours' in a notch. Its
-/// surface falls from 1 to 0.62 along `t`, and by a fifth towards its flanks; the sheet below shows in the gaps, falling
-/// from 0.5 to 0. So the notch is the deepest place, as in the scan. Irregular are the columns' places and meanders, the
-/// wavy edge of every sheet, and a slow swell of the ground.
+/// Columns of fingers are `pitch_um` apart, sheets are `length_um` apart. The tip of a finger rests on the root of the
+/// one above. With `s` across a finger (`-½ … ½`) and `t` from its tip down to its root, the finger covers `|s| <
+/// w(t)`, `w = 0.22 √t + 0.28 t`: a rounded tip, and flanks that widen until they meet the neighbours' flanks in a
+/// notch. Its surface falls from 1 to 0.62 along `t`, and by a fifth towards its flanks; the sheet below shows in the
+/// gaps, falling from 0.5 to 0. So the notch is the deepest place, as in the scan. The positions and meanders of
+/// columns, the wavy edge of every sheet, and a slow swell of the ground are irregular.
 pub fn fingers(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<HeightField> {
     let lattice = Lattice::new(rough, 2.6, subject, notes)?;
     let (nx, ny, n, disorder) =
         (lattice.columns, lattice.rows, rough.pixels, 1.0 - rough.regularity);
     let mut random = SplitMix64::new(rough.seed, PLACES);
     let centres: Vec<f64> = (0..nx).map(|_| 0.5 + 0.35 * disorder * random.signed()).collect();
-    // place of every tip, in sheets: [sheet][column]
+    // position of every tip, in sheets: [sheet][column]
     let tips: Vec<f64> = (0..nx * ny).map(|_| 0.45 * disorder * random.signed()).collect();
     let meander = Waves::new(&mut SplitMix64::new(rough.seed, WARP), n, 5, 3, 4);
     let edges = Waves::new(&mut SplitMix64::new(rough.seed, SHEETS), n, 5, 5, 2);
@@ -103,16 +106,16 @@ pub fn fingers(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<
 
 /// *Xenopeltis*-like: straight ridges along y, and a row of pits in every furrow between them.
 ///
-/// Ridges stand `pitch_um` apart; over the furrow between them, `s` from -½ to ½, the profile is `0.45 + 0.55 q (2 - q)` with
-/// `q = sin² πs`. Pits follow each other every `length_um` along the furrow, Gaussian with radii 0.16 of the pitch and 0.27
-/// of the length, 0.45 deep. Irregular are the places of ridges (slightly, as in the animal) and of pits, and the depth
-/// of pits; every furrow starts anywhere along y.
+/// Ridges stand `pitch_um` apart; over the furrow between them, `s` from -½ to ½, the profile is `0.45 + 0.55 q (2 -
+/// q)` with `q = sin² πs`. Pits follow each other every `length_um` along the furrow, Gaussian with radii 0.16 of the
+/// pitch and 0.27 of the length, 0.45 deep. The positions of ridges (slightly, as in the animal) and of pits are
+/// irregular, and so is the depth of pits. Every furrow starts at a random y.
 pub fn rows(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<HeightField> {
     let lattice = Lattice::new(rough, 0.6, subject, notes)?;
     let (nx, ny, n, disorder) =
         (lattice.columns, lattice.rows, rough.pixels, 1.0 - rough.regularity);
     let mut random = SplitMix64::new(rough.seed, PLACES);
-    // every furrow starts anywhere along y
+    // every furrow starts at a random y
     let starts: Vec<f64> = (0..nx).map(|_| random.share()).collect();
     let pits: Vec<(f64, f64, f64)> = (0..nx * ny)
         .map(|_| {
@@ -143,7 +146,7 @@ pub fn rows(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<Hei
     })
 }
 
-/// A patch divided into whole cells of features.
+/// A patch divided into a whole number of cells, one per feature.
 struct Lattice {
     columns: usize,
     rows: usize,
@@ -159,7 +162,8 @@ impl Lattice {
         check_um(subject, "height_um", rough.height_um, MAX_HEIGHT_UM)?;
         if !(0.0..=1.0).contains(&rough.regularity) {
             let cause = format!("`regularity = {}` is outside 0 to 1", rough.regularity);
-            return Err(Error::new(subject, cause).remedy("1 is a perfect lattice"));
+            return Err(Error::new(subject, cause)
+                .remedy("give a number from 0 to 1; 1 is a perfect lattice"));
         }
         let mut cells = |key: &str, length_um: f64, given: bool| {
             check_um(subject, key, length_um, f64::MAX)?;
@@ -170,7 +174,7 @@ impl Lattice {
                     "`{key} = {length_um}` does not fit into `size_um = {}`",
                     rough.size_um
                 ))
-                .remedy("the patch must hold one feature at least"));
+                .remedy("make the patch larger or the features smaller"));
             }
             if count * 4.0 > rough.pixels as f64 {
                 return Err(error(format!(
@@ -181,7 +185,7 @@ impl Lattice {
             let fitted = rough.size_um / count;
             if given && (fitted - length_um).abs() > 1e-3 * length_um {
                 notes.push(format!(
-                    "`{key} = {length_um}` became {fitted:.4}, so that {count} fit into the patch"
+                    "`{key} = {length_um}` was changed to {fitted:.4}, so that {count} fit into the patch"
                 ));
             }
             Ok(count as usize)

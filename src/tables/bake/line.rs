@@ -11,18 +11,18 @@ use crate::tables::BakedAxes;
 use crate::tables::basis::Expansion;
 use crate::tables::terms::Terms;
 
-/// Columns that are computed together: numbers of one vector register, or of a few.
+/// Number of columns that are computed together: they fill one or a few vector registers.
 pub(super) const LANES: usize = 16;
-/// Numbers of a bin that are summed together.
+/// Number of a bin's numbers that are summed together.
 const CHUNK: usize = 8;
-/// The window ends at this many standard deviations of its spectrum: 4e-5 of the peak is left.
+/// The window's spectrum is cut at this many standard deviations, where it is 4e-5 of the peak.
 const REACH_SIGMAS: f64 = 4.5;
-/// Step along a line in standard deviations `σf`; `|P|²` is a sum of Gaussians no narrower than `σf/√2`, which such a
+/// Step along a line in standard deviations `σf`. `|P|²` is a sum of Gaussians no narrower than `σf/√2`, which this
 /// step integrates to 1e-8.
 const STEP_SIGMAS: f64 = 0.7;
-/// Fewest wavelengths of a row: what the colour weights need, 5 nm apart.
-const LEAST_NODES: f64 = 80.0;
-/// Greatest error of the phase function's terms.
+/// Minimum number of wavelengths of a row. The colour weights need them: they are 5 nm apart.
+const MIN_NODES: f64 = 80.0;
+/// Maximum error of the phase function with the terms used.
 const TERM_ERROR: f64 = 1e-3;
 
 /// A row of the table.
@@ -31,9 +31,9 @@ pub(super) struct RadiusRow {
     pub(super) radius: f64,
 }
 
-/// What a row takes from a line: frequencies `(first + i)·step`, and of each its weights.
+/// The nodes that a row uses from a line, at frequencies `(first + i)·step`, with their weights.
 struct Recipe {
-    /// Halvings of the line's step; rows of one halving share a line.
+    /// Number of halvings of the line's step. Rows with the same number share a line.
     halvings: u32,
     /// First node, in steps.
     first: usize,
@@ -45,7 +45,7 @@ struct Recipe {
     coefficients: Vec<f32>,
 }
 
-/// Everything that the columns share.
+/// Everything that all columns share.
 pub(super) struct Lines {
     axes: BakedAxes,
     recipes: Vec<Recipe>,
@@ -108,7 +108,7 @@ impl Lines {
         });
         let mut out = vec![[[0.0; LANES]; 3]; self.recipes.len() * levels];
         let mut line = Line::default();
-        // from the mirror direction outwards the steps grow
+        // steps grow with the distance from the mirror direction
         let fixed = self.window.coherence_scaling == CoherenceScaling::Fixed;
         let mut rest = self.recipes.as_slice();
         let mut out_rest = out.as_mut_slice();
@@ -151,13 +151,13 @@ impl Lines {
         }
     }
 
-    /// Adds up a row: |P|² of every node and level, times its colour.
+    /// Sums a row: |P|² of every node and level, times its colour.
     fn integrate(&self, recipe: &Recipe, line: &Line, out: &mut [[[f32; LANES]; 3]]) {
         let levels = self.axes.levels as usize;
         let per_level = self.coefficients();
         let offset = recipe.first - line.first;
         for (node, xyz) in recipe.colours.iter().enumerate() {
-            // a row without steps is one place
+            // a row with step 0 is a single frequency
             let place = offset + if recipe.is_point() { 0 } else { node };
             let values = &line.values[place * self.padded..][..self.features];
             let all = &recipe.coefficients[node * levels * per_level..][..levels * per_level];
@@ -175,7 +175,7 @@ impl Lines {
         }
     }
 
-    /// Coefficients of a level.
+    /// Number of coefficients of a level.
     fn coefficients(&self) -> usize {
         match self.coherence {
             Coherence::Single => self.features / 2,
@@ -208,8 +208,8 @@ fn linear(coefficients: &[f32], values: &[[f32; LANES]]) -> [f32; LANES] {
     sum
 }
 
-/// Numbers of every bin: of `single` real and imaginary part of every term, of `ensemble` the real parts of all products
-/// `c_n c_m*`, `n ≤ m`, those of two terms twice.
+/// Numbers of every bin. For `single`: real and imaginary part of every term. For `ensemble`: the real parts of all
+/// products `c_n c_m*`, `n ≤ m`, doubled for `n ≠ m`.
 fn features(terms: &Terms, coherence: Coherence) -> (usize, usize, Vec<f32>) {
     let count = terms.tables.len();
     let features = match coherence {
@@ -238,17 +238,17 @@ fn features(terms: &Terms, coherence: Coherence) -> (usize, usize, Vec<f32>) {
 }
 
 impl Recipe {
-    /// Where a row's wavelengths lie, and their colours.
+    /// The wavelengths of a row and their colours.
     fn nodes(row: RadiusRow, range: &Wavelengths, spectrum: &Spectrum, step_cpum: f64) -> Recipe {
         let ends = [1e3 / range.max_nm, 1e3 / range.min_nm];
         let span = ends[1] - ends[0];
         let steps = |halvings: u32| row.radius * span / step_cpum * f64::from(1_u32 << halvings);
-        let halvings = (0..MOST_HALVINGS).find(|&h| steps(h) >= LEAST_NODES);
-        let halvings = halvings.unwrap_or(MOST_HALVINGS);
-        let point = halvings == MOST_HALVINGS;
+        let halvings = (0..MAX_HALVINGS).find(|&h| steps(h) >= MIN_NODES);
+        let halvings = halvings.unwrap_or(MAX_HALVINGS);
+        let point = halvings == MAX_HALVINGS;
         // in wavenumbers 1/λ
         let pace = match point {
-            true => span / LEAST_NODES,
+            true => span / MIN_NODES,
             false => step_cpum / f64::from(1_u32 << halvings) / row.radius,
         };
         let first = (ends[0] / pace).ceil() as usize;
@@ -263,7 +263,7 @@ impl Recipe {
         for node in first..=last {
             let wavenumber = node as f64 * pace;
             let lambda_um = 1.0 / wavenumber;
-            // the trapezoid, and at both ends what is left of the range
+            // the trapezoidal rule, and at both ends the rest of the range
             let mut width = if node == first { 0.5 + (wavenumber - ends[0]) / pace } else { 0.5 };
             width += if node == last { (ends[1] - wavenumber) / pace } else { 0.5 };
             let weight = 1e3 * lambda_um * lambda_um * pace * width;
@@ -299,7 +299,7 @@ impl Recipe {
     }
 
     fn is_point(&self) -> bool {
-        self.halvings == MOST_HALVINGS
+        self.halvings == MAX_HALVINGS
     }
 
     fn step(&self, step_cpum: f64) -> f64 {
@@ -307,10 +307,10 @@ impl Recipe {
     }
 }
 
-/// A row that would need more halvings of the step is the mirror direction itself.
-const MOST_HALVINGS: u32 = 16;
+/// Maximum number of halvings of the step. A row that would need more is the mirror direction itself.
+const MAX_HALVINGS: u32 = 16;
 
-/// A piece of the line of every lane, `[place][number][lane]`.
+/// A section of the line of every lane, `[place][number][lane]`.
 #[derive(Default)]
 struct Line {
     first: usize,
@@ -326,23 +326,23 @@ struct Taps {
 
 impl Taps {
     fn around(&mut self, lines: &Lines, f: [f64; 2], sigma_um: f64) {
-        let most = [lines.bins.r_max as i64, lines.bins.s_max as i64];
+        let max = [lines.bins.r_max as i64, lines.bins.s_max as i64];
         for axis in 0..2 {
             let size_um = lines.patch_um[axis];
             let sigma_bins = size_um / (TAU * sigma_um);
-            // an ensemble adds intensities, under the window's square
+            // an ensemble adds intensities, weighted by the squared window
             let squares = match lines.coherence {
                 Coherence::Single => 0.5,
                 Coherence::Ensemble => 1.0,
             } / (sigma_bins * sigma_bins);
             let reach = REACH_SIGMAS * sigma_bins;
             let place = f[axis] * size_um;
-            let first = ((place - reach).ceil() as i64).max(-most[axis]);
-            let last = ((place + reach).floor() as i64).min(most[axis]);
+            let first = ((place - reach).ceil() as i64).max(-max[axis]);
+            let last = ((place + reach).floor() as i64).min(max[axis]);
             let distance = place - first as f64;
             let weights = &mut self.weights[axis];
             weights.clear();
-            // Gaussians at equal steps: ratios of neighbours have one ratio
+            // for a Gaussian at equal steps, the ratios of neighbours form a geometric sequence
             let mut weight = (-squares * distance * distance).exp();
             let mut ratio = (squares * (2.0 * distance - 1.0)).exp();
             let bend = (-2.0 * squares).exp();
@@ -351,7 +351,7 @@ impl Taps {
                 weight *= ratio;
                 ratio *= bend;
             }
-            self.first[axis] = first + most[axis];
+            self.first[axis] = first + max[axis];
         }
     }
 

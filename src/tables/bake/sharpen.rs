@@ -1,14 +1,14 @@
-//! What a linear filter takes away, put back beforehand.
+//! Sharpening that compensates in advance for the loss by a linear filter.
 
 use rayon::prelude::*;
 
 use super::Colours;
 
-/// The two neighbours of a texel and the texel itself: with linear interpolation between them, the mean error of a
-/// smooth function is of fourth order in the step.
+/// Weights of a texel's two neighbours and of the texel itself. With them, linear interpolation of a smooth function
+/// has a mean error of fourth order in the step.
 const KERNEL: [f32; 2] = [-1.0 / 12.0, 7.0 / 6.0];
 
-/// Sharpens along columns, rows and levels; nothing becomes negative.
+/// Sharpens along columns, rows and levels. Negative results become 0.
 #[must_use]
 pub fn sharpen(mut colours: Colours) -> Colours {
     let axes = colours.axes;
@@ -21,7 +21,7 @@ pub fn sharpen(mut colours: Colours) -> Colours {
             *out = sharpened(before[i], neighbours);
         }
     });
-    // along the radius; beyond the mirror direction lies the opposite column
+    // along the radius; the column on the other side of the mirror direction is the opposite one
     colours.xyz.par_chunks_mut(columns * rows).for_each(|level| {
         let before = level.to_vec();
         for row in 0..rows - 1 {
@@ -33,7 +33,7 @@ pub fn sharpen(mut colours: Colours) -> Colours {
             }
         }
     });
-    // along w, but at the ends
+    // along w, except at the ends
     let before = colours.xyz.clone();
     let size = columns * rows;
     colours.xyz.par_chunks_mut(size).enumerate().for_each(|(level, out)| {

@@ -5,11 +5,13 @@ use crate::tables::{BakedAxes, TERMS, Table, colour_format};
 
 use super::Colours;
 
-/// What colours are multiplied by in their table. A colour without gain is at most the illuminant's white, so that this
-/// power of two leaves room for sharpening in 16-bit floats and in shared exponents, and puts dim colours above their least numbers.
+/// Factor of colours in their table. A colour without gain is at most the illuminant's white. This power of two leaves
+/// room for sharpening in 16-bit floats and in numbers with a shared exponent, and it keeps dim colours above the
+/// smallest numbers of these formats.
 pub const COLOUR_SCALE: f64 = 32768.0;
 
-/// The table, 2-D array: layer `page·levels + level`; the last column of a page is the first of the next.
+/// The table, a 2-D array. Level `level` of page `page` is layer `page·levels + level`. The last column of a page is
+/// the first of the next.
 pub fn table(colours: &Colours, format: TableFormat) -> Table {
     let shape = shape(&colours.axes, format);
     let axes = &colours.axes;

@@ -1,15 +1,15 @@
 //! Bessel functions of the first kind.
 
-/// `J_0(x) … J_{count-1}(x)`, by recurrence downwards (Miller), which is stable where upwards it is not; scaled so that
-/// `J_0 + 2 Σ J_2k = 1`.
+/// `J_0(x) … J_{count-1}(x)` by downward recurrence (Miller), which is stable where upward recurrence is not. The
+/// result is scaled so that `J_0 + 2 Σ J_2k = 1`.
 pub fn bessel(count: usize, x: f64) -> Vec<f64> {
     let size = x.abs();
     if size < 1e-300 {
         return (0..count).map(|n| if n == 0 { 1.0 } else { 0.0 }).collect();
     }
-    // far enough up for the recurrence to have forgotten how it began
-    let most = (count as f64).max(size);
-    let start = 2 * (0.5 * (most + 12.0 * most.cbrt() + 20.0)).ceil() as usize;
+    // so high that the initial values of the recurrence have no effect on the result
+    let max = (count as f64).max(size);
+    let start = 2 * (0.5 * (max + 12.0 * max.cbrt() + 20.0)).ceil() as usize;
     let mut values = vec![0.0; start + 1];
     let (mut above, mut here) = (0.0, 1e-300);
     let mut sum = 0.0;

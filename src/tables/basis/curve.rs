@@ -41,9 +41,9 @@ pub fn series(values: &[f64]) -> Vec<f64> {
     (0..count).map(coefficient).collect()
 }
 
-/// Nodes enough for every function of `s` that oscillates like `exp(i phase s)`.
+/// Number of nodes that suffices for every function of `s` that oscillates like `exp(i phase s)`.
 pub fn enough_nodes(phase: f64) -> usize {
-    // beyond its argument a Bessel function falls off over widths of its cube root
+    // above its argument, a Bessel function decreases over a number of orders of about the argument's cube root
     2 * (0.5 * phase.abs() + 6.0 * phase.abs().cbrt() + 10.0).ceil() as usize
 }
 

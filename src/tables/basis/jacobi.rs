@@ -1,16 +1,16 @@
 //! Singular values of a small dense matrix.
 //!
-//! One-sided Jacobi rotations, rather than a linear-algebra crate: the matrices have some dozens of columns, small singular
-//! values come out to their own relative accuracy, and plain loops give the same digits on every processor, which
-//! kernels that are chosen at run time do not.
+//! It uses one-sided Jacobi rotations instead of a linear-algebra crate. The matrices have a few dozen columns, small
+//! singular values keep their relative accuracy, and plain loops give the same digits on every processor. Kernels that
+//! are selected at run time do not.
 
-/// Singular values, descending, with the right singular vectors, of a matrix that is given by its columns. Of each vector
-/// the entry largest in magnitude, the first of equals, is positive.
+/// Singular values in descending order, with the right singular vectors, of a matrix given by its columns. The sign of
+/// each vector is chosen so that its entry of largest magnitude (the first of equal ones) is positive.
 pub fn singular(mut columns: Vec<Vec<f64>>) -> Vec<(f64, Vec<f64>)> {
     let count = columns.len();
     let mut right: Vec<Vec<f64>> =
         (0..count).map(|i| (0..count).map(|j| f64::from(u8::from(i == j))).collect()).collect();
-    for _ in 0..MOST_SWEEPS {
+    for _ in 0..MAX_SWEEPS {
         let mut turned = false;
         for p in 0..count {
             for q in p + 1..count {
@@ -37,7 +37,7 @@ pub fn singular(mut columns: Vec<Vec<f64>>) -> Vec<(f64, Vec<f64>)> {
     found
 }
 
-const MOST_SWEEPS: usize = 40;
+const MAX_SWEEPS: usize = 40;
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
@@ -50,10 +50,10 @@ fn rotate(columns: &mut [Vec<f64>], p: usize, q: usize, cosine: f64, sine: f64) 
     }
 }
 
-/// Entries that differ by rounding only count as equal, so that the choice does not hang on it.
+/// Entries that differ only by rounding count as equal, so that rounding does not decide the sign.
 fn signed(vector: Vec<f64>) -> Vec<f64> {
-    let most = vector.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-    let leading = vector.iter().copied().find(|v| v.abs() >= 0.999_999 * most).unwrap_or(1.0);
+    let max = vector.iter().fold(0.0, |max: f64, v| max.max(v.abs()));
+    let leading = vector.iter().copied().find(|v| v.abs() >= 0.999_999 * max).unwrap_or(1.0);
     vector.into_iter().map(|v| if leading < 0.0 { -v } else { v }).collect()
 }
 
@@ -75,7 +75,8 @@ mod tests {
         assert!((found[1].1[0] + found[0].1[1]).abs() < 1e-14 || found[1].1[0] > 0.0);
     }
 
-    /// Hilbert's matrix of order 8: its least singular value is 1.11e-10 (the tenth digit of a method that squares is noise).
+    /// Hilbert's matrix of order 8. Its smallest singular value is 1.11e-10, which a method that squares the matrix
+    /// could not resolve.
     #[test]
     fn small_values_keep_their_digits() {
         let columns =

@@ -1,12 +1,12 @@
-//! The fewest terms for one surface: singular functions of `exp(i z h)` over the z range and the heights that occur.
+//! The minimum number of terms for one surface: singular functions of `exp(i z h)` over the z range and the heights that occur.
 
 use super::curve::{Curve, enough_nodes, nodes, series};
 use super::jacobi::singular;
 
-/// A range of heights that the surface has, in parts of its reach, both signs folded into one.
+/// A range of heights that occur on the surface, relative to its reach. Heights of both signs are combined by magnitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Level {
-    /// Least, mean and greatest of its heights.
+    /// Minimum, mean and maximum of its heights.
     pub places: [f64; 3],
     /// Share of the surface's pixels.
     pub share: f64,
@@ -25,22 +25,23 @@ pub fn levels(x: impl Iterator<Item = f64>) -> Vec<Level> {
         all += 1;
     }
     let filled = bins.into_iter().filter(|(_, count)| *count > 0);
-    let level = |([least, sum, greatest], count): ([f64; 3], usize)| {
-        let mean = (sum / count as f64).clamp(least, greatest);
-        Level { places: [least, mean, greatest], share: count as f64 / all as f64 }
+    let level = |([min, sum, max], count): ([f64; 3], usize)| {
+        let mean = (sum / count as f64).clamp(min, max);
+        Level { places: [min, mean, max], share: count as f64 / all as f64 }
     };
     filled.map(level).collect()
 }
 
-/// Terms of `exp(i phase s x)` for `s` in `[-1, 1]` and `x` among the levels, the most important first; terms below rounding
-/// are left out. They are the best for `|s|` up to `part`; beyond, each coefficient is the projection on what they are there.
-/// The cosine and the sine are decomposed apart: that keeps all coefficients real.
+/// Terms of `exp(i phase s x)` for `s` in `[-1, 1]` and `x` among the levels, in descending order of importance. Terms
+/// below rounding errors are omitted. The terms are optimal for `|s|` up to `part`. Beyond, each coefficient is the
+/// projection on the term's height function. Cosine and sine are decomposed separately, which keeps all coefficients
+/// real.
 pub fn optimal(phase: f64, part: f64, levels: &[Level]) -> Vec<Curve> {
     let within = nodes(enough_nodes(phase * part));
-    // the nodes, which are dense towards the ends where errors are greatest, are the weights along z
+    // nodes are denser towards the ends, where errors are largest, and this density is the weight along z
     let half: Vec<f64> = within[..within.len() / 2].iter().map(|s| part * s).collect();
     let places = nodes(enough_nodes(phase));
-    // rare heights count a little more than their share, so that none is given up
+    // rare heights have a little more weight than their share, so that no height is neglected
     let floor = FLOOR / levels.len() as f64;
     let weights: Vec<f64> =
         levels.iter().map(|level| floor + (1.0 - FLOOR) * level.share).collect();
@@ -69,18 +70,18 @@ pub fn optimal(phase: f64, part: f64, levels: &[Level]) -> Vec<Curve> {
     let mut all = terms(false);
     all.extend(terms(true));
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let most = all.first().map_or(0.0, |(size, _)| *size);
-    all.into_iter().take_while(|(size, _)| *size > 1e-13 * most).map(|(_, curve)| curve).collect()
+    let max = all.first().map_or(0.0, |(size, _)| *size);
+    all.into_iter().take_while(|(size, _)| *size > 1e-13 * max).map(|(_, curve)| curve).collect()
 }
 
-/// Share of the weight along h that is the same for all heights that occur.
+/// Share of the weight along h that is distributed equally over all heights that occur.
 const FLOOR: f64 = 0.2;
 
-/// A height function whose greatest value is 1.
+/// A height function whose maximum is 1.
 struct Along {
     at_nodes: Vec<f64>,
     at_levels: Vec<f64>,
-    /// Those at the levels times the levels' weights.
+    /// Its values at the levels, times the weights of the levels.
     weighted: Vec<f64>,
     /// Its weighted square, summed over the levels.
     norm: f64,
@@ -94,7 +95,8 @@ impl Along {
         Along { at_nodes, at_levels, weighted, norm: 1.0 }.scaled()
     }
 
-    /// Small terms are as large as rounding leaves of great ones: without those in them, each keeps all its digits.
+    /// Removes the components of known functions. Small terms are of the size of the rounding errors of large ones, and
+    /// keep all their digits only without these components.
     fn apart_from(mut self, known: &[Along]) -> Along {
         for other in known {
             let part = dot(&self.at_levels, &other.weighted) / other.norm;
@@ -111,9 +113,9 @@ impl Along {
 
     fn scaled(mut self) -> Along {
         let all = self.at_nodes.iter().chain(&self.at_levels);
-        let most = all.fold(f64::MIN_POSITIVE, |most, v| most.max(v.abs()));
+        let max = all.fold(f64::MIN_POSITIVE, |max, v| max.max(v.abs()));
         for values in [&mut self.at_nodes, &mut self.at_levels, &mut self.weighted] {
-            values.iter_mut().for_each(|v| *v /= most);
+            values.iter_mut().for_each(|v| *v /= max);
         }
         self.norm = dot(&self.at_levels, &self.weighted);
         self

@@ -1,7 +1,7 @@
-//! KTX2: one level, a 2-D texture or an array of them, not supercompressed.
+//! KTX2: one level of a 2-D texture or 2-D array texture, without supercompression.
 //!
-//! Header, index of the levels, data format descriptor, keys and values, padding to a multiple of the texel's size (which
-//! four divides), texels.
+//! The file has a header, the index of levels, the data format descriptor, keys and values, padding to a multiple of
+//! the texel's size (itself a multiple of four), and the texels.
 
 use ktx2::dfd::{Basic, Block};
 use ktx2::{Format, Header, Index, LevelIndex};
@@ -12,7 +12,7 @@ use crate::tables::TexelFormat;
 
 use super::{Shape, failed};
 
-/// In the order of the keys, which the format demands; row 0 is the upper one.
+/// Sorted by key, as the format requires. `rd`: columns to the right, row 0 at the top.
 const KEYS: [(&str, &str); 2] = [("KTXorientation", "rd"), ("KTXwriter", "diffraction-shaders")];
 
 /// Vulkan's name of a format, and the format.
@@ -30,11 +30,14 @@ pub(super) fn format(format: TexelFormat) -> (&'static str, Format) {
 
 pub(super) fn encode(shape: &Shape, texels: &[u8]) -> Result<Vec<u8>> {
     let error = |cause: &str| failed(Container::Ktx2, cause);
-    let number = |n: usize| u32::try_from(n).map_err(|_| error("is larger than the format allows"));
+    let number = |n: usize| {
+        u32::try_from(n)
+            .map_err(|_| error("is larger than the format allows").remedy("choose a smaller table"))
+    };
     let (_, format) = format(shape.format);
     let (mut basic, type_size) =
-        Basic::from_format(format).map_err(|e| error("has no descriptor").source(e))?;
-    // the numbers are no colours
+        Basic::from_format(format).map_err(|e| error("has no data format descriptor").source(e))?;
+    // the numbers are not colours
     basic.color_primaries = None;
     let block = Block::Basic(basic).to_vec();
     let descriptor_bytes = number(4 + block.len())?;
@@ -49,7 +52,7 @@ pub(super) fn encode(shape: &Shape, texels: &[u8]) -> Result<Vec<u8>> {
     let dfd_byte_offset = number(Header::LENGTH + LevelIndex::LENGTH)?;
     let kvd_byte_offset = dfd_byte_offset + descriptor_bytes;
     let kvd_byte_length = number(keys.len())?;
-    // a texel has 4, 8 or 16 bytes, so that its size is its least common multiple with 4
+    // a texel has 4, 8 or 16 bytes, so its size is its least common multiple with 4
     let start = (kvd_byte_offset + kvd_byte_length).next_multiple_of(number(texel_bytes)?);
     let header = Header {
         format: Some(format),
@@ -87,7 +90,7 @@ pub(super) fn encode(shape: &Shape, texels: &[u8]) -> Result<Vec<u8>> {
     Ok(file)
 }
 
-/// What stands where the texels of such a file are: at its end.
+/// The bytes at the position of the texels, which is the end of the file.
 pub(super) fn texels(shape: &Shape, file: &[u8]) -> Option<Vec<u8>> {
     let start = file.len().checked_sub(shape.byte_count()?)?;
     file.get(start..).map(<[u8]>::to_vec)

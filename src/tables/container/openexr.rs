@@ -11,7 +11,7 @@ use crate::tables::TexelFormat;
 
 use super::{Atlas, Shape};
 
-/// Names of the channels in the order of the table's; in a file they are sorted, which is the reverse.
+/// Names of the channels in the order of the table's channels. In a file they are sorted, which is the reverse order.
 pub(super) fn channels(format: TexelFormat) -> &'static [&'static str] {
     match format.channels() {
         2 => &["R", "G"],
@@ -20,7 +20,7 @@ pub(super) fn channels(format: TexelFormat) -> &'static [&'static str] {
     }
 }
 
-/// Place of a table's channel among those of a file: `G R` or `A B G R`.
+/// Index of a table's channel among the channels of a file, `G R` or `A B G R`.
 fn place(format: TexelFormat, channel: usize) -> usize {
     format.channels() - 1 - channel
 }
@@ -46,7 +46,7 @@ pub(super) fn file(shape: &Shape, texels: &[u8]) -> Result<Vec<u8>> {
     })
 }
 
-/// One channel of the picture; 0 where no layer lies.
+/// One channel of the picture. Pixels outside the layers are 0.
 fn plane(shape: &Shape, atlas: &Atlas, texels: &[u8], channel: usize) -> FlatSamples {
     let width = number_bytes(shape.format);
     let mut bytes = vec![0; atlas.width * atlas.height * width];
@@ -64,8 +64,8 @@ fn plane(shape: &Shape, atlas: &Atlas, texels: &[u8], channel: usize) -> FlatSam
     }
 }
 
-/// What stands where the texels of such a file are: scan lines at its end, each of two numbers of 32 bits and the rows of
-/// the channels, one after the other.
+/// The bytes at the position of the texels: the scan lines at the end of the file. Each consists of two 32-bit numbers
+/// and the rows of all channels, one after the other.
 pub(super) fn texels(shape: &Shape, file: &[u8]) -> Option<Vec<u8>> {
     let (atlas, width) = (Atlas::new(shape), number_bytes(shape.format));
     let channels = shape.format.channels();
@@ -96,7 +96,7 @@ pub(super) fn texels(shape: &Shape, file: &[u8]) -> Option<Vec<u8>> {
     })
 }
 
-/// Texels as numbers that the file has: a shared exponent's fit into half precision without rounding.
+/// Texels as numbers of the file. Numbers with a shared exponent fit into half precision without rounding.
 fn stored(format: TexelFormat, texels: &[u8]) -> Cow<'_, [u8]> {
     match format {
         TexelFormat::Rgb9e5Ufloat => {

@@ -1,4 +1,4 @@
-//! `baked`: the wavelengths are integrated beforehand, into a table of colours over `(u, v, w)`.
+//! `baked`: a table of colours over `(u, v, w)`. The integral over wavelengths is in the table.
 
 use crate::defines::Defines;
 use crate::plan::{Illuminant, TableFormat, Variant, Window};
@@ -16,7 +16,7 @@ pub struct Baked {
     /// Number format of the table.
     pub format: TableFormat,
     aim: Aim,
-    /// Whether the sizes keep the error aimed at, uncut by the most bytes.
+    /// Whether the sizes reach the target error, that is, the maximum size did not reduce them.
     is_uncut: bool,
     window: Window,
     range_nm: [f64; 2],
@@ -46,7 +46,7 @@ impl Baked {
 impl Computation for Baked {
     fn define(&self, _: usize, into: &mut Defines) {
         let BakedAxes { columns, levels, pages, rows, pace, stretch, .. } = self.axes;
-        into.number("BEND", BEND, "slope of the parabola that replaces the arc tangent, at 0");
+        into.number("BEND", BEND, "slope at 0 of the parabola that replaces the arc tangent");
         into.number(
             "COLOUR_UNIT",
             1.0 / COLOUR_SCALE,
@@ -55,7 +55,7 @@ impl Computation for Baked {
         into.count(
             "COLUMN_COUNT",
             columns as usize,
-            "number of columns of all pages, for a whole turn",
+            "number of columns of a full turn, on all pages",
         );
         into.count("LEVEL_COUNT", levels as usize, "number of levels of w², the layers of a page");
         let page_columns = self.axes.page_columns() as usize;
@@ -66,7 +66,7 @@ impl Computation for Baked {
         );
         into.count("PAGE_COUNT", pages as usize, "number of pages that the angle is divided into");
         into.count("ROW_COUNT", rows as usize, "number of rows");
-        into.number("ROW_PACE", pace, "rows for an increase of 1 of asinh(STRETCH |(u, v)|)");
+        into.number("ROW_PACE", pace, "number of rows per unit of asinh(STRETCH |(u, v)|)");
         into.number("STRETCH", stretch, "factor of |(u, v)| in the argument of asinh");
     }
 
@@ -97,8 +97,9 @@ impl Computation for Baked {
         }
     }
 
-    /// What the sizes aim at, twice, where they were not cut by the most bytes. Maps of isolated lobes show more, since an
-    /// eye that is adapted to dim orders sees the flanks between texels (2.0 on fingers under a low light; 0.6 on a scan).
+    /// Twice the target error, if the maximum size did not reduce the sizes. Maps of isolated lobes show larger errors,
+    /// since their exposure is adapted to dim orders, so that errors on flanks between texels are visible (2.0 on
+    /// fingers under a low light; 0.6 on a scan).
     fn promise(&self) -> Promise {
         let kept = self.is_uncut && is_visible(self.range_nm);
         let model = kept.then_some((2.0 * self.aim.error, Some(5.0 * self.aim.error)));

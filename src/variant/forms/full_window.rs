@@ -1,4 +1,4 @@
-//! `full` on the bins of the patch: the sum of the texts, under the coherence window.
+//! `full` on the bins of the patch: the texts' sum under the coherence window.
 
 use std::f64::consts::TAU;
 
@@ -39,7 +39,7 @@ impl FullWindow {
                 (lay::radius(0, AUTO_TAIL, tail), reach)
             }
         };
-        // one bin more, because a 32-bit place may round the other way
+        // one bin more, because a 32-bit position may be rounded the other way
         let bins = lay::bins(patch_um, range_nm[0], [window_radius as usize + 1; 2]);
         let texels = (variant.packing, variant.table);
         Ok(FullWindow {
@@ -61,7 +61,7 @@ impl FullWindow {
     }
 }
 
-/// Share of the window's energy beyond the bins that are read, where the window counts as whole.
+/// Maximum share of the window's energy beyond the bins that are read for which the window counts as complete.
 const WHOLE: f64 = 1e-3;
 
 impl Computation for FullWindow {
@@ -84,9 +84,10 @@ impl Computation for FullWindow {
         Cost::uniform(&self.series, nodes, u64::from(2 * self.window_radius + 1).pow(2))
     }
 
-    /// How much of the window it sees and how finely it samples decides. A step of 5 nm, the texts', misses narrow lobes far
-    /// from the mirror direction (95th percentile 3.8 on rows of pits; 10 on a map under a low light), 2.5 nm hardly any
-    /// (0.09; 0.13 of the map); one bin to each side cuts 2 % of the window off a scan of 65 µm (2.8).
+    /// Errors depend on the share of the window that is summed and on the wavelength step. The texts' step of 5 nm
+    /// misses narrow lobes far from the mirror direction (95th percentile 3.8 on rows of pits; 10 on a map under a low
+    /// light). A step of 2.5 nm misses hardly any (0.09; 0.13 on the map). With one bin to each side, 2 % of the window
+    /// is left out on a scan of 65 µm (2.8).
     fn promise(&self) -> Promise {
         let promise = Promise::of_series(&self.series, false);
         let model = match self.wavelengths.step_nm {
@@ -109,8 +110,8 @@ impl Computation for FullWindow {
         Some(self.window_radius)
     }
 
-    /// The share of what is at a place is large between narrow lobes, where there is next to nothing; so the share of the
-    /// lobe's greatest value counts where it is smaller.
+    /// Between narrow lobes there is almost no light, so the share relative to the light there would be large. The
+    /// share relative to the lobe's maximum counts where it is smaller.
     fn missed(&self) -> f64 {
         let [x_um, y_um] = self.series.size_um;
         let widest =

@@ -9,14 +9,15 @@ use crate::variant::cost::spectrum_bytes;
 use crate::variant::tolerance::Promise;
 use crate::variant::{Computation, Cost, Ground};
 
-/// The form has no numbers: its table holds the period.
+/// The form has no numbers: the period is in its table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gems;
 
 impl Gems {
     pub(in crate::variant) fn new(variant: &Variant, height: &HeightField) -> Result<Gems> {
         strongest_period_um(height).map(|_| Gems).ok_or_else(|| {
-            Error::new(&variant.name, "a flat surface has no period").remedy("gems is for gratings")
+            Error::new(&variant.name, "a flat surface has no period")
+                .remedy("use mode = \"gems\" for gratings only")
         })
     }
 }

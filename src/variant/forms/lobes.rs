@@ -1,4 +1,4 @@
-//! `adaptive` on the bins of the patch: the lobes that the wavelengths of a direction cross.
+//! `adaptive` on the bins of the patch: a sum over the lobes that the wavelengths of a direction cross.
 
 use crate::defines::Defines;
 use crate::error::{Error, Result};
@@ -17,7 +17,7 @@ use crate::variant::{Computation, Cost, ErrorBound, Ground, ISOLATED, LobeBounds
 pub struct Lobes {
     /// The terms.
     pub series: Series,
-    /// Where lobes lie and how wide they are.
+    /// Positions and widths of lobes.
     pub geometry: LobeGeometry,
     /// Bounds of the loops.
     pub corridor: Corridor,
@@ -54,7 +54,7 @@ impl Lobes {
     }
 }
 
-/// Refuses a surface where amplitudes of neighbouring bins interfere: the form adds intensities.
+/// Returns an error if amplitudes of neighbouring bins interfere, because the form adds intensities.
 fn check_isolated(variant: &Variant, geometry: &LobeGeometry) -> Result<()> {
     let [x, y] = geometry.sigma_bins();
     let widest = x.max(y);
@@ -62,7 +62,7 @@ fn check_isolated(variant: &Variant, geometry: &LobeGeometry) -> Result<()> {
         return Ok(());
     }
     let cause =
-        format!("neighbouring lobes overlap and interfere: σf·L = {widest:.2}, above {ISOLATED}");
+        format!("neighbouring lobes overlap and interfere: σf·L = {widest:.2} is above {ISOLATED}");
     Err(Error::new(&variant.name, cause).remedy(
         "use reconstruction = \"prefiltered\", coherence = \"ensemble\", or mode = \"full\"",
     ))
@@ -70,14 +70,14 @@ fn check_isolated(variant: &Variant, geometry: &LobeGeometry) -> Result<()> {
 
 fn cost(series: &Series, geometry: &LobeGeometry, corridor: &Corridor) -> Cost {
     let evaluations = mean_and_worst(|uv| evaluations(geometry, corridor, uv));
-    // neighbouring texels of every row of coefficients, and of colour weights
+    // two neighbouring texels of every row of coefficients, and two of colours
     let others = 2 * u64::from(series.coefficient_rows()) + 2;
     let Corridor { columns, rows, .. } = *corridor;
     let bytes = series.byte_count() + spectrum_bytes(u64::from(columns), u64::from(2 * rows + 2));
     Cost::of_evaluations(evaluations, u64::from(series.layers()), others, bytes)
 }
 
-/// Evaluations of the bins that the wavelengths of a direction meet.
+/// Number of evaluations: bins that the wavelengths of a direction cross.
 fn evaluations(geometry: &LobeGeometry, corridor: &Corridor, uv: [f64; 2]) -> u64 {
     let breadth = geometry.breadth(uv, corridor.nodes);
     if breadth < 1.0 {
@@ -99,7 +99,7 @@ impl Computation for Lobes {
             BROADEST,
             "width of the broadest narrow lobe, in distances between nodes",
         );
-        let reach = "a lobe ends at this many standard deviations of the window's spectrum";
+        let reach = "reach of a lobe, in standard deviations of the window's spectrum";
         into.number("REACH_SIGMAS", REACH_SIGMAS, reach);
         let outer = "number of nodes beyond each end of the range of wavenumbers";
         into.count("OUTER_NODES", OUTER_NODES as usize, outer);
@@ -117,7 +117,7 @@ impl Computation for Lobes {
         into.count("LOBE_ROWS", rows as usize, "number of widths in the table of narrow lobes");
         into.count("MINOR_COUNT", minors as usize, "number of bins across the strip");
         into.count("NODE_BINS", node_bins as usize, "number of columns of bins about a node");
-        // one wavelength is one node
+        // a single wavelength is one node
         let nodes = (nodes as usize).min(wavelengths);
         into.count("NODE_COUNT", nodes, "number of nodes, those beyond the range included");
         into.number("WAVELENGTH_MAX_UM", self.range_nm[1] * 1e-3, "longest wavelength, µm");
@@ -147,15 +147,15 @@ impl Computation for Lobes {
         self.cost
     }
 
-    /// Every lobe is seen; what is left is that its intensity is taken once or twice in it (95th percentile 0.3 on a grating,
-    /// 0.03 on scans, 0.13 of their maps).
+    /// No lobe is missed. The remaining error comes from evaluating the intensity only once or twice in a lobe (95th
+    /// percentile 0.3 on a grating, 0.03 on scans, 0.13 on their maps).
     fn promise(&self) -> Promise {
         let promise = Promise::of_series(&self.series, false);
         promise.converged(&self.series, self.range_nm, (0.5, Some(0.25)))
     }
 
     fn error_bound(&self) -> Option<ErrorBound> {
-        // a Gaussian beyond four standard deviations of its square root
+        // share of a Gaussian beyond four standard deviations of its square root
         Some(ErrorBound::new(&self.series, None, libm::erfc(REACH_SIGMAS)))
     }
 

@@ -18,7 +18,7 @@ pub struct Pq {
     pub window_radius: u32,
     /// Replicas along x and y.
     pub periods: [u32; 2],
-    /// Bins along x and y that are interpolated from: `2·radius + 1`, and not more than there are pixels.
+    /// Number of bins along x and y that are interpolated between: `2·radius + 1`, but at most the number of pixels.
     pub taps: [u32; 2],
     /// Pixels along x and y.
     pub pixels: [u32; 2],
@@ -26,8 +26,8 @@ pub struct Pq {
     wavelengths: Wavelengths,
 }
 
-/// Most replicas along an axis.
-const MOST_PERIODS: f64 = 10000.0;
+/// Maximum number of replicas along an axis.
+const MAX_PERIODS: f64 = 10000.0;
 
 impl Pq {
     pub(in crate::variant) fn new(variant: &Variant, height: &HeightField) -> Result<Pq> {
@@ -36,14 +36,14 @@ impl Pq {
         let coherence_um = variant.optics.coherence_um;
         let expansion = lay::expansion(variant, height)?;
         let periods = variant.periods.unwrap_or_else(|| {
-            patch_um.map(|size_um| (coherence_um / size_um).round().clamp(1.0, MOST_PERIODS) as u32)
+            patch_um.map(|size_um| (coherence_um / size_um).round().clamp(1.0, MAX_PERIODS) as u32)
         });
         let (window_radius, reach) = match variant.window_radius {
             Auto::Value(radius) => (radius, Reach::Radius(radius)),
             Auto::Auto => {
                 let tail = |radius| replica_tail(periods, taps(radius, pixels), pixels);
                 let reach = Reach::Replicas { periods: variant.periods, coherence_um };
-                // the kernel is no kernel without a neighbour
+                // interpolation needs at least one neighbour
                 (lay::radius(1, AUTO_TAIL_PQ, tail), reach)
             }
         };
@@ -95,7 +95,7 @@ impl Computation for Pq {
         Cost::uniform(&self.series, self.wavelengths.nodes_nm().len(), taps)
     }
 
-    /// Lines of another shape replace the window's lobes: nothing is promised about colours.
+    /// The lines have another shape than the window's lobes, so colours differ from the reference by an unknown amount.
     fn promise(&self) -> Promise {
         Promise::of_series(&self.series, false)
     }

@@ -13,13 +13,13 @@ use crate::variant::{Cost, Form, Twin};
 
 use super::{ExactProbe, Function};
 
-/// The function of every form.
+/// The function that every form has.
 pub static DIRECTIONAL: Directional = Directional;
 
 /// Light from one direction: `diffraction(wi, wr)`.
 pub struct Directional;
 
-/// Probes of the function.
+/// Number of probes of the function.
 pub const PROBES: usize = 64;
 
 impl Function for Directional {
@@ -57,8 +57,8 @@ impl Function for Directional {
     }
 }
 
-/// Chooses [`PROBES`] lit pairs on a surface, a third near mirror directions, a third on strong orders, the rest spread over
-/// the hemisphere. Time: one exact field and about twice as many exact colours, on all cores.
+/// Chooses [`PROBES`] lit pairs of directions on a surface: a third near mirror directions, a third on strong orders,
+/// the others spread over the hemisphere. Time: one exact field and about twice as many exact colours, on all cores.
 fn exact(height: &HeightField, rotate_deg: f64, optics: &Optics) -> Result<Vec<ExactProbe>> {
     let kinds = pool(height, optics, rotate_deg);
     let all: Vec<Directions> = kinds.iter().flatten().copied().collect();
@@ -75,10 +75,12 @@ fn exact(height: &HeightField, rotate_deg: f64, optics: &Optics) -> Result<Vec<E
         rest = others;
         these
     });
-    choose(kinds).ok_or_else(|| Error::new("probe.json", "too few directions to choose from"))
+    choose(kinds).ok_or_else(|| {
+        Error::new("probe.json", format!("fewer than {PROBES} directions to choose from"))
+    })
 }
 
-/// A third of each kind, lit ones in the order of drawing first; what a kind lacks is made up from the brightest left.
+/// A third of each kind: the first lit ones. If a kind has too few, the brightest of the remaining directions are added.
 fn choose(kinds: [&[ExactProbe]; 3]) -> Option<Vec<ExactProbe>> {
     let luminances: Vec<[f64; 3]> = kinds.iter().copied().flatten().map(|e| e.xyz).collect();
     let exposure = auto_exposure(&luminances).unwrap_or(1.0);

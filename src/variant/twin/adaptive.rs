@@ -1,8 +1,8 @@
 //! The wavelength integral as a sum over bins in f64; see `templates/adaptive.wgsl`.
 //!
-//! `XYZ = C Σ_b ∫ |c_b(2π w t)|² exp(-|t·uv - f_b|²/σf²) W(t) dt`, `t = 1/λ`, `W` the colour weights with `dλ = λ² dt`. Exact
-//! for an ensemble; for a single coherence patch as far as lobes of different bins do not overlap. `|c_b|²` is taken once
-//! in a narrow lobe, at its mean wavenumber, or twice.
+//! `XYZ = C Σ_b ∫ |c_b(2π w t)|² exp(-|t·uv - f_b|²/σf²) W(t) dt`, `t = 1/λ`, `W` the colour weights with `dλ = λ² dt`.
+//! This is exact for an ensemble. For a single coherence patch it holds as far as lobes of different bins do not
+//! overlap. In a narrow lobe, `|c_b|²` is evaluated once, at the mean wavenumber, or twice.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 
 use crate::field::reference::Directions;
 use crate::optics::{gain, path_difference};
-use crate::tables::{BROADEST, LEAST_SQUARED, LobeGeometry, OUTER_NODES, REACH_SIGMAS};
+use crate::tables::{BROADEST, LobeGeometry, MIN_SQUARED, OUTER_NODES, REACH_SIGMAS};
 use crate::variant::Lobes;
 
 use super::Twin;
@@ -27,7 +27,7 @@ pub fn tristimulus(twin: &Twin<'_>, form: &Lobes, Directions { wi, wr }: Directi
     (corridor(twin, form, path) * factor).to_array()
 }
 
-/// The sum over the bins of a strip along the segment, or over those about each node.
+/// The sum over the bins of a strip along the segment, or over the bins about each node.
 pub fn corridor(twin: &Twin<'_>, form: &Lobes, path: DVec3) -> DVec3 {
     let steep = path.y.abs() > path.x.abs();
     let turn = |v: DVec2| if steep { DVec2::new(v.y, v.x) } else { v };
@@ -35,7 +35,7 @@ pub fn corridor(twin: &Twin<'_>, form: &Lobes, path: DVec3) -> DVec3 {
     let size_um = turn(DVec2::from(form.series.size_um));
     let range = wavenumbers(twin, form);
     let reach = REACH_SIGMAS * window_width(form, range.y);
-    let squared = uv.length_squared().max(LEAST_SQUARED);
+    let squared = uv.length_squared().max(MIN_SQUARED);
     let slope = uv.y / if uv.x == 0.0 { 1.0 } else { uv.x };
     let ends = uv.x * range;
     let first = ((ends.min_element() - reach) * size_um.x).ceil();
@@ -80,7 +80,7 @@ pub fn corridor(twin: &Twin<'_>, form: &Lobes, path: DVec3) -> DVec3 {
     scale * series_scale(&form.series).powi(2) * xyz
 }
 
-/// Width of the lobes of a direction over that of the broadest narrow ones.
+/// Width of the lobes of a direction, relative to the broadest narrow lobe.
 fn lobe_breadth(twin: &Twin<'_>, form: &Lobes, length: f64, range: DVec2) -> f64 {
     if twin.is_monochromatic() {
         return 1.0;
@@ -88,28 +88,28 @@ fn lobe_breadth(twin: &Twin<'_>, form: &Lobes, length: f64, range: DVec2) -> f64
     window_width(form, range.x) / (BROADEST * node_pace(twin, form, range) * length)
 }
 
-/// Wavenumber at which the segment passes a bin.
+/// Wavenumber at which the segment passes closest to a bin.
 fn lobe_centre(form: &Lobes, place: DVec2, uv: DVec2, squared: f64) -> f64 {
     if form.geometry.scales {
-        place.length_squared() / uv.dot(place).max(LEAST_SQUARED)
+        place.length_squared() / uv.dot(place).max(MIN_SQUARED)
     } else {
         uv.dot(place) / squared
     }
 }
 
-/// Row of narrow lobes of a width; none of broad ones.
+/// Row of the table for narrow lobes of this width. `None` for broad lobes.
 fn lobe_row(form: &Lobes, breadth: f64) -> Option<u32> {
     let last = f64::from(form.corridor.rows) - 1.0;
     (breadth < 1.0).then_some((breadth * last + 0.5) as u32)
 }
 
-/// Wavelengths at which a lobe's bin counts.
+/// Number of wavelengths at which a lobe's bin is evaluated.
 fn lobe_halves(form: &Lobes, row: Option<u32>) -> u32 {
     let halved = row.is_some_and(|row| LobeGeometry::is_halved(row, form.corridor.rows));
     if halved { 2 } else { 1 }
 }
 
-/// X, Y, Z of a lobe, or of a half, and the wavelength at which its bin counts.
+/// X, Y, Z of a lobe or of one of its halves, and the wavelength at which its bin is evaluated.
 fn lobe_light(
     twin: &Twin<'_>,
     form: &Lobes,
@@ -133,7 +133,7 @@ fn lobe_light(
     std::array::from_fn(|c| before[c] + part * (after[c] - before[c]))
 }
 
-/// Distance of the nodes.
+/// Distance between nodes.
 fn node_pace(twin: &Twin<'_>, form: &Lobes, range: DVec2) -> f64 {
     if twin.is_monochromatic() {
         return 0.0;
@@ -149,18 +149,18 @@ fn node_wavenumber(twin: &Twin<'_>, form: &Lobes, node: u32, range: DVec2) -> f6
     range.x + (f64::from(node) - f64::from(OUTER_NODES)) * node_pace(twin, form, range)
 }
 
-/// Factors of the exponent: `1/σf²`, and what is added along the segment within the lobe of a node.
+/// Factors of the exponent: `1/σf²`, and the number that is added along the segment within the lobe of a node.
 fn lobe_sharpness(width: f64, squared: f64, pace: f64) -> DVec2 {
     let rest = width * width - pace * pace * squared;
     DVec2::new(1.0, pace * pace / rest) / (width * width)
 }
 
-/// Minus the logarithm of the share of a bin's intensity that the window lets through at an offset from f.
+/// Minus the logarithm of the window's weight for a bin's intensity, at an offset from f.
 fn window_exponent(offset: DVec2, uv: DVec2, sharpness: DVec2) -> f64 {
     sharpness.x * offset.length_squared() + sharpness.y * offset.dot(uv).powi(2)
 }
 
-/// The share itself.
+/// The window's weight for a bin's intensity.
 fn window_share(exponent: f64, squared: f64, width: f64, pace: f64) -> f64 {
     width / (width * width - pace * pace * squared).sqrt() * (-exponent).exp()
 }
@@ -170,7 +170,7 @@ fn window_width(form: &Lobes, wavenumber: f64) -> f64 {
     form.geometry.sigma_at(wavenumber)
 }
 
-/// Least and greatest wavenumber.
+/// Minimum and maximum wavenumber.
 fn wavenumbers(twin: &Twin<'_>, form: &Lobes) -> DVec2 {
     if twin.is_monochromatic() {
         return DVec2::splat(1.0 / twin.spectrum.load(0, 0, 0)[3]);

@@ -20,7 +20,7 @@ pub fn tristimulus(twin: &Twin<'_>, form: &Baked, Directions { wi, wr }: Directi
     xyz.map(|c| factor / COLOUR_SCALE * c)
 }
 
-/// The table between its levels.
+/// The table, interpolated between two levels.
 fn colour_between(twin: &Twin<'_>, axes: &BakedAxes, path: DVec3) -> [f64; 3] {
     let squared = path.truncate().length_squared();
     let turn = column_at(axes, path.truncate());
@@ -35,7 +35,7 @@ fn colour_between(twin: &Twin<'_>, axes: &BakedAxes, path: DVec3) -> [f64; 3] {
     std::array::from_fn(|c| a[c] + (level - below) * (b[c] - a[c]))
 }
 
-/// Place along the turn, in columns.
+/// Position of the angle of (u, v), in columns.
 fn column_at(axes: &BakedAxes, uv: DVec2) -> f64 {
     let size = uv.abs();
     let octant = octant(size.min_element() / size.max_element().max(1e-20));
@@ -45,14 +45,14 @@ fn column_at(axes: &BakedAxes, uv: DVec2) -> f64 {
     turn * f64::from(axes.columns / 8)
 }
 
-/// Place along the radius, in rows, from `|(u, v)|²`.
+/// Position of the radius, in rows, from `|(u, v)|²`.
 fn row_at(axes: &BakedAxes, squared: f64) -> f64 {
     let stretched = axes.stretch * axes.stretch * squared;
     let row = axes.pace * (stretched.sqrt() + (stretched + 1.0).sqrt()).ln();
     row.min(f64::from(axes.rows - 1))
 }
 
-/// A layer between texels; whole places are their middles.
+/// A layer, interpolated between texels. Whole numbers are the centres of texels.
 fn texel_at(twin: &Twin<'_>, place: DVec2, layer: usize) -> [f64; 4] {
     bilinear(twin.terms, place.to_array(), layer)
 }

@@ -8,7 +8,7 @@ use crate::tables::Series;
 
 use super::Twin;
 
-/// The sum over terms of coefficient times table at one bin: `c_rs(z)` over the scale of the first term.
+/// The sum over terms of coefficient times table at one bin: `c_rs(z)`, divided by the scale of the first term.
 pub fn bin_amplitude(twin: &Twin<'_>, series: &Series, bin: DVec2, argument: f64) -> Complex64 {
     let column = bin.x as i64 + series.bins.r_max as i64;
     let row = bin.y as i64 + series.bins.s_max as i64;

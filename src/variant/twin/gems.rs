@@ -7,7 +7,7 @@ use crate::optics::path_difference;
 
 use super::Twin;
 
-/// Orders that are added.
+/// Number of orders in the sum.
 const ORDER_COUNT: u32 = 8;
 /// Sharpness of the highlight, 1/µm.
 const ROUGHNESS: f64 = 10.0;
@@ -23,7 +23,7 @@ pub fn tristimulus(twin: &Twin<'_>, Directions { wi, wr }: Directions) -> [f64; 
     from_rgb(orders(shift) + highlight(shift, path.z))
 }
 
-/// The colours of the wavelengths whose orders fall into a direction with a path difference, µm, between grooves.
+/// Sum of the colours of all orders. `shift`: path difference between grooves, µm.
 fn orders(shift: f64) -> DVec3 {
     (1..=ORDER_COUNT).map(|n| rainbow(shift / f64::from(n))).sum()
 }
@@ -34,12 +34,12 @@ fn rainbow(lambda_um: f64) -> DVec3 {
     bump(4.0 * (DVec3::splat(y) - DVec3::new(0.75, 0.5, 0.25)))
 }
 
-/// `1 - x²`, and nothing below.
+/// `1 - x²`, at least 0.
 fn bump(x: DVec3) -> DVec3 {
     (DVec3::ONE - x * x).max(DVec3::ZERO)
 }
 
-/// White, around the mirror direction, narrow across the grooves.
+/// White highlight about the mirror direction, narrow across the grooves.
 fn highlight(shift: f64, w: f64) -> DVec3 {
     let e = ROUGHNESS * shift / w;
     DVec3::splat((-e * e).exp())

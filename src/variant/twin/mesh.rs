@@ -6,10 +6,10 @@ use crate::field::reference::Directions;
 
 use super::Twin;
 
-/// Below this share of its square a direction is a rounding error.
-const LEAST_SHARE: f64 = 1e-8;
-/// Below this square a vector has no direction.
-const LEAST_SQUARE: f64 = 1e-36;
+/// A vector made of unit vectors counts as zero up to this square, since it is only a rounding error.
+const MIN_SHARE: f64 = 1e-8;
+/// Any other vector counts as zero up to this square.
+const MIN_SQUARE: f64 = 1e-36;
 
 /// The uniform block `MeshParams`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,20 +20,20 @@ pub struct MeshParams {
     pub view: DMat4,
     /// From the camera to clip space: y up, depth 0 … 1.
     pub projection: DMat4,
-    /// Direction to the light in the world, of any length.
+    /// Direction to the light in the world, any length.
     pub light_direction: DVec3,
-    /// Place of the viewer in the world.
+    /// Position of the viewer in the world.
     pub eye: DVec3,
 }
 
-/// What a vertex of a mesh carries.
+/// Attributes of a vertex of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vertex {
-    /// Place in the mesh.
+    /// Position in the mesh.
     pub position: DVec3,
     /// Normal, of unit length.
     pub normal: DVec3,
-    /// Tangent, and in `w` the handedness of its bitangent, ±1 (MikkTSpace).
+    /// Tangent; `w`: handedness of the bitangent, ±1 (MikkTSpace).
     pub tangent: DVec4,
     /// Texture coordinates; (0, 0) is the first texel's corner.
     pub uv: DVec2,
@@ -41,12 +41,12 @@ pub struct Vertex {
     pub orientation_angle: f64,
 }
 
-/// What is interpolated over a triangle.
+/// Values that are interpolated over a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshVertex {
-    /// Place in clip space.
+    /// Position in clip space.
     pub position: DVec4,
-    /// Place in the world.
+    /// Position in the world.
     pub place: DVec3,
     /// Normal in the world.
     pub normal: DVec3,
@@ -56,7 +56,7 @@ pub struct MeshVertex {
     pub uv: DVec2,
 }
 
-/// Angles in radians, `[row][column]`; repeats.
+/// Angles in radians, `[row][column]`. The map repeats.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OrientationMap {
     /// Columns.
@@ -70,10 +70,9 @@ pub struct OrientationMap {
 /// The vertex stage.
 pub fn mesh_vert(params: &MeshParams, vertex: &Vertex) -> MeshVertex {
     let place = params.model * vertex.position.extend(1.0);
-    let upright = unit(world_normal(params, vertex.normal), LEAST_SQUARE);
-    let along =
-        unit((params.model * vertex.tangent.truncate().extend(0.0)).truncate(), LEAST_SQUARE);
-    let flat = unit(along - along.dot(upright) * upright, LEAST_SHARE);
+    let upright = unit(world_normal(params, vertex.normal), MIN_SQUARE);
+    let along = unit((params.model * vertex.tangent.truncate().extend(0.0)).truncate(), MIN_SQUARE);
+    let flat = unit(along - along.dot(upright) * upright, MIN_SHARE);
     let handedness = if vertex.tangent.w * model_volume(params) < 0.0 { -1.0 } else { 1.0 };
     let across = handedness * upright.cross(flat);
     let (sin, cos) = vertex.orientation_angle.sin_cos();
@@ -101,11 +100,11 @@ pub fn mesh(
     twin.tristimulus(Directions { wi, wr })
 }
 
-/// A direction of the world in the frame of a fragment, of unit length; zero where there is no frame.
+/// Direction in the world as a unit vector in the frame of a fragment. Zero if there is no frame.
 pub fn in_frame(map: &OrientationMap, direction: DVec3, at: &MeshVertex) -> DVec3 {
-    let upright = unit(at.normal, LEAST_SHARE);
+    let upright = unit(at.normal, MIN_SHARE);
     let tangent = at.tangent.truncate();
-    let straight = unit(tangent - tangent.dot(upright) * upright, LEAST_SHARE);
+    let straight = unit(tangent - tangent.dot(upright) * upright, MIN_SHARE);
     let across = if at.tangent.w < 0.0 { -1.0 } else { 1.0 } * upright.cross(straight);
     if across.length_squared() < 0.5 {
         return DVec3::ZERO;
@@ -113,8 +112,8 @@ pub fn in_frame(map: &OrientationMap, direction: DVec3, at: &MeshVertex) -> DVec
     let turn = orientation(map, at.uv);
     let along = turn.x * straight + turn.y * across;
     let beside = turn.x * across - turn.y * straight;
-    let ray = unit(direction, LEAST_SQUARE);
-    unit(DVec3::new(ray.dot(along), ray.dot(beside), ray.dot(upright)), LEAST_SHARE)
+    let ray = unit(direction, MIN_SQUARE);
+    unit(DVec3::new(ray.dot(along), ray.dot(beside), ray.dot(upright)), MIN_SHARE)
 }
 
 /// Cosine and sine of the map's angle.
@@ -128,10 +127,10 @@ fn orientation(map: &OrientationMap, uv: DVec2) -> DVec2 {
     let below = turn(0.0, 1.0).lerp(turn(1.0, 1.0), share.x);
     let turn = above.lerp(below, share.y);
     let squared = turn.length_squared();
-    if squared > LEAST_SHARE { turn / squared.sqrt() } else { DVec2::X }
+    if squared > MIN_SHARE { turn / squared.sqrt() } else { DVec2::X }
 }
 
-/// Cosine and sine at a texel of the map, which repeats.
+/// Cosine and sine of the angle of one texel of the map, which repeats.
 fn texel_turn(map: &OrientationMap, texel: DVec2) -> DVec2 {
     let size = DVec2::new(map.width as f64, map.height as f64);
     let repeated = texel - size * ((texel + 0.5) / size).floor();
@@ -139,7 +138,7 @@ fn texel_turn(map: &OrientationMap, texel: DVec2) -> DVec2 {
     DVec2::from_angle(f64::from(map.angles[y as usize * map.width + x as usize]))
 }
 
-/// A normal in the world, not of unit length.
+/// Normal in the world, not normalised.
 fn world_normal(params: &MeshParams, normal: DVec3) -> DVec3 {
     let [x, y, z] =
         [params.model.x_axis, params.model.y_axis, params.model.z_axis].map(DVec4::truncate);
@@ -148,14 +147,14 @@ fn world_normal(params: &MeshParams, normal: DVec3) -> DVec3 {
     if volume == 0.0 { DVec3::ZERO } else { volume.signum() * cofactors }
 }
 
-/// Volume of the mesh's unit cube in the world, negative where the model matrix mirrors.
+/// Determinant of the model matrix, negative if the matrix mirrors.
 fn model_volume(params: &MeshParams) -> f64 {
     let [x, y, z] =
         [params.model.x_axis, params.model.y_axis, params.model.z_axis].map(DVec4::truncate);
     x.dot(y.cross(z))
 }
 
-/// The vector at unit length; zero where its square is not above `least`, which also holds for what is no number.
+/// The normalised vector. Zero if its square is not above `least` or is not a number.
 fn unit(vector: DVec3, least: f64) -> DVec3 {
     let squared = vector.length_squared();
     if squared > least { vector / squared.sqrt() } else { DVec3::ZERO }

@@ -1,8 +1,8 @@
 //! Replicas of the patch in f64; see `templates/pq.wgsl`.
 //!
-//! `P1(f) = Σ_rs c_rs D(fx Lx - r) D(fy Ly - s)`, `D(t) = e^(-iπt/N) sin πt / (N sin(πt/N))`: the pixels begin at `-L/2`, so
-//! their middle lies half a pixel before the origin. Exact over any N consecutive bins of an axis; truncated to
-//! `2·radius + 1` of them around the frequency.
+//! `P1(f) = Σ_rs c_rs D(fx Lx - r) D(fy Ly - s)`, `D(t) = e^(-iπt/N) sin πt / (N sin(πt/N))`: the pixels begin at
+//! `-L/2`, so their middle is half a pixel before the origin. The sum is exact over any N consecutive bins of an axis.
+//! It is truncated to `2·radius + 1` bins around the frequency.
 
 use std::f64::consts::PI;
 
@@ -51,7 +51,7 @@ fn replica_factor(place: f64, periods: f64) -> f64 {
     sinc(periods * rest) / sinc(rest)
 }
 
-/// `sin πt/(πt)`; the template's series is that of the sine, to 4e-10.
+/// `sin πt/(πt)`. The template uses the series of the sine, which is exact to 4e-10.
 fn sinc(turns: f64) -> f64 {
     let nearest = (turns + 0.5).floor();
     if turns.abs() < 1e-5 {

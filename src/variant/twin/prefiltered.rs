@@ -14,13 +14,13 @@ pub fn response(twin: &Twin<'_>, series: &Series, path: DVec3, lambda_um: f64) -
     series_scale(series).powi(2) * intensity(twin, series, path, lambda_um)
 }
 
-/// The same over the squared scale of the first term.
+/// The same, divided by the squared scale of the first term.
 pub fn intensity(twin: &Twin<'_>, series: &Series, path: DVec3, lambda_um: f64) -> f64 {
     let place = path.truncate() / lambda_um * DVec2::from(series.size_um);
     amplitude(twin, series, place, series_argument(twin, series, path.z, lambda_um)).norm_sqr()
 }
 
-/// The sum over terms of coefficient times table at a place in texels from the middle one.
+/// The sum over terms of coefficient times table, at a position in texels from the central texel.
 fn amplitude(twin: &Twin<'_>, series: &Series, place: DVec2, argument: f64) -> Complex64 {
     let paired = series.packing == Packing::Paired;
     let layers = series.layers() as usize;
@@ -52,7 +52,7 @@ fn amplitude(twin: &Twin<'_>, series: &Series, place: DVec2, argument: f64) -> C
     sum
 }
 
-/// The terms of a layer between texels; whole places are their middles, counted from the middle texel.
+/// A layer of the terms, interpolated between texels. Positions are counted from the centre of the central texel.
 fn texel_between(twin: &Twin<'_>, series: &Series, place: DVec2, layer: usize) -> [f64; 4] {
     let bins = series.bins;
     let middle = DVec2::new(bins.r_max as f64, bins.s_max as f64);

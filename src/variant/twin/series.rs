@@ -4,8 +4,8 @@ use crate::tables::Series;
 
 use super::Twin;
 
-/// Argument of the series: z over its greatest value, times the ratio of the terms' scales; or the place in the table of
-/// coefficients.
+/// Argument of the series: z divided by its maximum, times the ratio of the terms' scales; or the column in the table
+/// of coefficients.
 pub fn series_argument(twin: &Twin<'_>, series: &Series, w: f64, lambda_um: f64) -> f64 {
     let tau = 0.5 * w * (series.min_nm() * 1e-3) / lambda_um;
     match twin.coefficients.width {

@@ -29,7 +29,7 @@ pub fn tristimulus(twin: &Twin<'_>, form: &Warped, Directions { wi, wr }: Direct
     xyz.map(|c| c * factor)
 }
 
-/// Row of the nodes of a direction.
+/// Row of the nodes for (u, v).
 fn node_row(twin: &Twin<'_>, uv: DVec2) -> i64 {
     let level = i64::from(node_level(uv.length()));
     if level == 0 || twin.spectrum.width == 1 { 0 } else { level + 1 }

@@ -33,7 +33,7 @@ const FRAME_MS: u16 = 80;
 /// moves by 1/256 pixel turns the directions on scales by 1e-5, which steep lobes show as 0.05.
 const TRUTH: (f64, f64) = (1e-4, 0.15);
 /// Fewest lit pixels that say something.
-const LEAST_LIT: usize = 64;
+const MIN_LIT: usize = 64;
 /// The control: a frame of the other hand.
 const FLIP: (&str, &str) = ("cross(upright, straight)", "cross(straight, upright)");
 
@@ -198,9 +198,9 @@ fn judge(args: &Args, gpu: &Gpu, skins: &[Skin], mesh: &Mesh) -> Result<Outcome>
         };
         let found = truth(gpu, &prepared, mesh, &params, args.size.0)?;
         let lit = (found.scene.lit * found.pixels as f64).round() as usize;
-        if lit < LEAST_LIT {
+        if lit < MIN_LIT {
             bail!(
-                "{} on {}: {lit} lit pixels, fewer than the {LEAST_LIT} that a judgement takes: \
+                "{} on {}: {lit} lit pixels, fewer than the {MIN_LIT} that a judgement takes: \
                  raise --size or --zoom, or move --light",
                 skin.spec.name,
                 mesh.name

@@ -1,4 +1,4 @@
-//! The functions of a module on their own.
+//! Some functions of a module, extracted into a module of their own.
 
 use naga::{
     AddressSpace, EntryPoint, Expression, Handle, ShaderStage, Span, Statement, TypeInner,
@@ -8,24 +8,24 @@ use naga::{
 
 use crate::shader::module::Module;
 
-/// Name of the entry point that calls the functions, so that nothing takes them for unused.
+/// Name of the entry point that calls the functions, so that they do not count as unused.
 pub const SHELL: &str = "main";
 
-/// Functions with what they need, below an entry point that calls them.
+/// Functions with everything that they call, and an entry point that calls them.
 pub struct Core {
-    /// The functions that exist, of those asked for.
+    /// The requested functions that exist.
     pub names: Vec<String>,
-    /// With the bindings of the templates.
+    /// The module with the bindings of the templates.
     pub bound: naga::Module,
-    /// Without bindings, those of samplers apart, which the writer of HLSL wants: the writers then keep the names of the
-    /// templates and leave out all marks.
+    /// The module without bindings, except those of samplers, which the writer of HLSL needs. Without bindings, writers
+    /// keep the names of the templates and write no binding annotations.
     pub unbound: naga::Module,
-    /// Of `unbound`.
+    /// Validation result of `unbound`.
     pub info: ModuleInfo,
 }
 
 impl Core {
-    /// The functions alone.
+    /// The functions without the entry point.
     pub fn without_shell(&self) -> Result<(naga::Module, ModuleInfo), String> {
         let mut ir = self.unbound.clone();
         ir.entry_points.clear();
@@ -34,8 +34,8 @@ impl Core {
     }
 }
 
-/// Takes functions of those names out of a module; the first has to exist. They may read textures and samplers, and
-/// nothing else from outside.
+/// Extracts the functions with these names from a module. The first must exist. They may read textures and samplers,
+/// but no other global.
 pub fn extract(module: &Module, names: &[&str]) -> Result<Core, String> {
     let mut bound = module.ir().clone();
     let find = |name: &&str| {
@@ -74,7 +74,7 @@ pub fn extract(module: &Module, names: &[&str]) -> Result<Core, String> {
     Ok(Core { names, bound, unbound, info })
 }
 
-/// A fragment shader without inputs and outputs that calls each function with zeros.
+/// A fragment shader without inputs and outputs that calls each function with zeros as arguments.
 fn shell(ir: &naga::Module, functions: impl Iterator<Item = Handle<naga::Function>>) -> EntryPoint {
     let mut function = naga::Function::default();
     for handle in functions {
@@ -104,7 +104,7 @@ fn shell(ir: &naga::Module, functions: impl Iterator<Item = Handle<naga::Functio
     }
 }
 
-/// As everywhere, but globals need no bindings.
+/// Validates like elsewhere, but globals need no bindings.
 fn validate(ir: &naga::Module) -> Result<ModuleInfo, String> {
     let flags = ValidationFlags::all() - ValidationFlags::BINDINGS;
     let validated = Validator::new(flags, Capabilities::empty()).validate(ir);

@@ -1,8 +1,8 @@
-//! The functions as WGSL text with its comments, textures as parameters.
+//! The functions as WGSL text with comments. Textures are parameters.
 //!
-//! Which declarations are needed and which function reads which texture comes from naga; their text is that of the
-//! templates, cut out by spans. Calls are found token by token: WGSL lets nothing but a call stand where the name of a
-//! function is followed by a parenthesis. The result is parsed and validated again.
+//! naga determines which declarations are needed and which function reads which texture. The text of declarations is
+//! cut out of the specialised text by spans. Calls are found by tokens: in WGSL, the name of a function followed by a
+//! parenthesis is always a call. The result is parsed and validated again.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -18,7 +18,7 @@ use crate::shader::template::GENERATED;
 use super::core::Core;
 use super::head;
 
-/// The text; its first function is the first of the core's.
+/// The text. Its first function is the first one of `core`.
 pub fn write(module: &Module, core: &Core) -> Result<String, String> {
     let first = core.names.first().ok_or("there is no function")?;
     let text = module.text();
@@ -65,7 +65,7 @@ struct Item<'a> {
     text: &'a str,
     /// The comment lines above it, with their line ends.
     comments: &'a str,
-    /// The comment behind it in its last line, with the blank before it.
+    /// The comment after it in its last line, with the blank before it.
     remark: &'a str,
 }
 
@@ -75,7 +75,7 @@ impl Item<'_> {
         format!("{}{}{end}{}", self.comments, self.text, self.remark)
     }
 
-    /// The type of a variable, as it is written.
+    /// The type of a variable as written in the text.
     fn ty(&self) -> &str {
         let ty = self.text.rsplit_once(':').map_or("", |(_, ty)| ty);
         ty.trim().trim_end_matches(';').trim_end()
@@ -140,7 +140,7 @@ impl<'a> Source<'a> {
         self.items.insert(name, item);
     }
 
-    /// Adds a declaration and all that it names.
+    /// Adds a declaration and all declarations that it refers to.
     fn collect(&self, name: &str, needed: &mut BTreeSet<String>) {
         let Some(item) = self.items.get(name).filter(|item| item.kind != Kind::Texture) else {
             return;
@@ -150,12 +150,13 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The first function. The comment of the file and its own move below its first line.
+    /// The first function. The comment of the file and the function's own comment are moved below its first line.
     fn first(&self, name: &str, head: &[String]) -> Result<String, String> {
         let item = self.items.get(name).ok_or(format!("there is no function `{name}`"))?;
         let threaded = self.threaded(item)?;
-        let (declaration, body) =
-            threaded.split_once('\n').ok_or(format!("`{name}` is written in one line"))?;
+        let (declaration, body) = threaded
+            .split_once('\n')
+            .ok_or(format!("`{name}` has its body in the same line as its name"))?;
         let mut lines = vec![declaration.to_owned()];
         lines.extend(head.iter().map(|line| format!("    {line}")));
         lines.push("    //".to_owned());
@@ -171,7 +172,8 @@ impl<'a> Source<'a> {
         Ok(lines.join("\n") + "\n" + body)
     }
 
-    /// The text of a function with textures as further parameters, its own and those of the functions it calls.
+    /// The text of a function with textures as further parameters: the textures that it reads and those of the
+    /// functions that it calls.
     fn threaded(&self, item: &Item) -> Result<String, String> {
         let tokens = tokens(item.text);
         let mut insertions = BTreeMap::new();
@@ -202,7 +204,7 @@ impl<'a> Source<'a> {
         Ok(text)
     }
 
-    /// What goes at the end of a list in parentheses behind those two tokens.
+    /// The text to add at the end of a list in parentheses after these two tokens.
     fn addition(&self, [before, name]: [&str; 2]) -> Option<String> {
         let textures = self.textures.get(name).filter(|textures| !textures.is_empty())?;
         let parts = textures.iter().map(|texture| match (before, self.items.get(texture)) {
@@ -226,14 +228,14 @@ fn comments_above(text: &str, start: usize) -> &str {
     &text[begin..line_start]
 }
 
-/// The comment behind a declaration in the same line, with a blank before it; empty without one.
+/// The comment after a declaration in the same line, with the blank before it. Empty if there is no comment.
 fn remark_behind(text: &str, end: usize) -> &str {
     let rest = text[end..].lines().next().unwrap_or_default();
     let rest = rest.strip_prefix(';').unwrap_or(rest);
     if rest.trim_start().starts_with("//") { rest } else { "" }
 }
 
-/// Words and single characters outside blanks and comments, each with its byte offset.
+/// Words and single characters, without blanks and comments, each with its byte offset.
 fn tokens(text: &str) -> Vec<(usize, &str)> {
     let mut tokens = Vec::new();
     let mut at = 0;
@@ -261,14 +263,14 @@ fn tokens(text: &str) -> Vec<(usize, &str)> {
     tokens
 }
 
-/// A valid module that begins with a function and binds nothing.
+/// Checks that the text is a valid module that begins with a function and has no bindings.
 fn check(text: &str) -> Result<(), String> {
     let ir = naga::front::wgsl::parse_str(text).map_err(|error| error.emit_to_string(text))?;
     Validator::new(ValidationFlags::all(), Capabilities::empty())
         .validate(&ir)
         .map_err(|error| error.emit_to_string(text))?;
     if !text.starts_with("fn ") || !ir.global_variables.is_empty() {
-        return Err("the text does not begin with a function, or binds something".to_owned());
+        return Err("the text does not begin with a function, or has a binding".to_owned());
     }
     Ok(())
 }

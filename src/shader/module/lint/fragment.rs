@@ -24,7 +24,7 @@ pub fn gather(subject: &Linted) -> Vec<Diagnostic> {
     spans.map(|span| subject.locator.diagnostic("`textureGather` is used", span)).collect()
 }
 
-/// No index known only at run time into anything but a uniform block.
+/// Indices that are known only at run time are allowed only into uniform blocks.
 pub fn dynamic_indices(subject: &Linted) -> Vec<Diagnostic> {
     let functions = subject.ir.functions.iter().map(|(_, function)| function);
     let all = functions.chain(subject.ir.entry_points.iter().map(|entry| &entry.function));
@@ -36,12 +36,15 @@ pub fn dynamic_indices(subject: &Linted) -> Vec<Diagnostic> {
     });
     let find = |span| {
         let message = "a variable is indexed by a number known only at run time";
-        subject.locator.diagnostic(message, span).help("read a texture, or write the cases out")
+        subject
+            .locator
+            .diagnostic(message, span)
+            .help("read a texture instead, or write a case for every index")
     };
     spans.map(find).collect()
 }
 
-/// Whether what is accessed lies in a global variable.
+/// Whether the accessed value is in a global variable.
 fn is_global(function: &Function, expression: Handle<Expression>) -> bool {
     match function.expressions[expression] {
         Expression::GlobalVariable(_) => true,
@@ -69,10 +72,10 @@ pub fn structs(subject: &Linted) -> Vec<Diagnostic> {
         let name = function.name.as_deref().unwrap_or_default();
         found.extend(first_struct(subject, name, function, &subject.info[handle]));
     }
-    found.into_iter().map(|d| d.help("pass vectors and numbers one by one")).collect()
+    found.into_iter().map(|d| d.help("use separate vectors and numbers")).collect()
 }
 
-/// The first use of a struct in a function: one finding each is enough.
+/// The first use of a struct in a function. One finding per function suffices.
 fn first_struct(
     subject: &Linted,
     name: &str,

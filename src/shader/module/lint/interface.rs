@@ -41,10 +41,10 @@ pub fn entry_points(subject: &Linted) -> Vec<Diagnostic> {
     found
 }
 
-/// Where the runners and the manifest have the sampler.
+/// Binding of the sampler in runners and manifests.
 const SAMPLER_PLACE: ResourceBinding = ResourceBinding { group: 0, binding: SAMPLER };
 
-/// Uniform blocks and sampled textures are all that may be bound, and samplers by declaration.
+/// Only uniform blocks, sampled textures and declared samplers may be bound.
 pub fn resources(subject: &Linted) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     for (handle, global) in subject.ir.global_variables.iter() {
@@ -55,9 +55,9 @@ pub fn resources(subject: &Linted) -> Vec<Diagnostic> {
             (_, TypeInner::Sampler { .. }) if !subject.contract.samplers.contains(name) => {
                 "sampler that is not declared"
             }
-            (_, TypeInner::Sampler { comparison: true }) => "sampler that compares",
+            (_, TypeInner::Sampler { comparison: true }) => "comparison sampler",
             (_, TypeInner::Sampler { .. }) if global.binding != Some(SAMPLER_PLACE) => {
-                "sampler at another place than binding 5 of group 0"
+                "sampler that is not at binding 5 of group 0"
             }
             _ => continue,
         };
@@ -82,7 +82,7 @@ pub fn texture_count(subject: &Linted) -> Vec<Diagnostic> {
         if count > limit {
             let name = &entry.name;
             let message =
-                format!("entry point `{name}` reads {count} textures, the limit is {limit}");
+                format!("entry point `{name}` reads {count} textures, above the limit of {limit}");
             found.push(subject.locator.diagnostic(message, subject.locator.word(name)));
         }
     }
@@ -103,12 +103,16 @@ pub fn uniform_layout(subject: &Linted) -> Vec<Diagnostic> {
         let size = inner.size(subject.ir.to_ctx());
         if size > limits.uniform_block {
             let limit = limits.uniform_block;
-            let message = format!("uniform block `{name}` has {size} bytes, the limit is {limit}");
+            let message =
+                format!("uniform block `{name}` has {size} bytes, above the limit of {limit}");
             found.push(subject.locator.diagnostic(message, span));
         }
         if index >= limits.uniform_blocks as usize {
             let limit = limits.uniform_blocks;
-            let message = format!("uniform block `{name}` is one too many, the limit is {limit}");
+            let message = format!(
+                "uniform block `{name}` is number {}, above the limit of {limit} blocks",
+                index + 1
+            );
             found.push(subject.locator.diagnostic(message, span));
         }
         let members: Vec<(&str, Handle<Type>)> = match inner {
