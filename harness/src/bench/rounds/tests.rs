@@ -1,4 +1,4 @@
-//! Everything here runs on a clock that only scripted frames move.
+//! All tests here run on a mock clock that only scripted frames move.
 
 use std::cell::Cell;
 
@@ -15,16 +15,16 @@ impl Clock for Mock {
         Duration::from_secs_f64(self.0.get() * 1e-3)
     }
 
-    /// Two threads at work.
+    /// As if two threads worked.
     fn cpu(&self) -> Duration {
         2 * self.wall()
     }
 }
 
-/// Of a driver's stamps to the wall, by the number of the draw.
+/// Ratio of a driver's stamps to the wall clock, by the number of the draw.
 type Stamps = fn(usize) -> f64;
 
-/// A frame that takes as long as `script` says: of the number of the draw, and of the time in ms.
+/// A frame whose time in ms is given by `script` from the number of the draw and the current time.
 struct Scripted<'a, F> {
     clock: &'a Mock,
     draws: Cell<usize>,
@@ -47,7 +47,7 @@ impl<F: Fn(usize, f64) -> Option<f64>> Executor for Scripted<'_, F> {
     }
 }
 
-/// Measures two scripts; also returns how many frames each drew.
+/// Measures two scripts. Also returns the number of frames that each drew.
 fn pair<A, B>(a: A, b: B, stamps: Option<Stamps>, rules: &Rules) -> (Measured, [usize; 2])
 where
     A: Fn(usize, f64) -> Option<f64>,
@@ -125,20 +125,20 @@ fn a_slow_first_frame_counts_neither_as_time_nor_as_length() {
 fn rounds_go_on_until_the_interval_is_narrow_or_the_time_is_spent() {
     // steady: the fewest rounds suffice
     let (measured, frames) = pair(|_, _| Some(100.0), |_, _| Some(50.0), None, &rules(1000));
-    assert_eq!(ok(&measured, 1).rounds, (0..LEAST_VALUES).collect::<Vec<_>>());
-    assert_eq!(frames, [LEAST_VALUES + 2; 2], "two frames to warm up");
+    assert_eq!(ok(&measured, 1).rounds, (0..MIN_VALUES).collect::<Vec<_>>());
+    assert_eq!(frames, [MIN_VALUES + 2; 2], "two frames to warm up");
     // noise of 10 %, different in each round: more are needed
     let noisy = |draw: usize, _: f64| Some(50.0 * (1.0 + 0.1 * ((draw * 7) % 11) as f64 / 11.0));
     let (measured, _) = pair(|_, _| Some(100.0), noisy, None, &rules(1000));
     let rounds = ok(&measured, 1).rounds.len();
-    assert!(rounds > LEAST_VALUES, "{rounds}");
+    assert!(rounds > MIN_VALUES, "{rounds}");
     // the same with 3 s for each: 3 s for both are 6 s, and a round takes about 0.15 s
-    let strict = Rules { precision: -1.0, most_rounds: 1000, ..rules(3) };
+    let strict = Rules { precision: -1.0, max_rounds: 1000, ..rules(3) };
     let (measured, _) = pair(|_, _| Some(100.0), noisy, None, &strict);
     assert!((38..=41).contains(&ok(&measured, 1).rounds.len()), "{:?}", ok(&measured, 1).rounds);
     // nothing left, and still the fewest rounds
     let (measured, _) = pair(|_, _| Some(100.0), noisy, None, &rules(0));
-    assert_eq!(ok(&measured, 1).rounds.len(), LEAST_VALUES);
+    assert_eq!(ok(&measured, 1).rounds.len(), MIN_VALUES);
 }
 
 #[test]
@@ -167,11 +167,11 @@ fn what_fails_leaves_and_the_rest_goes_on() {
     let (measured, _) = pair(|_, _| Some(100.0), lost, None, &rules(10));
     let error = measured.samples[1].as_ref().expect_err("lost").to_string();
     assert!(error.contains("the device was lost"), "{error}");
-    assert_eq!(ok(&measured, 0).rounds.len(), LEAST_VALUES);
+    assert_eq!(ok(&measured, 0).rounds.len(), MIN_VALUES);
     // without its baseline a variant is measured alone
     let (measured, _) = pair(|_, _| None, |_, _| Some(50.0), None, &rules(10));
     assert!(measured.samples[0].is_err());
-    assert_eq!(ok(&measured, 1).rounds.len(), LEAST_VALUES);
+    assert_eq!(ok(&measured, 1).rounds.len(), MIN_VALUES);
     assert_eq!(ratios(&Samples::default(), ok(&measured, 1)), [0.0; 0]);
 }
 
