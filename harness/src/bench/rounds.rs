@@ -141,7 +141,7 @@ pub fn measure(
     Measured { timing, samples }
 }
 
-/// Values of `baseline` over those of `other`, round by round.
+/// Values of `baseline` divided by the values of `other`, round by round.
 pub fn ratios(baseline: &Samples, other: &Samples) -> Vec<f64> {
     let of = |round: usize, time: f64| {
         let place = baseline.rounds.iter().position(|at| *at == round)?;

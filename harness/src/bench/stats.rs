@@ -36,7 +36,7 @@ pub fn summary(values: &[f64]) -> Option<Summary> {
     })
 }
 
-/// The middle value, or the mean of the two in the middle.
+/// The middle value, or the mean of the two middle values.
 pub fn median(values: &[f64]) -> Option<f64> {
     let sorted = sorted(values);
     let half = sorted.len() / 2;

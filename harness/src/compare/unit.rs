@@ -209,7 +209,7 @@ impl Judged<'_, '_> {
         for (i, (route, colours)) in found.iter().enumerate() {
             let others = found.iter().enumerate().filter(|(j, _)| i != *j).map(|(_, other)| other);
             let worst = others
-                .map(|(name, other)| (greatest_difference(colours, other), name, other))
+                .map(|(name, other)| (max_difference(colours, other), name, other))
                 .max_by(|a, b| a.0.total_cmp(&b.0));
             if let Some((_, name, other)) = worst {
                 self.judge(Part::Across, (route, colours), (name, other), None)?;
@@ -219,7 +219,7 @@ impl Judged<'_, '_> {
     }
 }
 
-fn greatest_difference(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
+fn max_difference(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
     let pairs = a.iter().flatten().zip(b.iter().flatten());
     pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }

@@ -80,13 +80,13 @@ impl ClosedForm {
             // Jacobi–Anger: exp(iζ cos φ) = Σ iⁿ J_n(ζ) exp(inφ)
             Shape::Sinusoidal => {
                 let zeta = 0.5 * psi;
-                let most = zeta.abs() as i32 + 24;
+                let max = zeta.abs() as i32 + 24;
                 let term = |n: i32| {
                     let shifted = place + f64::from(n);
                     let factor = Complex64::i().powi(n) * Complex64::cis(PI * shifted);
                     factor * (libm::jn(n, zeta) * sinc(shifted))
                 };
-                Complex64::cis(zeta) * (-most..=most).map(term).sum::<Complex64>()
+                Complex64::cis(zeta) * (-max..=max).map(term).sum::<Complex64>()
             }
         }
     }

@@ -95,7 +95,7 @@ fn calls(text: &str, begin: &str, direction: &str) -> Result<String, String> {
         declared.map(|name| format!("{name}({direction}, {direction})")).collect();
     let first = DIRECTIONAL.name();
     if !calls.iter().any(|call| call.starts_with(first)) {
-        return Err(format!("there is no function `{first}`"));
+        return Err(format!("has no function `{first}`"));
     }
     Ok(calls.join(" + "))
 }
@@ -114,10 +114,10 @@ fn wgsl(text: &str) -> Result<String, String> {
         let Some(parameters) = lines.find_map(|l| l.strip_prefix(&format!("fn {name}("))) else {
             continue;
         };
-        let parameters = parameters.split_once(") -> ").ok_or("a signature over several lines")?.0;
+        let parameters = parameters.split_once(") -> ").ok_or("a signature spans several lines")?.0;
         let mut arguments = Vec::new();
         for parameter in parameters.split(", ") {
-            let (name, ty) = parameter.split_once(": ").ok_or("a parameter without a type")?;
+            let (name, ty) = parameter.split_once(": ").ok_or("a parameter has no type")?;
             if !(ty.starts_with("texture") || ty == "sampler") {
                 arguments.push(format!("{ty}(0.0, 0.6, 0.8)"));
                 continue;
@@ -155,7 +155,7 @@ mod tests {
             refused("glsl", "#version 450\n"),
             "a function form must not contain `#version`"
         );
-        assert_eq!(refused("glsl", "float f();\n"), "there is no function `diffraction`");
+        assert_eq!(refused("glsl", "float f();\n"), "has no function `diffraction`");
         assert_eq!(
             refused("hlsl", "Texture2D t : register(t0);"),
             "a function form must not contain `register`"

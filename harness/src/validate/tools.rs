@@ -129,11 +129,11 @@ impl Tool for External {
         // spirv-cross has --revision; tint reports no version
         let question = if self.name == "spirv-cross" { "--revision" } else { "--version" };
         let answer = run(command.arg(question), self.time_limit).ok();
-        let told = answer.filter(|(status, _)| status.success()).and_then(|(_, text)| {
+        let version = answer.filter(|(status, _)| status.success()).and_then(|(_, text)| {
             let line = text.lines().map(str::trim).find(|line| !line.is_empty())?;
             Some(line.to_owned())
         });
-        Some(told.unwrap_or_else(|| "unknown version".to_owned()))
+        Some(version.unwrap_or_else(|| "unknown version".to_owned()))
     }
 
     fn reads(&self, name: &str) -> bool {

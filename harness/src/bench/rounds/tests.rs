@@ -123,7 +123,7 @@ fn a_slow_first_frame_counts_neither_as_time_nor_as_length() {
 
 #[test]
 fn rounds_go_on_until_the_interval_is_narrow_or_the_time_is_spent() {
-    // steady: the fewest rounds suffice
+    // steady: the minimum number of rounds suffices
     let (measured, frames) = pair(|_, _| Some(100.0), |_, _| Some(50.0), None, &rules(1000));
     assert_eq!(ok(&measured, 1).rounds, (0..MIN_VALUES).collect::<Vec<_>>());
     assert_eq!(frames, [MIN_VALUES + 2; 2], "two frames to warm up");
@@ -136,7 +136,7 @@ fn rounds_go_on_until_the_interval_is_narrow_or_the_time_is_spent() {
     let strict = Rules { precision: -1.0, max_rounds: 1000, ..rules(3) };
     let (measured, _) = pair(|_, _| Some(100.0), noisy, None, &strict);
     assert!((38..=41).contains(&ok(&measured, 1).rounds.len()), "{:?}", ok(&measured, 1).rounds);
-    // nothing left, and still the fewest rounds
+    // no budget, but still the minimum number of rounds
     let (measured, _) = pair(|_, _| Some(100.0), noisy, None, &rules(0));
     assert_eq!(ok(&measured, 1).rounds.len(), MIN_VALUES);
 }
@@ -148,7 +148,7 @@ fn stamps_are_believed_only_where_they_agree() {
         (Some(|_| 0.97), Timing::Stamps, 0.97),
         // other work came between the stamps and the wall, once
         (Some(|draw| if draw == 1 { 0.5 } else { 1.0 }), Timing::Stamps, 1.0),
-        // a driver that makes them up
+        // a driver that invents its time stamps
         (Some(|_| 0.0002), Timing::Wall, 1.0),
         (Some(|_| 1.2), Timing::Wall, 1.0),
         (None, Timing::Wall, 1.0),

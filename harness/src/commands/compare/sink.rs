@@ -39,8 +39,8 @@ impl Sink for Recorder<'_> {
     fn record(&mut self, record: Record) -> Result<()> {
         self.log.append(&record)?;
         if self.json {
-            let told = self.console.data(&line(&record));
-            told.map_err(|e| Error::new("stdout", e))?;
+            let printed = self.console.data(&line(&record));
+            printed.map_err(|e| Error::new("stdout", e))?;
         }
         if let Record::Gap(gap) = &record
             && gap.failed

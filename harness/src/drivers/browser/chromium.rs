@@ -111,9 +111,9 @@ impl Chromium {
         const LINES: usize = 5;
         const LENGTH: usize = 300;
         let log = self.said();
-        let told = log.lines().filter(|line| !line.contains("dbus") && !line.trim().is_empty());
+        let lines = log.lines().filter(|line| !line.contains("dbus") && !line.trim().is_empty());
         let lines: Vec<String> =
-            told.map(|line| line.chars().take(LENGTH).collect::<String>()).collect();
+            lines.map(|line| line.chars().take(LENGTH).collect::<String>()).collect();
         match &lines[lines.len().saturating_sub(LINES)..] {
             [] => String::new(),
             last => format!("; its last lines on stderr: {}", last.join(" | ")),

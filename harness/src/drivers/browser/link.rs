@@ -112,11 +112,11 @@ impl Link {
                 return Err(self.fail(e));
             }
             let late = [(heard, silence, "its page was silent"), (begun, limit, "a job took")];
-            if let Some((_, most, what)) =
-                late.iter().find(|(since, most, _)| since.elapsed() > *most)
+            if let Some((_, limit, what)) =
+                late.iter().find(|(since, limit, _)| since.elapsed() > *limit)
             {
                 let words = self.chromium.last_words();
-                let cause = format!("{what} for more than {} s{words}", most.as_secs());
+                let cause = format!("{what} for more than {} s{words}", limit.as_secs());
                 return Err(self.fail(failure(cause)));
             }
         }

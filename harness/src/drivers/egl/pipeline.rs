@@ -46,9 +46,9 @@ impl Pipeline {
         band: Range<u32>,
     ) -> Result<Vec<[f32; 4]>> {
         let current = self.context.current(&self.name)?;
-        let most = ("GL_MAX_RENDERBUFFER_SIZE", glow::MAX_RENDERBUFFER_SIZE);
-        let width = within(&current, "a picture's width", size[0] as usize, most)?;
-        let height = within(&current, "a picture's height", size[1] as usize, most)?;
+        let max = ("GL_MAX_RENDERBUFFER_SIZE", glow::MAX_RENDERBUFFER_SIZE);
+        let width = within(&current, "a picture's width", size[0] as usize, max)?;
+        let height = within(&current, "a picture's height", size[1] as usize, max)?;
         if self.size.replace(None) != Some(size) {
             match current.target([width, height]) {
                 Ok(true) => current.check("picture")?,
@@ -162,9 +162,9 @@ fn within(
     value: usize,
     (name, parameter): (&str, u32),
 ) -> Result<i32> {
-    let most = current.limit(parameter);
+    let max = current.limit(parameter);
     match i32::try_from(value) {
-        Ok(value) if (1..=most).contains(&value) => Ok(value),
-        _ => current.fail(format!("{what}: {value} is not between 1 and {name} = {most}")),
+        Ok(value) if (1..=max).contains(&value) => Ok(value),
+        _ => current.fail(format!("{what}: {value} is not between 1 and {name} = {max}")),
     }
 }

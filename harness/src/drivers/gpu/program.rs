@@ -152,10 +152,10 @@ pub(super) fn check(program: &Program<'_>, shared: &Shared) -> Result<()> {
             ))
             .remedy("use fewer frequencies, or another adapter"));
         }
-        let most = limits.max_texture_array_layers;
-        if layers > most {
+        let max = limits.max_texture_array_layers;
+        if layers > max {
             return Err(fail(format!(
-                "has {layers} layers, but max_texture_array_layers is {most}"
+                "has {layers} layers, but max_texture_array_layers is {max}"
             ))
             .remedy("use fewer terms, or paired packing"));
         }
@@ -169,12 +169,12 @@ pub(super) fn check(program: &Program<'_>, shared: &Shared) -> Result<()> {
         }
     }
     if let Some(Uniform { binding, size }) = program.uniform {
-        let most = limits.max_uniform_buffer_binding_size;
+        let max = limits.max_uniform_buffer_binding_size;
         let subject = format!("{}: uniform block at binding {binding}", program.name);
-        if u64::from(size) > most {
+        if u64::from(size) > max {
             return Err(Error::new(
                 subject,
-                format!("has {size} bytes, but max_uniform_buffer_binding_size is {most}"),
+                format!("has {size} bytes, but max_uniform_buffer_binding_size is {max}"),
             ));
         }
         if size == 0 || size % 16 != 0 {

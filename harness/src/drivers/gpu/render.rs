@@ -48,8 +48,8 @@ impl Pipeline {
     ) -> Result<Vec<[f32; 4]>> {
         self.check(width, height, uniform)?;
         // read back in pieces well below any max_buffer_size
-        let most = ((64 << 20) / row_bytes(width)).max(1);
-        let rows = rows.clamp(1, most);
+        let max = ((64 << 20) / row_bytes(width)).max(1);
+        let rows = rows.clamp(1, max);
         let target = self.target(width, height)?;
         let mut pixels = Vec::with_capacity(width as usize * height as usize);
         let mut done = 0;

@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_module_is_told() {
+    fn what_is_not_a_module_is_refused() {
         let bound = BTreeSet::from([0, 2]);
         let says = |words: &[u32], stage, entry, bound: &BTreeSet<u32>| {
             check(words, stage, entry, bound).err().unwrap_or_default()
@@ -144,8 +144,11 @@ mod tests {
         let swapped: Vec<u32> = whole.iter().map(|word| word.swap_bytes()).collect();
         assert_eq!(of(&swapped), "does not begin with a SPIR-V header");
         for end in 6..whole.len() {
-            let told = of(&whole[..end]);
-            assert!(told.contains("wrong length") || told.contains("cut off"), "{end}: {told}");
+            let message = of(&whole[..end]);
+            assert!(
+                message.contains("wrong length") || message.contains("cut off"),
+                "{end}: {message}"
+            );
         }
         let mut still = whole.clone();
         still[5] &= 0xffff;

@@ -54,9 +54,9 @@ const webgl2 = (() => {
 
   // Refuses a number above a limit of the driver. The error names the limit.
   function within(gl, what, value, limit) {
-    const most = gl.getParameter(gl[limit]);
-    if (!(value >= 1 && value <= most)) {
-      throw new Error(`${what}: ${value} is not between 1 and ${limit} = ${most}`);
+    const max = gl.getParameter(gl[limit]);
+    if (!(value >= 1 && value <= max)) {
+      throw new Error(`${what}: ${value} is not between 1 and ${limit} = ${max}`);
     }
   }
 
