@@ -33,7 +33,7 @@ use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use console::{Console, MessageFormat};
 
-/// Compile height fields, scans or gratings, to diffraction shaders with a stated error.
+/// Compile height fields (scans or gratings) to diffraction shaders with a stated error.
 #[derive(Parser)]
 #[command(version)]
 struct Cli {

@@ -314,7 +314,7 @@ pub fn read(path: &Path) -> Result<Vec<Record>> {
     let text = String::from_utf8_lossy(&bytes[..whole]);
     let parse = |(i, line): (usize, &str)| {
         serde_json::from_str(line).map_err(|e| {
-            Error::new(format!("{shown}:{}", i + 1), e)
+            Error::new(format!("{shown}:{}", i + 1), format!("is not a valid record: {e}"))
                 .remedy("remove the line, or measure again with an empty folder")
         })
     };

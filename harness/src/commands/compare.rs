@@ -18,9 +18,10 @@ const EXAMPLE: &str = "Examples:
   cargo xtask compare --plan plans/texts.toml --light 0,0 --light 20,0 --out target/texts --resume
   cargo xtask compare --route twin --route vulkan:llvmpipe --variant texts --variant 'full-*' --json
 
-A route is a way from a variant to its colours: twin (in 64 bits, always there), vulkan, gl, spirv, hlsl (on every adapter, or
-with KIND:SUBSTRING on one), glsl450, glsl-es300, webgpu, webgl2. Slow routes (SwiftShader, and browsers on a software driver)
-take only the variants of --subset. A negative control is a shader made wrong on purpose, which the comparison must catch.
+A route is a way from a variant to its colours: twin (the variant's algorithm in 64 bits, always there), vulkan, gl, spirv,
+hlsl (these four on every adapter, or with KIND:SUBSTRING on one), glsl450, glsl-es300, webgpu, webgl2. Slow routes
+(SwiftShader, webgpu, webgl2) take only the variants of --subset. A negative control is a shader made wrong
+on purpose, which the comparison must catch.
 
 Exit code 1: something is outside its tolerance, a negative control was not caught, or a route failed.";
 

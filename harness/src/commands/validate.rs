@@ -14,7 +14,10 @@ const EXAMPLE: &str = "Examples:
   cargo xtask validate
   cargo xtask validate generated --require naga,spirv-val
 
-Tools that are not installed are skipped and listed. Exit code 1: a tool rejected a file. Exit code 2: a required tool is missing.";
+hlsl-spirv-val compiles HLSL with glslangValidator and checks the result with spirv-val. reflection compares manifests with what
+spirv-cross finds in SPIR-V. Tools that are not installed are skipped and listed.
+
+Exit code 1: a tool rejected a file. Exit code 2: a required tool is missing.";
 
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = EXAMPLE)]

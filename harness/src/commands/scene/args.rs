@@ -18,7 +18,7 @@ const EXAMPLE: &str = "Examples:
 The command for docs/snake.png:
   cargo xtask scene --plan plans/scene.toml --surface blazed,fingers,rows --variant lamp --sweep orientation --zoom 2.5 --target 1.9,0.1,0 --light -0.35,0.4,0.85 --filter supersample --size 244x150 --out docs/snake.png
 
-World: right-handed, y up; the camera starts on +z. The body lies around the origin.
+World: right-handed, y up. At azimuth and elevation 0 the camera is on +z.
 
 A PNG is tone-mapped: colours are multiplied by --exposure, negative components become 0. If the largest component m exceeds
 0.6, it becomes 1 - 0.4 exp(-(m - 0.6)/0.4), and the others are scaled alike. An EXR holds the linear colours.";

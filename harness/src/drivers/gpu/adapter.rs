@@ -117,7 +117,7 @@ fn none(backend: Backend, wanted: Option<&str>) -> Error {
         })
         .collect();
     Error::new(backend, cause).remedy(format!(
-        "found: {}; Debian's software drivers are mesa-vulkan-drivers libvulkan1 for vulkan, libegl1 libgles2 libgl1-mesa-dri for gl",
+        "this machine has {}; Debian's software drivers are mesa-vulkan-drivers libvulkan1 for vulkan, libegl1 libgles2 libgl1-mesa-dri for gl",
         listing.join("; ")
     ))
 }
