@@ -1,4 +1,4 @@
-//! Flags that several commands share.
+//! Options that several commands share.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -9,16 +9,16 @@ use diffraction_shaders::plan::Plan;
 
 use crate::console::{Console, Errors};
 
-/// The plan.
+/// The option for the plan.
 #[derive(Clone, Debug, clap::Args)]
 pub struct PlanArgs {
-    /// The plan to read.
+    /// The plan: a TOML file with surfaces, variants and targets.
     #[arg(long, value_name = "FILE", default_value = "plan.toml")]
     pub plan: PathBuf,
 }
 
 impl PlanArgs {
-    /// Reads the plan and tells its notes; the error holds every fault.
+    /// Reads the plan and prints its notes. The error lists every fault of the plan.
     pub fn read(&self, console: &Console) -> Result<Plan> {
         let plan = input::read_plan(&self.plan).map_err(Errors)?;
         plan.notes.iter().for_each(|note| console.note(note));
@@ -26,30 +26,31 @@ impl PlanArgs {
     }
 }
 
-/// One surface of a plan.
+/// The options for one surface of a plan.
 #[derive(Clone, Debug, clap::Args)]
 pub struct SurfaceArgs {
-    /// The plan that holds it.
+    /// The plan with the surface.
     #[command(flatten)]
     pub plan: PlanArgs,
-    /// The surface to take from the plan.
+    /// Name of the surface, as in the plan.
     #[arg(long, value_name = "NAME")]
     pub surface: String,
 }
 
-/// Which variant, and what runs it.
+/// The options for the variant and for what computes its colours.
 #[derive(Clone, Debug, clap::Args)]
 pub struct RunnerArgs {
-    /// The variant; not needed where the plan has only one, and ignored by `exact`.
+    /// Name of the variant, as in the plan. Needed only if the plan has several; the runner `exact` ignores it.
     #[arg(long, value_name = "NAME")]
     pub variant: Option<String>,
-    /// What computes the colours.
+    /// What computes the colours: the exact reference, the variant's twin, or its shader on a driver.
     #[arg(long, value_enum, default_value_t = Runner::Exact)]
     pub runner: Runner,
-    /// Let the twin read the tables before they are rounded.
+    /// With --runner twin: use the tables before they are rounded to their number format.
     #[arg(long)]
     pub unpacked: bool,
-    /// Take the adapter whose name contains this, such as llvmpipe (lavapipe) or swiftshader; else graphics cards come first.
+    /// Use the first adapter whose name contains this text, such as llvmpipe (also lavapipe) or swiftshader. Default: graphics cards
+    /// before software drivers.
     #[arg(long, value_name = "SUBSTRING")]
     pub adapter: Option<String>,
 }
@@ -57,45 +58,45 @@ pub struct RunnerArgs {
 /// What computes the colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Runner {
-    /// The exact f64 reference, 380–780 nm.
+    /// The exact reference in 64 bits, 380–780 nm; needs no variant.
     Exact,
-    /// The f64 copy of the variant's algorithm.
+    /// The variant's algorithm in 64 bits, without a driver.
     Twin,
-    /// The shader on Vulkan.
+    /// The variant's shader on Vulkan, translated by wgpu.
     Vulkan,
-    /// The shader on OpenGL.
+    /// The variant's shader on OpenGL, translated by wgpu.
     Gl,
-    /// The emitted SPIR-V on Vulkan, as it is.
+    /// The emitted SPIR-V on Vulkan, unchanged.
     Spirv,
     /// The emitted HLSL on Vulkan, compiled by glslangValidator.
     Hlsl,
-    /// The emitted GLSL 4.50 text on a desktop GL context.
+    /// The emitted GLSL 4.50 on desktop OpenGL.
     #[value(name = "glsl450")]
     Glsl450,
-    /// The emitted GLSL ES 3.00 text on a GL ES context.
+    /// The emitted GLSL ES 3.00 on OpenGL ES.
     #[value(name = "glsl-es300")]
     GlslEs300,
-    /// The emitted WGSL in a headless Chromium's WebGPU.
+    /// The emitted WGSL in the WebGPU of a headless Chromium.
     #[value(name = "webgpu")]
     WebGpu,
-    /// The emitted GLSL ES 3.00 text in a headless Chromium's WebGL2.
+    /// The emitted GLSL ES 3.00 in the WebGL2 of a headless Chromium.
     #[value(name = "webgl2")]
     WebGl2,
 }
 
 impl Runner {
-    /// Whether it needs a driver, and so the harness.
+    /// Whether it runs on a driver. Only the harness has drivers.
     pub fn is_driver(self) -> bool {
         !matches!(self, Runner::Exact | Runner::Twin)
     }
 }
 
-/// Direction of the light, degrees.
+/// Direction towards the light, in degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
-    /// From the normal, 0 to below 90.
+    /// Angle from the surface normal, at least 0 and below 90.
     pub theta_deg: f64,
-    /// From the tangent.
+    /// Angle about the normal, counted from the tangent.
     pub phi_deg: f64,
 }
 
@@ -110,7 +111,7 @@ impl FromStr for Light {
                 Ok(Light { theta_deg: *theta, phi_deg: *phi })
             }
             _ => {
-                Err("expected THETA,PHI in degrees, THETA from 0 to below 90, such as 20,0"
+                Err("expected THETA,PHI in degrees, such as 20,0; THETA is at least 0 and below 90"
                     .to_owned())
             }
         }
@@ -120,9 +121,9 @@ impl FromStr for Light {
 /// Exposure of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exposure {
-    /// Half of the inverse 95th percentile of Y.
+    /// 0.5 divided by the 95th percentile of Y.
     Auto,
-    /// As given.
+    /// The given factor.
     Value(f64),
 }
 
@@ -138,7 +139,7 @@ impl FromStr for Exposure {
     }
 }
 
-/// A wavelength in nm within the range of the spectral tables.
+/// Reads a wavelength in nm. The spectral tables reach from 360 to 830 nm.
 pub fn wavelength_nm(text: &str) -> Result<f64, String> {
     let value = text.parse::<f64>().ok().filter(|value| (360.0..=830.0).contains(value));
     value.ok_or_else(|| "expected a wavelength from 360 to 830 nm".to_owned())

@@ -1,4 +1,4 @@
-//! Data to stdout, diagnostics to stderr.
+//! Output of the commands: data to stdout, diagnostics to stderr.
 
 use std::io::{self, IsTerminal, Write};
 
@@ -8,21 +8,21 @@ use diffraction_shaders::error::Error;
 
 use crate::program::spoken;
 
-/// Form of diagnostics.
+/// Format of diagnostics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum MessageFormat {
-    /// Lines for people.
+    /// Text for people.
     Human,
     /// One JSON object per line.
     Json,
 }
 
-/// Where commands speak.
+/// Prints what commands have to say.
 pub struct Console {
     format: MessageFormat,
 }
 
-/// Several errors of one cause, such as all faults of a plan; each is told on its own line.
+/// Several errors of one cause, such as all faults of a plan. Each is printed on its own line.
 #[derive(Debug)]
 pub struct Errors(pub Vec<Error>);
 
@@ -36,7 +36,7 @@ impl std::fmt::Display for Errors {
 impl std::error::Error for Errors {}
 
 impl Console {
-    /// With the form of its diagnostics.
+    /// A console that prints diagnostics in this format.
     pub fn new(format: MessageFormat) -> Console {
         Console { format }
     }
@@ -49,13 +49,13 @@ impl Console {
         Ok(())
     }
 
-    /// Tells something worth knowing though nothing is wrong.
+    /// Prints a note: worth knowing, but not an error.
     pub fn note(&self, text: &str) {
         let severity = diagnostic::Severity::Note;
-        self.tell("note", text, Diagnostic { severity, ..Diagnostic::error(text) });
+        self.print("note", text, Diagnostic { severity, ..Diagnostic::error(text) });
     }
 
-    /// Tells diagnostics with their places, one for what several variants share.
+    /// Prints diagnostics with their places. Diagnostics that several variants share are printed once.
     pub fn diagnostics(&self, diagnostics: &[Diagnostic]) {
         let format = match self.format {
             MessageFormat::Human => diagnostic::MessageFormat::Human,
@@ -68,7 +68,7 @@ impl Console {
         say(&text);
     }
 
-    /// Tells why a command failed, with its causes.
+    /// Prints why a command failed, with the causes.
     pub fn error(&self, error: &anyhow::Error) {
         if let Some(Diagnostics(diagnostics)) = error.downcast_ref::<Diagnostics>() {
             return self.diagnostics(diagnostics);
@@ -79,23 +79,23 @@ impl Console {
                 Some(error) => self.library_error(error),
                 None => {
                     let text = format!("{error:#}");
-                    self.tell("error", &text, Diagnostic::error(text.clone()));
+                    self.print("error", &text, Diagnostic::error(text.clone()));
                 }
             },
         }
     }
 
-    /// The library's errors tell their sources themselves.
+    /// Prints an error of the library, whose text includes its causes already.
     fn library_error(&self, error: &Error) {
         let plain = Diagnostic::error(error.message());
         let diagnostic = match error.advice() {
             Some(advice) => plain.help(advice),
             None => plain,
         };
-        self.tell("error", &error.to_string(), diagnostic);
+        self.print("error", &error.to_string(), diagnostic);
     }
 
-    fn tell(&self, level: &str, line: &str, diagnostic: Diagnostic) {
+    fn print(&self, level: &str, line: &str, diagnostic: Diagnostic) {
         let mut text = Vec::new();
         let _ = match self.format {
             MessageFormat::Human => writeln!(text, "{level}: {line}"),
@@ -107,14 +107,14 @@ impl Console {
     }
 }
 
-/// Writes to stderr what names the running program.
+/// Writes to stderr, with the name of the running program in the text.
 fn say(text: &[u8]) {
     let text = String::from_utf8_lossy(text);
-    // Nobody is left to tell when stderr is closed.
+    // if stderr is closed, nobody is left to read the error
     let _ = io::stderr().lock().write_all(spoken(&text).as_bytes());
 }
 
-/// Whether the reader of stdout went away, as `head` does.
+/// Whether the reader of stdout closed the pipe, as `head` does.
 pub fn is_closed_pipe(error: &anyhow::Error) -> bool {
     let kind = error.downcast_ref::<io::Error>().map(io::Error::kind);
     kind == Some(io::ErrorKind::BrokenPipe)

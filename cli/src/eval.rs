@@ -1,4 +1,4 @@
-//! `cargo xtask eval`: colours for given directions.
+//! `cargo xtask eval`: prints the colours for given directions.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -17,11 +17,15 @@ const EXAMPLE: &str = "Examples:
   cargo xtask eval --plan plan.toml --surface blazed --directions directions.csv
   cargo xtask eval --surface blazed --variant ensemble --runner twin --wavelength-nm 550 --directions directions.csv
 
-directions.csv, in degrees:
+FILE.csv holds angles in degrees. Theta is the angle from the surface normal, phi the angle about it, counted from the
+tangent. theta_i, phi_i point towards the light, theta_r, phi_r towards the viewer:
   theta_i,phi_i,theta_r,phi_r
-  20,0,20,180";
+  20,0,20,180
 
-/// Flags.
+The output is CSV: the same columns, then X,Y,Z, the CIE tristimulus values relative to the peak of a mirror. With
+--wavelength-nm it has rho and p2 instead: p2 is the response |P|², rho is p2 times the gain.";
+
+/// Options of the command.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = EXAMPLE)]
 pub struct Args {
@@ -30,16 +34,16 @@ pub struct Args {
     /// What computes the colours.
     #[command(flatten)]
     pub runner: RunnerArgs,
-    /// One wavelength in nm: print rho and p2 instead of X, Y, Z.
+    /// Evaluate this wavelength alone, in nm (360 to 830), and print rho and p2 instead of X, Y, Z.
     #[arg(long, value_name = "L", value_parser = wavelength_nm)]
     wavelength_nm: Option<f64>,
-    /// Directions in degrees, header `theta_i,phi_i,theta_r,phi_r`.
+    /// CSV file of directions in degrees, with the header `theta_i,phi_i,theta_r,phi_r`.
     #[arg(long, value_name = "FILE.csv")]
     directions: PathBuf,
 }
 
 impl Args {
-    /// Whether the runner is one of the harness.
+    /// Whether the runner needs the harness.
     pub(crate) fn needs_harness(&self) -> bool {
         self.runner.runner.is_driver()
     }
@@ -90,7 +94,7 @@ pub fn run(args: &Args, console: &Console, drivers: Drivers) -> Result<Outcome> 
     Ok(Outcome::Done)
 }
 
-/// Rows of `theta_i, phi_i, theta_r, phi_r`, degrees.
+/// Reads rows of `theta_i, phi_i, theta_r, phi_r`, in degrees.
 fn read_directions(path: &Path) -> Result<Vec<[f64; 4]>> {
     const HEADER: [&str; 4] = ["theta_i", "phi_i", "theta_r", "phi_r"];
     let place = path.display();
@@ -104,9 +108,9 @@ fn read_directions(path: &Path) -> Result<Vec<[f64; 4]>> {
     if header.len() < 4 || header.iter().zip(HEADER).any(|(got, want)| got != want) {
         let got: Vec<&str> = header.iter().collect();
         bail!(
-            "--directions {place}: the header is {:?}, not {:?}",
-            got.join(","),
-            HEADER.join(",")
+            "--directions {place}: the header must be {:?}, but is {:?}",
+            HEADER.join(","),
+            got.join(",")
         );
     }
     let mut rows = Vec::new();
@@ -117,22 +121,20 @@ fn read_directions(path: &Path) -> Result<Vec<[f64; 4]>> {
         for ((value, name), field) in row.iter_mut().zip(HEADER).zip(&record) {
             *value = match field.parse::<f64>() {
                 Ok(number) if number.is_finite() => number,
-                _ => bail!(
-                    "--directions {place}:{line}: {name} = {field:?} is not a number of degrees"
-                ),
+                _ => bail!("--directions {place}:{line}: {name} = {field:?} is not a number"),
             };
         }
         for (name, theta) in [("theta_i", row[0]), ("theta_r", row[2])] {
             if !(0.0..=180.0).contains(&theta) {
                 bail!(
-                    "--directions {place}:{line}: {name} = {theta} is outside 0 to 180 degrees from the normal"
+                    "--directions {place}:{line}: {name} = {theta} is not between 0 and 180 degrees"
                 );
             }
         }
         rows.push(row);
     }
     if rows.is_empty() {
-        bail!("--directions {place}: holds no directions below its header");
+        bail!("--directions {place}: has no rows below the header");
     }
     Ok(rows)
 }

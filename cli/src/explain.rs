@@ -1,4 +1,4 @@
-//! `cargo xtask explain`: generated text beside the template lines that it came from.
+//! `cargo xtask explain`: shows a variant's generated shader beside the template lines that it came from.
 
 use std::num::NonZeroUsize;
 
@@ -15,20 +15,23 @@ use crate::console::Console;
 
 const EXAMPLE: &str = "Examples:
   cargo xtask explain full-taylor-t19
-  cargo xtask explain full-taylor-t19 --surface cd --line 40";
+  cargo xtask explain full-taylor-t19 --surface cd --line 40
+
+Each line of the output: the line number in diffraction.wgsl, the template file with its line number, the text.";
 
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Args {
     #[command(flatten)]
     plan: PlanArgs,
-    /// The variant.
+    /// Name of the variant, as in the plan.
     #[arg(value_name = "VARIANT")]
     variant: String,
-    /// The surface that it is made for; without it the first that it is for, since only constants differ.
+    /// Name of the surface, as in the plan. Default: the first surface that has the variant. Shaders of two surfaces differ in
+    /// constants only.
     #[arg(long, value_name = "NAME")]
     surface: Option<String>,
-    /// Only this line of diffraction.wgsl, with the template line in full.
+    /// Show only this line of diffraction.wgsl, with the whole template line.
     #[arg(long, value_name = "N")]
     line: Option<NonZeroUsize>,
 }
@@ -62,8 +65,8 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// `line  template:line  text` of every line. The text stands last, so that a narrow terminal wraps or cuts nothing
-/// but the text, and the templates keep to 120 columns.
+/// `line  template:line  text` for every line. The text stands last, so that a narrow terminal wraps or cuts only the
+/// text. Templates keep to 120 columns.
 fn all(specialised: &Specialised) -> String {
     let lines = specialised.text.lines().zip(&specialised.origins);
     let rows: Vec<(String, String, &str)> = (1..)
@@ -80,12 +83,12 @@ fn all(specialised: &Specialised) -> String {
     rows.iter().map(line).collect()
 }
 
-/// A line of the text, then the line of the template, which may be a directive.
+/// One line of the text, then the line of its template, which may be a directive.
 fn one(specialised: &Specialised, sources: &Sources, line: usize) -> Result<String> {
     let lines: Vec<&str> = specialised.text.lines().collect();
     let (Some(text), Some(origin)) = (lines.get(line - 1), specialised.origins.get(line - 1))
     else {
-        bail!("the text has {} lines", lines.len());
+        bail!("diffraction.wgsl has {} lines only", lines.len());
     };
     let template = sources.place(&origin.file, origin.line, 1).text;
     let places = [format!("diffraction.wgsl:{line}"), Sources::path(&origin.file)];
@@ -139,6 +142,6 @@ mod tests {
             "diffraction.wgsl:3       const N: i32 = 7; // days\ntemplates/shader.wgsl:2  #constants\n"
         );
         let error = one(&specialised, &sources, 7).unwrap_err();
-        assert_eq!(error.to_string(), "the text has 6 lines");
+        assert_eq!(error.to_string(), "diffraction.wgsl has 6 lines only");
     }
 }

@@ -1,11 +1,11 @@
-//! Files that commands write: whole or not at all.
+//! Writes files whole or not at all.
 
 use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 
-/// Writes a file beside its place and moves it there, so that an interrupted write leaves the old one.
+/// Writes a temporary file beside the target and renames it, so that an interrupted write leaves the old file.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     if path.is_dir() {
         bail!("{}: is a folder; name a file", path.display());

@@ -1,4 +1,4 @@
-//! The commands of the harness, another program: their names, and the way to it.
+//! The harness, another program: its commands, and how it is found and started.
 
 use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
@@ -9,25 +9,25 @@ use anyhow::{Context, Error, Result, bail};
 use crate::console::MessageFormat;
 use crate::{Program, program, replace};
 
-/// Name of the program.
+/// Name of the harness's program.
 pub const NAME: &str = "diffraction-harness";
 
-/// Its commands that the compiler does not have, with one line on each.
+/// The commands that only the harness has, each with one line of help.
 pub const COMMANDS: [(&str, &str); 8] = [
-    ("validate", "Run external validators over every emitted file"),
+    ("validate", "Check every emitted shader with external validators"),
     (
         "compare",
-        "Compare every variant by every route with the exact reference, its twin and the other routes",
+        "Compare the colours of every variant, by every route, with the exact reference, its twin and the other routes",
     ),
-    ("testbench", "Measure a surface's period from the response over wavelength and viewing angle"),
-    ("bench", "Measure the time of every variant on every adapter"),
+    ("testbench", "Measure a surface's period from its response over wavelength and viewing angle"),
+    ("bench", "Measure the frame time of every variant on every adapter"),
     ("tune", "Find the cheapest variant of a surface within an error budget"),
-    ("scene", "Draw a variant on the skin of a body: stills, sweeps, a turntable"),
-    ("report", "Show results of compare, bench and testbench on one HTML page"),
+    ("scene", "Draw a variant as the skin of a 3-D body: pictures, sweeps, a turntable"),
+    ("report", "Show the results of compare, bench, testbench and tune on one HTML page"),
     ("serve", "Serve the gallery to a browser on this machine"),
 ];
 
-/// Whether a command line, its program's name first, asks for one of [`COMMANDS`], or for help on it.
+/// Whether a command line asks for one of [`COMMANDS`], or for help on one. The program's name comes first.
 pub(crate) fn is_asked(args: &[OsString]) -> bool {
     let mut words = args.iter().skip(1).map(OsString::as_os_str);
     let mut next = || loop {
@@ -45,14 +45,14 @@ pub(crate) fn is_asked(args: &[OsString]) -> bool {
     }
 }
 
-/// The form of diagnostics that a command line asks for, which only the harness reads in full.
+/// The format of diagnostics that a command line asks for. Only the harness parses the whole line.
 pub(crate) fn message_format(args: &[OsString]) -> MessageFormat {
     let json = args.iter().any(|word| word == "--message-format=json")
         || args.windows(2).any(|pair| pair[0] == "--message-format" && pair[1] == "json");
     if json { MessageFormat::Json } else { MessageFormat::Human }
 }
 
-/// Replaces this process by the harness with the same arguments; where it returns, that failed.
+/// Replaces this process by the harness with the same arguments. Returns only if that failed.
 pub(crate) fn take_over(program: &Program, args: &[OsString]) -> Error {
     match (program.harness)() {
         Ok(path) => replace::by(call(path, program.name, args)),
@@ -66,16 +66,16 @@ fn call(path: PathBuf, name: &str, args: &[OsString]) -> Command {
     command
 }
 
-/// The installed harness: beside this program, else on the PATH; of the same version as this program.
+/// Path of the installed harness: in this program's folder, else on the PATH. Its version must be this program's.
 pub fn installed() -> Result<PathBuf> {
     let file = format!("{NAME}{}", std::env::consts::EXE_SUFFIX);
     let beside = std::env::current_exe().map(|own| own.with_file_name(&file));
-    // the system looks for a bare name on the PATH
+    // the system searches the PATH for a bare name
     let path = beside.ok().filter(|path| path.is_file()).unwrap_or_else(|| file.into());
     let said = Command::new(&path).arg("--version").stdin(Stdio::null()).output();
     let said = match said {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => bail!(
-            "this command needs the program {NAME}, which is neither beside this one nor on the PATH; install it: \
+            "this command needs the program {NAME}, which is neither in this program's folder nor on the PATH; install it: \
              cargo install --path harness"
         ),
         said => said.with_context(|| format!("{} cannot be started", path.display()))?,

@@ -1,4 +1,4 @@
-//! Signals: an interrupt leaves the previous output whole and no temporary folder; a full disk is an error.
+//! Signals. An interrupt leaves the previous output whole and no temporary folder. A full disk is an error.
 
 use std::fs;
 use std::path::Path;
@@ -11,12 +11,13 @@ use std::time::Duration;
 use anyhow::{Context, Result};
 use diffraction_shaders::package::{Cancel, temporary_folder};
 
-/// Exit code of an interrupted command, by the convention of shells.
+/// Exit code of an interrupted command, as shells have it.
 const INTERRUPTED: i32 = 130;
 
 static CANCEL: OnceLock<Cancel> = OnceLock::new();
 
-/// On an interrupt or a termination: cancels the write, removes the temporary folder beside `out` and another, exits.
+/// On an interrupt or a termination: cancels the write, removes the temporary folder beside `out` and the folder `other`,
+/// and exits.
 pub fn install(out: &Path, other: Option<&Path>) -> Result<Cancel> {
     let mut is_new = false;
     let cancel = CANCEL.get_or_init(|| {
@@ -28,7 +29,7 @@ pub fn install(out: &Path, other: Option<&Path>) -> Result<Cancel> {
         let other = other.map(Path::to_owned);
         let stop = move || {
             cancel.cancel();
-            // The writer may be in the middle of a file, and make another before it sees the flag.
+            // the writer may be in the middle of a file, and begin another before it sees the flag
             for _ in 0..50 {
                 if !temporary.exists() || fs::remove_dir_all(&temporary).is_ok() {
                     break;
@@ -45,8 +46,8 @@ pub fn install(out: &Path, other: Option<&Path>) -> Result<Cancel> {
     Ok(cancel.clone())
 }
 
-/// On an interrupt or a termination: sets the flag, so that work in progress comes to an orderly end; on the second one,
-/// exits. For commands that write whole lines or whole files only.
+/// On an interrupt or a termination: sets the flag, so that work in progress ends in order. On the second one: exits. For
+/// commands that write only whole lines or whole files.
 pub fn flag() -> Result<Arc<AtomicBool>> {
     let flag = Arc::<AtomicBool>::default();
     let set = Arc::clone(&flag);
@@ -59,12 +60,12 @@ pub fn flag() -> Result<Arc<AtomicBool>> {
     Ok(flag)
 }
 
-/// Ends the command after it saw that it was interrupted.
+/// Ends the command once it has seen that it was interrupted.
 pub fn exit() -> ! {
     std::process::exit(INTERRUPTED)
 }
 
-/// A write beyond the file size limit returns an error instead of killing the process.
+/// Makes a write beyond the file size limit return an error instead of killing the process.
 pub fn full_disk_is_an_error() -> Result<()> {
     #[cfg(unix)]
     signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::<AtomicBool>::default())

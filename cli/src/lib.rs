@@ -1,11 +1,11 @@
-//! The commands of the compiler, and what all commands share: flags, messages, progress, signals.
+//! The commands of the compiler, and what all commands share: options, messages, progress, signals.
 //!
-//! It is a crate of its own because a library's users must not compile an argument parser, and because an installed program
-//! must not be called `xtask`. Two programs are made of it: `diffraction`, which works in any folder, and `cargo xtask`.
+//! This is a crate of its own, because users of the library must not have to compile an argument parser, and because an
+//! installed program must not be called `xtask`. Two programs use it: `diffraction`, which works in any folder, and `cargo xtask`.
 //!
-//! One file per command, with `Args` (flags and help) and `run`; this file parses, dispatches and turns the outcome into an
-//! exit code: 0 done, 1 findings, 2 usage, configuration, input or internal error. Commands that need drivers, browsers or
-//! other programs are those of the harness, another program, which takes the place of this one ([`harness`]).
+//! Each command has one file, with `Args` (options and help) and `run`. This file parses, dispatches and turns the outcome
+//! into an exit code: 0 done, 1 findings, 2 usage, configuration, input or internal error. Commands that need drivers,
+//! browsers or other programs belong to the harness, another program, which replaces this process ([`harness`]).
 
 pub mod args;
 pub mod console;
@@ -33,11 +33,11 @@ use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use console::{Console, MessageFormat};
 
-/// From a height field to validated diffraction shaders.
+/// Compile height fields (scans or gratings) to diffraction shaders with a stated error.
 #[derive(Parser)]
 #[command(version)]
 struct Cli {
-    /// How diagnostics appear on stderr.
+    /// Format of errors and notes on stderr.
     #[arg(long, global = true, value_enum, default_value_t = MessageFormat::Human)]
     message_format: MessageFormat,
     #[command(subcommand)]
@@ -46,21 +46,21 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Turn a plan into a package of shaders, tables and manifests.
+    /// Build a package of shaders, tables and manifests from a plan.
     Generate(generate::Args),
-    /// Show surfaces, variants, targets, static cost, and what was rejected and why.
+    /// List surfaces, variants and targets of a plan, what each variant costs, and what was rejected and why.
     List(list::Args),
-    /// Show what a user asks first about a surface, and draw it.
+    /// Show the facts of a surface (size, heights, periods, terms needed, costs) and draw it.
     Inspect(inspect::Args),
-    /// Show generated text beside the template lines that it came from.
+    /// Show a variant's generated shader beside the template lines that it came from.
     Explain(explain::Args),
-    /// Print colours for given directions.
+    /// Print the colours for given directions of light and viewer.
     Eval(eval::Args),
-    /// Draw a BRDF map: all viewing directions under one light.
+    /// Draw a BRDF map: the colours of all viewing directions under one light.
     Render(render::Args),
 }
 
-/// All commands in the order of the help text, those of the harness and of programs' own among them.
+/// All commands in the order of the help text, with those of the harness and those that only one program has.
 const ORDER: [&str; 15] = [
     "generate",
     "list",
@@ -79,12 +79,12 @@ const ORDER: [&str; 15] = [
     "test",
 ];
 
-/// How a command ended that did not fail.
+/// How a command ended, unless it failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// Exit code 0.
     Done,
-    /// Exit code 1: stale output, over tolerance, failed validation.
+    /// Exit code 1: the output is stale, an error is over its tolerance, or a validation failed.
     Findings,
 }
 
@@ -100,11 +100,11 @@ impl From<Outcome> for ExitCode {
 /// A program that has these commands.
 #[derive(Clone, Copy, Debug)]
 pub struct Program {
-    /// What its users type, as in `cargo xtask generate`.
+    /// What users type before the command, as in `cargo xtask generate`.
     pub name: &'static str,
-    /// The folder that keeps finished tables.
+    /// The folder that caches finished tables.
     pub cache: fn() -> PathBuf,
-    /// Finds the program of the harness, or builds it.
+    /// Finds or builds the harness's program.
     pub harness: fn() -> Result<PathBuf>,
     /// A command that only this program has.
     pub own: Option<Own>,
@@ -113,13 +113,13 @@ pub struct Program {
 /// A command that only one program has.
 #[derive(Clone, Copy, Debug)]
 pub struct Own {
-    /// Its flags and help.
+    /// Its options and help.
     pub command: fn() -> clap::Command,
-    /// Runs it; its exit code.
+    /// Runs it and returns its exit code.
     pub run: fn(&ArgMatches) -> Result<ExitCode>,
 }
 
-/// Runs the command of this process's arguments.
+/// Runs the command that this process's arguments name.
 pub fn main(program: &Program) -> ExitCode {
     program::set_name(program.name);
     let args: Vec<OsString> = std::env::args_os().collect();
@@ -153,7 +153,7 @@ pub fn main(program: &Program) -> ExitCode {
     finish(outcome.map(ExitCode::from), &console)
 }
 
-/// The exit code of a command; why it failed goes to the console.
+/// The exit code of a command. An error is printed on the console.
 pub fn finish(outcome: Result<ExitCode>, console: &Console) -> ExitCode {
     match outcome {
         Ok(code) => code,
@@ -165,7 +165,7 @@ pub fn finish(outcome: Result<ExitCode>, console: &Console) -> ExitCode {
     }
 }
 
-/// All commands of a program, those of the harness by name only.
+/// All commands of a program. Those of the harness have only their names here.
 fn command(program: &Program) -> clap::Command {
     let mut all = Cli::command();
     for (name, about) in harness::COMMANDS {

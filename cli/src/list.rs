@@ -1,4 +1,4 @@
-//! `cargo xtask list`: what a plan means, and what it costs.
+//! `cargo xtask list`: what a plan builds, and what each variant costs.
 
 pub mod table;
 
@@ -17,14 +17,16 @@ use crate::Outcome;
 use crate::args::PlanArgs;
 use crate::console::Console;
 
-const EXAMPLE: &str = "Example:\n  cargo xtask list --plan plan.toml --json";
+const EXAMPLE: &str = "Examples:
+  cargo xtask list
+  cargo xtask list --plan plan.toml --json";
 
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Args {
     #[command(flatten)]
     plan: PlanArgs,
-    /// Print one JSON object.
+    /// Print one JSON object instead of tables.
     #[arg(long)]
     json: bool,
 }
@@ -38,7 +40,7 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Each variant as it is on each surface that can be read, by the names of variant and surface.
+/// Each variant as built on each readable surface, by the names of variant and surface.
 type Costs = BTreeMap<(String, String), (Variant, Form)>;
 
 fn costs(plan: &Plan, console: &Console) -> Costs {
@@ -57,8 +59,8 @@ fn costs(plan: &Plan, console: &Console) -> Costs {
                     }
                 }
             }
-            // What the plan means is clear without it.
-            Err(error) => console.note(&format!("no cost is known: {error}")),
+            // the plan can be listed without the heights
+            Err(error) => console.note(&format!("costs are unknown: {error}")),
         }
     }
     costs
@@ -75,7 +77,7 @@ fn object(plan: &Plan, costs: &Costs) -> Value {
     })
 }
 
-/// Name and origin of a surface.
+/// Name and source of a surface.
 pub(crate) fn surface_object(surface: &SurfaceSpec) -> Value {
     let mut object = match &surface.source {
         SurfaceSource::Grating(grating) => json!({ "name": surface.name, "grating": grating }),
@@ -104,7 +106,7 @@ fn variant_object(variant: &Variant, plan: &Plan, costs: &Costs) -> Value {
             "fetches_mean": counted.fetches_mean,
             "table_bytes": counted.table_bytes,
         });
-        // under the optics of the surface
+        // the surface has optics of its own
         if here.hash() != variant.hash() {
             cost["configuration"] = json!(configuration(here));
             cost["hash"] = json!(here.hash());
@@ -113,7 +115,7 @@ fn variant_object(variant: &Variant, plan: &Plan, costs: &Costs) -> Value {
     });
     let mut object: Map<String, Value> =
         variant.settings().map(|(key, value)| (key.to_owned(), value)).collect();
-    // those of the optics stand in an object of their own
+    // the optics have an object of their own
     if let Value::Object(optics) = json!(variant.optics) {
         object.retain(|key, _| !optics.contains_key(key));
     }
@@ -132,12 +134,12 @@ fn variant_object(variant: &Variant, plan: &Plan, costs: &Costs) -> Value {
     Value::Object(object)
 }
 
-/// What a variant reads: all that its hash is of.
+/// The keys that a variant reads, with their values. Its hash is computed from them.
 fn configuration(variant: &Variant) -> Map<String, Value> {
     serde_json::from_str(&variant.canonical()).unwrap_or_default()
 }
 
-/// Wavelength nodes of a mode that has them.
+/// Number of wavelength samples, in modes with uniform wavelengths.
 fn samples(variant: &Variant) -> Value {
     if variant.has_uniform_wavelengths() {
         json!(variant.wavelengths.nodes_nm().len())
@@ -169,12 +171,12 @@ fn human(plan: &Plan, costs: &Costs) -> String {
     text
 }
 
-/// A number, or a dash where there is none.
+/// A number, or a dash in place of `None`.
 pub(crate) fn or_dash(number: Option<u32>) -> String {
     number.map_or_else(|| "-".to_owned(), |number| number.to_string())
 }
 
-/// What the variants read, mode by mode: first what is the same in all of a mode, then of each what is not.
+/// The settings of the variants, mode by mode: first those that all variants of a mode share, then those of each variant.
 fn configurations(variants: &[Variant]) -> String {
     let mut modes: Vec<Mode> = Vec::new();
     for variant in variants {
@@ -197,7 +199,7 @@ fn configurations(variants: &[Variant]) -> String {
     text
 }
 
-/// The keys that a variant reads with their values, but for the mode, and the surfaces that it is for.
+/// The settings of a variant without the mode, and the surfaces that it is for.
 fn settings(variant: &Variant) -> Vec<String> {
     let mut settings = configured(&json!(configuration(variant)));
     settings.retain(|(name, _)| name != "mode");
@@ -226,7 +228,7 @@ fn shown(settings: Vec<(String, Value)>) -> Vec<String> {
     settings.into_iter().map(|(name, value)| format!("{name} {}", shown(value))).collect()
 }
 
-/// The costs of every variant, one line for all surfaces that share them.
+/// The costs of every variant. Surfaces with the same costs share a line.
 fn cost_table(plan: &Plan, costs: &Costs) -> String {
     let mut rows: Vec<Vec<String>> = Vec::new();
     let mut starts: Vec<(usize, &str)> = Vec::new();
@@ -273,17 +275,17 @@ fn cost_table(plan: &Plan, costs: &Costs) -> String {
     let lines = table::text(&head, rows);
     let mut text = String::new();
     for (i, line) in lines.lines().enumerate() {
-        // the head is above the first variant
+        // line 0 is the heading
         for (_, name) in starts.iter().filter(|(start, _)| i > 0 && *start == i - 1) {
             text += &format!("{name}\n");
         }
         text += &format!("  {line}\n");
     }
-    text + "evaluations and fetches per pixel, mean and worst, those of terms at worst; KiB of all tables;\n\
-            uniform wavelengths cost every lit pixel the same\n\n"
+    text + "evaluations, fetches: per lit pixel, mean and worst case; term fetches: worst case; KiB: all tables;\n\
+           modes with uniform wavelengths cost the same in every lit pixel\n\n"
 }
 
-/// A surface in a few words.
+/// The source of a surface in a few words.
 pub(crate) fn source(surface: &SurfaceSpec) -> String {
     match &surface.source {
         SurfaceSource::File(file) => file.path.display().to_string(),

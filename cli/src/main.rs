@@ -11,7 +11,7 @@ fn main() -> ExitCode {
     diffraction_cli::main(&program)
 }
 
-/// The user's folder of caches; without a home, that of temporary files.
+/// A folder in the user's cache folder; without a home, in the folder of temporary files.
 fn cache() -> PathBuf {
     let caches = etcetera::choose_base_strategy().map(|folders| folders.cache_dir());
     caches.unwrap_or_else(|_| std::env::temp_dir()).join("diffraction-shaders")

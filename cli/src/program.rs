@@ -1,19 +1,19 @@
-//! The name by which users call the running program.
+//! The name of the running program, as users type it.
 //!
-//! Texts and messages are written for `cargo xtask`; what another program says names that program instead.
+//! Texts and messages in the sources say `cargo xtask`. Another program replaces that by its own name when it prints them.
 
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
-/// The name in texts and messages as they are written.
+/// The name in texts and messages of the sources.
 const WRITTEN: &str = "cargo xtask";
 
-/// The environment variable by which a program tells another one, which takes its place, how it was called.
+/// The environment variable that passes this name to the program that replaces the running one.
 pub const CALLED_AS: &str = "DIFFRACTION_CALLED_AS";
 
 static NAME: OnceLock<String> = OnceLock::new();
 
-/// Sets the name, once and before anything is said.
+/// Sets the name. Call it once, before anything is printed.
 pub fn set_name(name: &str) {
     NAME.get_or_init(|| name.to_owned());
 }
@@ -23,7 +23,7 @@ pub fn name() -> &'static str {
     NAME.get().map_or(WRITTEN, String::as_str)
 }
 
-/// A text as the running program says it.
+/// A text of the sources, with the running program's name in it.
 pub fn spoken(text: &str) -> Cow<'_, str> {
     match name() {
         WRITTEN => Cow::Borrowed(text),
@@ -31,7 +31,7 @@ pub fn spoken(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// A command of which every text names the running program.
+/// A command with the running program's name in all its texts.
 pub fn named(command: clap::Command) -> clap::Command {
     texts(command.name(name()).bin_name(name()))
 }

@@ -1,4 +1,4 @@
-//! `cargo xtask render`: a BRDF map.
+//! `cargo xtask render`: draws a BRDF map.
 
 use std::path::{Path, PathBuf};
 
@@ -18,9 +18,12 @@ use crate::runners::{Drivers, Job};
 const EXAMPLE: &str = "Examples:
   cargo xtask render --plan plan.toml --surface blazed --light 20,0 --size 512 --out blazed.png
   cargo xtask render --surface fingers --variant ensemble --runner vulkan --exposure 2 --out fingers.exr
-  cargo xtask render --surface fingers --variant ensemble --runner spirv --adapter swiftshader --out fingers.png";
+  cargo xtask render --surface fingers --variant ensemble --runner spirv --adapter swiftshader --out fingers.png
 
-/// Flags.
+The map is a disc. Its pixel at (x, y), with y up, shows the viewing direction whose projection on the surface is (x, y): the
+centre looks along the normal, the rim grazes the surface. Outside of the disc a PNG is transparent and an EXR is 0.";
+
+/// Options of the command.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = EXAMPLE)]
 pub struct Args {
@@ -29,16 +32,16 @@ pub struct Args {
     /// What computes the colours.
     #[command(flatten)]
     pub runner: RunnerArgs,
-    /// Direction of the light in degrees.
+    /// Direction towards the light, in degrees: THETA from the normal, PHI about it from the tangent.
     #[arg(long, value_name = "THETA,PHI", default_value = "20,0", allow_hyphen_values = true)]
     light: Light,
-    /// Side of the map in pixels.
+    /// Width and height of the map, in pixels.
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=8192))]
     size: u32,
-    /// Factor before the sRGB curve: auto or a positive number.
+    /// Factor on the colours of a PNG before the sRGB curve: a positive number, or auto: 0.5 divided by the 95th percentile of Y.
     #[arg(long, value_name = "auto|V", default_value = "auto")]
     exposure: Exposure,
-    /// The picture: .png (sRGB, clamped) or .exr (linear radiance factor).
+    /// The picture to write: .png (sRGB, clamped) or .exr (linear radiance factor).
     #[arg(long, value_name = "FILE.png|.exr")]
     out: PathBuf,
 }
@@ -50,7 +53,7 @@ enum Format {
 }
 
 impl Args {
-    /// Whether the runner is one of the harness.
+    /// Whether the runner needs the harness.
     pub(crate) fn needs_harness(&self) -> bool {
         self.runner.runner.is_driver()
     }
@@ -63,7 +66,7 @@ pub fn run(args: &Args, console: &Console, drivers: Drivers) -> Result<Outcome> 
     let runner = job.runner(&args.runner, drivers)?;
     let size = args.size as usize;
     let light = direction(args.light.theta_deg, args.light.phi_deg);
-    // the twin is to see what the shader sees; the exact reference, the angle as it was given
+    // the twin gets the rounded direction that the shader gets; the exact reference gets the angle as given
     let light = if args.runner.runner == Runner::Twin { rounded(light) } else { light };
     let bar = progress::bar(size * size, &format!("rendering {}", runner.route()));
     let frame = runner.brdf_map_with(light, size, &|done| bar.inc(done as u64))?;
@@ -86,7 +89,7 @@ fn exposure(wanted: Exposure, frame: &BrdfMap, console: &Console) -> f64 {
     match wanted {
         Exposure::Value(value) => value,
         Exposure::Auto => auto_exposure(&frame.disc()).unwrap_or_else(|| {
-            console.note("the map is black; exposure 1");
+            console.note("the map is black; exposure set to 1");
             1.0
         }),
     }
@@ -96,13 +99,17 @@ fn format(path: &Path) -> Result<Format> {
     let folder =
         path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() {
-        bail!("--out {}: there is no folder {}; make it first", path.display(), folder.display());
+        bail!(
+            "--out {}: the folder {} does not exist; make it first",
+            path.display(),
+            folder.display()
+        );
     }
     let extension = path.extension().map(|e| e.to_ascii_lowercase());
     match extension.as_deref().and_then(|e| e.to_str()) {
         Some("png") => Ok(Format::Png),
         Some("exr") => Ok(Format::Exr),
-        _ => Err(anyhow::anyhow!("its name ends neither in .png nor in .exr"))
+        _ => Err(anyhow::anyhow!("the name must end in .png or .exr"))
             .with_context(|| format!("--out {}", path.display())),
     }
 }

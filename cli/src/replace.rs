@@ -1,8 +1,8 @@
-//! Another program in the place of the running one.
+//! Replaces the running program by another one.
 
 use std::process::Command;
 
-/// Replaces this process by another program's; where it returns, that program could not be started.
+/// Replaces this process by another program. Returns only if that program could not be started.
 #[cfg(unix)]
 pub fn by(mut command: Command) -> anyhow::Error {
     use std::os::unix::process::CommandExt;
@@ -10,7 +10,7 @@ pub fn by(mut command: Command) -> anyhow::Error {
     failure(&command, &error)
 }
 
-/// Runs another program and ends with its exit code; where it returns, that program could not be started.
+/// Runs another program and ends with its exit code. Returns only if that program could not be started.
 #[cfg(not(unix))]
 pub fn by(mut command: Command) -> anyhow::Error {
     match command.status() {

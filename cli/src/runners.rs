@@ -1,4 +1,4 @@
-//! From flags to something that evaluates a variant on a surface.
+//! From options to a runner, which evaluates a variant on a surface.
 
 use anyhow::{Result, bail};
 use diffraction_shaders::input;
@@ -9,32 +9,32 @@ use diffraction_shaders::surface::{self, Surface};
 use crate::args::{Runner as Kind, RunnerArgs, SurfaceArgs};
 use crate::console::Console;
 
-/// What opens a runner on a driver.
+/// Opens a runner on a driver.
 pub type Drivers = for<'a> fn(Placement<'a>, &RunnerArgs) -> Result<Box<dyn Runner + 'a>>;
 
-/// That of a program that has no drivers.
+/// The [`Drivers`] of a program without drivers: always an error.
 pub fn none<'a>(_: Placement<'a>, args: &RunnerArgs) -> Result<Box<dyn Runner + 'a>> {
-    bail!("--runner {:?}: this program has no drivers; {} has", args.runner, crate::harness::NAME)
+    bail!("--runner {:?}: this program has no drivers; use {}", args.runner, crate::harness::NAME)
 }
 
-/// Everything that an evaluation needs to know.
+/// Everything that an evaluation needs.
 pub struct Job {
-    /// The surface as planned.
+    /// The surface as the plan has it.
     pub spec: SurfaceSpec,
     /// Its heights.
     pub surface: Surface,
-    /// The variant, under the optics of the surface; for `exact` one that only carries those.
+    /// The variant with the optics of the surface. For `exact`, a variant that only carries these optics.
     pub variant: Variant,
 }
 
 impl Job {
-    /// Reads plan and surface; checks that the pitch resolves the shortest wavelength that will be asked for.
+    /// Reads plan and surface, and checks that the pitch resolves the shortest wavelength.
     pub fn new(surface: &SurfaceArgs, runner: &RunnerArgs, console: &Console) -> Result<Job> {
         let plan: Plan = surface.plan.read(console)?;
         let spec = plan.surface(&surface.surface)?.clone();
         let plan = plan.on(&spec);
         let (variant, min_nm) = match runner.runner {
-            // the reference integrates the whole visible range, whatever the variants do
+            // the reference always integrates the whole visible range
             Kind::Exact => (Variant::texts(&plan.optics), 380.0),
             _ => {
                 let variant = plan.variant(runner.variant.as_deref())?;
@@ -48,7 +48,7 @@ impl Job {
         Ok(Job { spec, surface, variant })
     }
 
-    /// The placement that runners evaluate.
+    /// The variant on its surface, for runners.
     pub fn placement(&self) -> Placement<'_> {
         Placement {
             height: &self.surface.field,
@@ -57,7 +57,7 @@ impl Job {
         }
     }
 
-    /// The runner that the flags name.
+    /// The runner that the options name.
     pub fn runner(&self, args: &RunnerArgs, drivers: Drivers) -> Result<Box<dyn Runner + '_>> {
         let placement = self.placement();
         if args.unpacked && args.runner != Kind::Twin {

@@ -1,4 +1,4 @@
-//! Whether a run of `generate` would write what the last one wrote.
+//! Tests whether `generate` would write again what it wrote last time.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,16 +9,17 @@ use diffraction_shaders::package::Stamp;
 use diffraction_shaders::package::compile::Compiler;
 use diffraction_shaders::plan::Plan;
 
-/// Caches of other programs are removed when nothing was added for so long.
+/// The cache of another build of the program is removed if nothing was added to it for this time.
 const KEPT: Duration = Duration::from_secs(7 * 24 * 3600);
 
-/// Hash of this very program, so that no other's numbers are taken for its own.
+/// Hash of the running program. Numbers of another build must not be taken for its own.
 pub(crate) fn program() -> Option<String> {
     let bytes = fs::read(std::env::current_exe().ok()?).ok()?;
     Some(diffraction_shaders::hash::sha256(&bytes))
 }
 
-/// The folder of this program's finished tables, stamps among them, in that of all programs, which is safe to delete.
+/// The folder for this program's finished tables and stamps, inside the cache folder of all programs. Both may be deleted
+/// at any time.
 pub(crate) fn cache(caches: &Path, program: &str) -> PathBuf {
     let own = caches.join(program.get(..12).unwrap_or(program));
     for entry in fs::read_dir(caches).into_iter().flatten().flatten() {
@@ -30,21 +31,21 @@ pub(crate) fn cache(caches: &Path, program: &str) -> PathBuf {
     own
 }
 
-/// A folder for the tables of one run that neither reads nor writes the cache.
+/// A folder for the tables of one run without the cache.
 pub(crate) fn spill(caches: &Path) -> std::io::Result<tempfile::TempDir> {
     let folder = caches.join("spilled");
     fs::create_dir_all(&folder)?;
     tempfile::tempdir_in(folder)
 }
 
-/// The stamp of an output folder, and what it has to say of the inputs.
+/// The stamp of an output folder, and the hash of inputs that it must hold.
 pub(crate) struct Expected {
     file: PathBuf,
     pub(crate) inputs: String,
 }
 
 impl Expected {
-    /// `None` where it cannot be told.
+    /// `None` if the folder or the cache has no path.
     pub(crate) fn new(
         compiler: &Compiler<'_>,
         plan: &Plan,
@@ -60,12 +61,12 @@ impl Expected {
         Ok(Some(Expected { file: cache.join(name), inputs }))
     }
 
-    /// The stamp, if the output folder still holds all that it tells.
+    /// The stamp, if its inputs match and the output folder still holds all files that it lists.
     pub(crate) fn unchanged(&self, out: &Path) -> Option<Stamp> {
         Stamp::read(&self.file).filter(|stamp| stamp.inputs == self.inputs && stamp.holds(out))
     }
 
-    /// Keeps a stamp; without one the next run is only slower.
+    /// Writes a stamp. If that fails, the next run is only slower.
     pub(crate) fn keep(&self, stamp: &Stamp) {
         let _ = stamp.write(&self.file);
     }

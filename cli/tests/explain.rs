@@ -46,7 +46,7 @@ fn one_line_and_names_that_are_wrong() {
         "{said}"
     );
     for (args, part) in [
-        (&["preview", "--line", "9999"][..], "the text has"),
+        (&["preview", "--line", "9999"][..], "diffraction.wgsl has"),
         (&["preview", "--surface", "cdd"][..], "did you mean \"cd\""),
         (&["previeww"][..], "did you mean \"preview\""),
     ] {

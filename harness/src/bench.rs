@@ -1,10 +1,10 @@
-//! How long variants take on adapters, and how much faster they are than a baseline.
+//! Times of variants on adapters, and ratios to a baseline.
 //!
-//! The machine is never quiet, so what is promised is the ratio, not the time: baseline and variants are drawn in turns
-//! ([`rounds`]), a ratio is formed within each round, and the median of the ratios is given with an interval that assumes
-//! nothing about how times are distributed ([`stats`]). Shaders of all of them run with the same run-time checks.
+//! The machine always has other load. So the reliable result is the ratio, not the time: baseline and variants are drawn in
+//! turns ([`rounds`]), each round gives a ratio, and the result is the median of the ratios, with an interval that assumes
+//! nothing about the distribution of times ([`stats`]). All shaders run with the same run-time checks.
 //!
-//! Clock and statistics need no driver; drawing does.
+//! Clock and statistics need no driver. Drawing does.
 
 pub mod clock;
 pub mod result;

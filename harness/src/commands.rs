@@ -1,6 +1,6 @@
 //! The commands of the harness's program.
 //!
-//! One file per command, as in `diffraction_cli`, whose flags, messages and exit codes they share.
+//! Each command has one file, as in `diffraction_cli`. Options, messages and exit codes are shared with that crate.
 
 mod bench;
 mod compare;
@@ -19,11 +19,11 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use diffraction_cli::console::{Console, MessageFormat};
 use diffraction_cli::{eval, finish, harness, program, render};
 
-/// What measures and proves diffraction shaders.
+/// Compare, time and validate diffraction shaders on the drivers of this machine.
 #[derive(Parser)]
 #[command(version)]
 struct Cli {
-    /// How diagnostics appear on stderr.
+    /// Format of errors and notes on stderr.
     #[arg(long, global = true, value_enum, default_value_t = MessageFormat::Human)]
     message_format: MessageFormat,
     #[command(subcommand)]
@@ -32,29 +32,29 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Run external validators over every emitted file.
+    /// Check every emitted shader with external validators.
     Validate(validate::Args),
-    /// Print colours for given directions.
+    /// Print the colours for given directions of light and viewer.
     Eval(eval::Args),
-    /// Draw a BRDF map: all viewing directions under one light.
+    /// Draw a BRDF map: the colours of all viewing directions under one light.
     Render(render::Args),
-    /// Compare every variant by every route with the exact reference, its twin and the other routes.
+    /// Compare the colours of every variant, by every route, with the exact reference, its twin and the other routes.
     Compare(compare::Args),
-    /// Measure a surface's period from the response over wavelength and viewing angle.
+    /// Measure a surface's period from its response over wavelength and viewing angle.
     Testbench(testbench::Args),
-    /// Measure the time of every variant on every adapter.
+    /// Measure the frame time of every variant on every adapter.
     Bench(bench::Args),
     /// Find the cheapest variant of a surface within an error budget.
     Tune(tune::Args),
-    /// Draw a variant on the skin of a body: stills, sweeps, a turntable.
+    /// Draw a variant as the skin of a 3-D body: pictures, sweeps, a turntable.
     Scene(scene::Args),
-    /// Show results of compare, bench and testbench on one HTML page.
+    /// Show the results of compare, bench, testbench and tune on one HTML page.
     Report(report::Args),
     /// Serve the gallery to a browser on this machine.
     Serve(serve::Args),
 }
 
-/// Runs the command of this process's arguments.
+/// Runs the command that this process's arguments name.
 pub fn main() -> ExitCode {
     program::set_name(&std::env::var(program::CALLED_AS).unwrap_or_else(|_| harness::NAME.into()));
     let matches = program::named(Cli::command()).get_matches();
@@ -97,7 +97,7 @@ mod tests {
         }
     }
 
-    /// The other programs list these commands without having them.
+    /// The other programs list these commands, but do not have them.
     #[test]
     fn the_list_of_the_other_programs_is_right() {
         let command = Cli::command();

@@ -1,10 +1,10 @@
-//! Every variant by every route against the exact reference, its twin, and the other routes.
+//! Compares every variant, by every route, with the exact reference, its twin and the other routes.
 //!
-//! Each error is split: what the variant's approximation costs (*model*: unrounded twin against the exact field), what
-//! rounding the tables costs (*packing*: twin against unrounded twin), what a driver's 32-bit arithmetic costs
-//! (*arithmetic*: route against twin). Directions, exposure and what counts as lit are those of [`measure`](diffraction_shaders::optics::colour_difference).
+//! Each error is split into parts: the variant's approximation (*model*: unrounded twin against the exact field), the
+//! rounding of the tables (*packing*: twin against unrounded twin), and a driver's 32-bit arithmetic (*arithmetic*: route
+//! against twin). Directions, exposure and lit directions are as in [`measure`](diffraction_shaders::optics::colour_difference).
 //!
-//! Results go to a [`Sink`] as soon as they are known. A route that fails three times in a row is not asked again.
+//! Results go to a [`Sink`] as soon as they are known. A route that fails three times in a row is dropped.
 
 mod controls;
 mod pictures;
@@ -29,45 +29,45 @@ use crate::results::{Gap, Record};
 pub use controls::{CONTROLS, SURFACE as CONTROL_SURFACE};
 pub use pictures::{AMPLIFIED, difference, mean_flip};
 
-/// Failures in a row after which a route is not asked again.
+/// Failures in a row after which a route is dropped.
 const PATIENCE: u32 = 3;
 
-/// What is to be compared.
+/// A comparison to run.
 pub struct Job<'a> {
     /// The surfaces, in order.
     pub surfaces: &'a [SurfaceSpec],
     /// The variants, each on every surface that it is for.
     pub variants: &'a [Variant],
-    /// The open routes; the twin is always there.
+    /// The open routes. The twin is always compared in addition.
     pub routes: &'a [Box<dyn Route>],
-    /// Directions of the light, theta and phi in degrees.
+    /// Directions towards the lights: theta and phi in degrees.
     pub lights: &'a [[f64; 2]],
-    /// Pixels along a side of the maps.
+    /// Width and height of the maps, in pixels.
     pub size: usize,
-    /// Factor on luminance before colour differences; `None`: from the exact map.
+    /// Factor on luminance before colour differences. `None`: computed from the exact map.
     pub exposure: Option<f64>,
-    /// Variants per surface that slow routes take; of every mode the cheapest first.
+    /// Number of variants per surface that slow routes take: of each mode the cheapest first.
     pub subset: usize,
 }
 
 /// Takes results.
 pub trait Sink {
-    /// A result.
+    /// Takes a result.
     fn record(&mut self, record: Record) -> Result<()>;
 
-    /// A picture, PNG, by its place under the output folder.
+    /// Takes a picture as PNG, by its path under the output folder.
     fn picture(&mut self, place: &str, png: Vec<u8>) -> Result<()>;
 
-    /// Work begins on something; steps follow.
+    /// Reports that work on something begins. Steps follow.
     fn begin(&mut self, what: &str);
 
-    /// A step of [`steps`] is done.
+    /// Reports that one of the [`steps`] is done.
     fn step(&mut self);
 
-    /// Whether an earlier run has the results of this variant, as it is configured, for all of these routes.
+    /// Whether an earlier run has the results of this variant, with this configuration, for all of these routes.
     fn has(&self, unit: &Unit<'_>, routes: &[String]) -> bool;
 
-    /// Whether an earlier run has a route's control.
+    /// Whether an earlier run has this control of a route.
     fn has_control(&self, route: &str, control: &str) -> bool;
 }
 
@@ -78,24 +78,24 @@ pub struct Unit<'a> {
     pub surface: &'a str,
     /// The variant.
     pub variant: &'a Variant,
-    /// Direction of the light, theta and phi in degrees.
+    /// Direction towards the light: theta and phi in degrees.
     pub light: [f64; 2],
-    /// Pixels along a side of the map.
+    /// Width and height of the map, in pixels.
     pub size: usize,
 }
 
-/// Steps of a whole run: one for each route and the twin under each light, one for each route's controls.
+/// Number of steps of a whole run: one for each unit by each route and the twin, one for each route's controls.
 pub fn steps(request: &Job<'_>) -> usize {
     let units = request.surfaces.len() * request.variants.len() * request.lights.len();
     units * (1 + request.routes.len()) + request.routes.len()
 }
 
-/// Whether pictures take so long by this route that it gets a subset of the variants.
+/// Whether this route is so slow that it takes only a subset of the variants.
 pub fn is_slow(route: &str) -> bool {
     ["swiftshader", "webgpu", "webgl2"].iter().any(|name| route.to_lowercase().contains(name))
 }
 
-/// Compares everything.
+/// Runs the comparison.
 pub fn run(request: &Job<'_>, sink: &mut dyn Sink) -> Result<()> {
     let mut failures = vec![0; request.routes.len()];
     for (route, failures) in request.routes.iter().zip(&mut failures) {
@@ -113,20 +113,20 @@ pub fn run(request: &Job<'_>, sink: &mut dyn Sink) -> Result<()> {
 /// The exact colours on a surface under a light.
 struct Truth {
     light: DVec3,
-    /// The pixels of the map, then drawn ones.
+    /// The pixels of the map, then the random directions.
     directions: Vec<Directions>,
-    /// How many are the map's.
+    /// Number of directions that are pixels of the map.
     map: usize,
     colours: Vec<[f64; 3]>,
     exposure: f64,
-    /// Of the map alone, by which it is drawn; none where it is black.
+    /// Exposure of the map alone, with which it is drawn; `None` if it is black.
     map_exposure: Option<f64>,
-    /// Place of the map's picture.
+    /// Path of the map's picture.
     picture: String,
 }
 
 impl Truth {
-    /// The colours of a runner in the order of the directions; the map by its own entry point.
+    /// The colours by a runner, in the order of the directions. The map is drawn by its own entry point.
     fn ask(&self, runner: &dyn Runner, size: usize) -> Result<Vec<[f64; 3]>> {
         let mut colours = runner.brdf_map(self.light, size)?.disc();
         colours.extend(runner.tristimulus(&self.directions[self.map..])?);
@@ -146,7 +146,7 @@ fn run_surface(
     sink: &mut dyn Sink,
 ) -> Result<()> {
     let subset = subset(request, spec, height);
-    // by optics and light, since variants share them
+    // by optics and light, which variants share
     let mut truths: BTreeMap<(String, usize), Truth> = BTreeMap::new();
     let placed: Vec<Option<Result<Variant>>> =
         request.variants.iter().map(|variant| variant.on(spec)).collect();
@@ -179,7 +179,7 @@ fn run_surface(
         let variant = subject.variant;
         let takes = |route: &dyn Route| subset.contains(&index) || !is_slow(&route.name());
         for route in request.routes.iter().filter(|route| !takes(route.as_ref())) {
-            let reason = format!("not among the {} variants that slow routes take", subset.len());
+            let reason = format!("not one of the {} variants that slow routes take", subset.len());
             sink.record(gap(&route.name(), Some((&spec.name, &variant.name)), &reason, false))?;
         }
         for (light_index, light) in request.lights.iter().enumerate() {
@@ -197,7 +197,7 @@ fn run_surface(
             let key = (serde_json::to_string(&variant.optics).unwrap_or_default(), light_index);
             if !truths.contains_key(&key) {
                 sink.begin(&format!("{}: exact, light {}°", spec.name, light[0]));
-                // the same in a run that goes on with another's results
+                // the number stays the same in a resumed run
                 let same = |other: &Option<Result<Variant>>| matches!(other, Some(Ok(other)) if other.optics == variant.optics);
                 let number = placed.iter().position(same).unwrap_or(index);
                 let truth = unit::truth(request, &unit, subject, number, sink)?;
@@ -219,7 +219,7 @@ fn run_surface(
     Ok(())
 }
 
-/// Which variants slow routes take on a surface: of every mode the cheapest, then the second of every mode, and so on.
+/// The variants that slow routes take on a surface: the cheapest of each mode, then the second cheapest of each, and so on.
 fn subset(request: &Job<'_>, spec: &SurfaceSpec, height: &HeightField) -> BTreeSet<usize> {
     let mut by_mode: BTreeMap<Mode, Vec<(u64, usize)>> = BTreeMap::new();
     for (index, variant) in request.variants.iter().enumerate() {

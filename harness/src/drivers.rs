@@ -1,4 +1,4 @@
-//! Ways to evaluate a variant by its shader, on a driver of this machine or in a browser.
+//! Runs the shaders of variants on drivers of this machine and in a browser.
 
 mod colour_map;
 mod driver;

@@ -1,7 +1,7 @@
-//! What measures and proves the shaders of [`diffraction_shaders`]: drivers, a browser, comparisons, times, reports.
+//! Measures and tests the shaders of [`diffraction_shaders`]: drivers, a browser, comparisons, times, reports.
 //!
-//! Everything here touches the outside world, and the compiler knows nothing of it. The order of the modules below is the
-//! order in which they build on each other: a module uses only earlier ones.
+//! Everything that touches the outside world is here; the compiler does not depend on it. A module uses only modules that
+//! stand before it in the list below.
 
 #![deny(unsafe_code)]
 

@@ -1,4 +1,4 @@
-//! The commands that need drivers, browsers or other programs of the machine.
+//! The program `diffraction-harness`: commands that need drivers, browsers or other programs.
 
 use std::process::ExitCode;
 

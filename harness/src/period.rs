@@ -1,16 +1,16 @@
-//! The period of a surface as a variant sees it: from the response over wavelength and viewing angle.
+//! The period of a surface as a variant shows it, from the response over wavelength and viewing angle.
 //!
-//! Light falls in at `θi`, `φi`. The viewer stays in the plane of incidence; `θr` is **signed**: positive towards the
-//! mirror direction (`φr = φi + 180°`), negative on the light's own side. With `φi = 0` and no rotation the plane holds
-//! the surface's x axis, and `u = sin θr - sin θi`, so that order `m` lies at `sin θr = sin θi + m λ/d`.
+//! Light comes from `θi`, `φi`. The viewer moves in the plane of incidence. `θr` is **signed**: positive towards the mirror
+//! direction (`φr = φi + 180°`), negative on the side of the light. With `φi = 0` and no rotation the plane contains the
+//! surface's x axis, and `u = sin θr - sin θi`, so order `m` is at `sin θr = sin θi + m λ/d`.
 //!
-//! For every wavelength the angle of the largest response (`|P|²`, without the gain) within half and one and a half times
-//! the expected place of the first order becomes a period, `d = λ/|sin θr - sin θi|`; mean and standard deviation over
-//! wavelengths are what is reported.
+//! For every wavelength, the angle of the largest response (`|P|²`, without the gain) is searched between 0.5 and 1.5 times
+//! the expected distance of the first order. It gives a period, `d = λ/|sin θr - sin θi|`. The result is the mean and the
+//! standard deviation over wavelengths.
 //!
-//! **The efficiency envelope.** An order's strength changes over the width of its lobe, with `w` and, for replicas of
-//! a cell, with the cell's own transform. That pulls its maximum off the grating equation, and it should. The yardstick
-//! is therefore the same estimator on the closed form of the grating ([`ClosedForm`]), not the grating equation.
+//! **The efficiency envelope.** An order's strength changes over the width of its lobe, with `w` and, for replicas of a cell,
+//! with the cell's own transform. This shifts its maximum away from the grating equation, rightly so. The yardstick is
+//! therefore the same estimator on the closed form of the grating ([`ClosedForm`]), not the grating equation.
 
 mod csv;
 mod heatmap;
@@ -36,23 +36,23 @@ pub use windows::{Crop, Spread, layout, spread};
 /// The grid of viewing angles, degrees.
 pub const GRID_DEG: f64 = 0.01;
 
-/// What is measured.
+/// The parameters of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Protocol {
     /// Angle of incidence, degrees, below 90.
     pub theta_i_deg: f64,
-    /// Direction of the light about the normal, from `+x`, degrees.
+    /// Angle of the light about the normal, from `+x`, degrees.
     pub phi_i_deg: f64,
     /// Wavelengths.
     pub wavelengths: Wavelengths,
-    /// The period around which is searched, µm.
+    /// The expected period, around which is searched, µm.
     pub expected_um: f64,
-    /// Sample the whole half circle of viewing angles, for pictures; else only where is searched.
+    /// Whether to sample the whole half circle of viewing angles, for pictures, or only the searched range.
     pub whole: bool,
 }
 
 impl Protocol {
-    /// The pair of directions for a signed viewing angle, degrees.
+    /// The directions for a signed viewing angle in degrees.
     pub fn directions(&self, theta_r_deg: f64) -> Directions {
         Directions {
             wi: direction(self.theta_i_deg, self.phi_i_deg),
@@ -60,7 +60,7 @@ impl Protocol {
         }
     }
 
-    /// `sin θr` of order `m` of a grating of the expected period; `None` where it is evanescent.
+    /// `sin θr` of order `m` of a grating with the expected period; `None` if it is evanescent.
     pub fn order(&self, m: i32, lambda_nm: f64) -> Option<f64> {
         let sin = self.sin_theta_i() + f64::from(m) * lambda_nm * 1e-3 / self.expected_um;
         (sin.abs() <= 1.0).then_some(sin)
@@ -71,42 +71,42 @@ impl Protocol {
     }
 }
 
-/// The responses of one wavelength.
+/// The responses at one wavelength.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WavelengthRow {
     /// Wavelength, nm.
     pub lambda_nm: f64,
-    /// Signed viewing angle, degrees, ascending, and `|P|²`.
+    /// Signed viewing angles in degrees, ascending, each with `|P|²`.
     pub samples: Vec<(f64, f64)>,
     /// The peak of the first order, if there is one.
     pub peak: Option<Peak>,
 }
 
-/// All wavelengths, and what follows from them.
+/// The responses at all wavelengths, and the results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
-    /// By ascending wavelength, those of evanescent first orders included.
+    /// By ascending wavelength, including those whose first order is evanescent.
     pub rows: Vec<WavelengthRow>,
-    /// Mean period over wavelengths with a peak, nm; `NaN` where there is none.
+    /// Mean period over wavelengths with a peak, nm; `NaN` without any.
     pub period_nm: f64,
-    /// Standard deviation (of the population) of the same, nm.
+    /// Standard deviation of the periods (of the population), nm.
     pub sd_nm: f64,
-    /// Wavelengths with a peak.
+    /// Number of wavelengths with a peak.
     pub points: usize,
-    /// Wavelengths whose first order is evanescent on both sides.
+    /// Number of wavelengths whose first order is evanescent on both sides.
     pub evanescent: usize,
-    /// Wavelengths without a maximum where the first order is expected.
+    /// Number of wavelengths without a maximum in the searched range.
     pub flat: usize,
-    /// Mean response at the peaks; 0 where there is none.
+    /// Mean response at the peaks; 0 without any.
     pub weight: f64,
-    /// Evaluations of the response.
+    /// Number of evaluations of the response.
     pub evaluations: usize,
 }
 
-/// Measures a response, given as `|P|²` for a wavelength, nm, and signed viewing angles, degrees.
+/// Measures a response. `response` returns `|P|²` for a wavelength in nm and signed viewing angles in degrees.
 ///
-/// `extent_um` is the greatest distance over which the surface's points interfere ([`extent_um`]): it bounds how narrow a
-/// lobe can be, and so where the grid of [`GRID_DEG`] need not be filled to find the same maximum.
+/// `extent_um` is the maximum distance over which points of the surface interfere ([`extent_um`]). It gives the minimum width
+/// of a lobe, so that the grid of [`GRID_DEG`] need not be evaluated everywhere to find the same maximum.
 pub fn measure(
     protocol: &Protocol,
     extent_um: f64,
@@ -141,7 +141,7 @@ fn checked(lambda_nm: f64, angles: &[f64], responses: Vec<f64>) -> Result<Vec<f6
         return Err(fail(format!("{} values for {} angles", responses.len(), angles.len())));
     }
     match responses.iter().position(|r| !r.is_finite()) {
-        Some(at) => Err(fail(format!("is {} at {}°", responses[at], angles[at]))),
+        Some(at) => Err(fail(format!("is not finite: {} at {}°", responses[at], angles[at]))),
         None => Ok(responses),
     }
 }

@@ -1,4 +1,4 @@
-//! Programs of this machine: found, run, stopped.
+//! Finds, runs and stops programs of this machine.
 
 mod glslang;
 
@@ -14,10 +14,10 @@ use std::{
 
 pub use glslang::{GLSLANG, GLSLANG_PACKAGE, hlsl_options, hlsl_to_spirv};
 
-/// Time between two looks at a running tool.
+/// Interval between checks of a running tool.
 const POLL: Duration = Duration::from_millis(2);
 
-/// The program of that name in the first folder of the PATH that has it.
+/// The program of this name in the first folder of the PATH that has it.
 pub fn on_path(name: &str) -> Option<PathBuf> {
     let path = env::var_os("PATH")?;
     let programs = env::split_paths(&path)
@@ -25,7 +25,7 @@ pub fn on_path(name: &str) -> Option<PathBuf> {
     programs.into_iter().find(|program| program.is_file())
 }
 
-/// Exit status and all that was written, standard error first; an error after the time limit.
+/// Runs a command and returns its exit status and all its output, standard error first. An error after the time limit.
 pub fn run(command: &mut Command, limit: Duration) -> io::Result<(ExitStatus, String)> {
     let command = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = command.spawn()?;
@@ -34,7 +34,7 @@ pub fn run(command: &mut Command, limit: Duration) -> io::Result<(ExitStatus, St
     let status = wait(&mut child, end, limit)?;
     let mut text = String::new();
     for stream in streams.into_iter().flatten() {
-        // a process that the tool left behind may hold the stream open
+        // a process that the tool left running may hold the stream open
         let left = end.saturating_duration_since(Instant::now());
         let bytes = stream.recv_timeout(left).unwrap_or_default();
         text.push_str(&String::from_utf8_lossy(&bytes));
@@ -42,7 +42,7 @@ pub fn run(command: &mut Command, limit: Duration) -> io::Result<(ExitStatus, St
     Ok((status, text))
 }
 
-/// Runs a command whose last argument is a file; what it said, as an error if it did not succeed.
+/// Runs a command whose last argument is a file. Returns its output, as an error if it did not succeed.
 pub fn accepted(command: &mut Command, limit: Duration) -> Result<String, String> {
     let (status, text) = run(command, limit).map_err(|error| error.to_string())?;
     if status.success() {
@@ -50,7 +50,7 @@ pub fn accepted(command: &mut Command, limit: Duration) -> Result<String, String
     }
     let program = Path::new(command.get_program()).file_name().unwrap_or_default();
     let mut words = vec![program.to_string_lossy().into_owned()];
-    // whoever reads this names the file
+    // the caller's message names the file
     let options = command.get_args().map(|argument| argument.to_string_lossy().into_owned());
     words.extend(options);
     words.pop();
@@ -78,7 +78,7 @@ fn drain(mut stream: impl Read + Send + 'static) -> Receiver<Vec<u8>> {
     let (sender, receiver) = channel();
     thread::spawn(move || {
         let mut bytes = Vec::new();
-        // what was read before an error is still worth showing
+        // on an error, what was read so far is still worth showing
         let _ = stream.read_to_end(&mut bytes);
         let _ = sender.send(bytes);
     });

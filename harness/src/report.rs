@@ -1,4 +1,5 @@
-//! One HTML page from records and pictures: everything inside one file, nothing fetched, the same bytes for the same input.
+//! One HTML page from records and pictures. Everything is inside one file, nothing is loaded from elsewhere, and the same input
+//! gives the same bytes.
 
 mod album;
 mod compared;
@@ -27,13 +28,13 @@ pub use tuned::front_picture;
 /// A report.
 #[derive(Clone, Debug)]
 pub struct Page {
-    /// The whole file.
+    /// The HTML file.
     pub html: String,
-    /// Pictures that records name and that could not be shown, each with the reason.
+    /// Pictures that records name but that cannot be shown, each with the reason.
     pub missing: Vec<String>,
 }
 
-/// The page of several folders of results; of results of the same thing the last one counts.
+/// The page of several folders of results. If there are several results of the same measurement, the last one counts.
 pub fn page(folders: &[Folder]) -> Page {
     let results = Results::new(folders);
     let sections = [

@@ -1,7 +1,6 @@
-//! Results as JSON lines: one object per result, appended as soon as it is known, read back by reports.
+//! Results as JSON lines: one object per result, appended as soon as it is known, read again by reports.
 //!
-//! A file of them is never rewritten: what a run that was cut short had measured stays, and a last line without its end is
-//! ignored when it is read.
+//! Lines are only appended, so an interrupted run keeps its results. An incomplete last line is ignored when the file is read.
 
 mod tune;
 
@@ -17,10 +16,10 @@ use serde_json::Value;
 pub use diffraction_shaders::variant::{Part, Tolerance};
 pub use tune::{Bounds, LightError, Time, Tune, Verdict};
 
-/// Name of the file under an output folder.
+/// Name of the file in an output folder.
 pub const FILE: &str = "records.jsonl";
 
-/// Name of the file that a new run's predecessor is kept under.
+/// Name under which a new run keeps the previous file.
 pub const OLD: &str = "records.old.jsonl";
 
 /// One result.
@@ -29,15 +28,15 @@ pub const OLD: &str = "records.old.jsonl";
 pub enum Record {
     /// Colours of a variant by a route against a reference.
     Compare(Compare),
-    /// The same of a deliberately wrong shader.
+    /// Colours of a deliberately wrong shader.
     Control(Control),
-    /// A route or an adapter that could not be taken, or that ended early.
+    /// Something that was not measured, or not to the end: a route, an adapter, a variant.
     Gap(Gap),
     /// Time of a variant on an adapter.
     Bench(Bench),
     /// Time against a number that was varied.
     Scaling(Scaling),
-    /// Period of a surface as a variant sees it.
+    /// Period of a surface as a variant shows it.
     Testbench(Testbench),
     /// A candidate of a search for the cheapest variant.
     Tune(Tune),
@@ -52,60 +51,59 @@ pub struct Compare {
     pub variant: String,
     /// What computed the colours.
     pub route: String,
-    /// What they are compared with: `exact`, `twin`, `twin:unpacked` or a route.
+    /// The reference: `exact`, `twin`, `twin:unpacked` or a route.
     pub reference: String,
-    /// Which error this is.
+    /// The part of the error.
     pub part: Part,
-    /// Direction of the light, theta and phi in degrees.
+    /// Direction towards the light: theta and phi in degrees.
     pub light: [f64; 2],
-    /// Pixels along a side of the map.
+    /// Width and height of the map, in pixels.
     pub size: usize,
-    /// Factor on luminance before colour differences.
+    /// Factor on luminance before colour differences are computed.
     pub exposure: f64,
-    /// Share of directions that are lit.
+    /// Share of directions that are lit, 0 to 1.
     pub lit: f64,
-    /// Greatest difference of a tristimulus value over the reference's greatest.
+    /// Maximum difference of a tristimulus value, relative to the reference's maximum.
     pub max_abs: f64,
-    /// Root mean square of the same.
+    /// Root mean square difference of tristimulus values, relative to the reference's maximum.
     pub rms: f64,
     /// CIEDE2000 over lit directions.
     pub de2000: Percentiles,
-    /// The same of the map's pixels alone, at the exposure of its picture; none where next to
-    /// nothing of the map is lit.
+    /// Colour differences over the map's pixels alone, at the exposure of its picture; `None` if almost nothing of the map is lit.
     pub map: Option<MapColours>,
-    /// Mean FLIP over the map's lit pixels at that exposure; none where no pixel of the map is lit.
+    /// Mean FLIP over the map's lit pixels, at that exposure; `None` if no pixel is lit.
     pub flip: Option<f64>,
-    /// What was allowed; none: nothing is promised.
+    /// The tolerance; `None` if the variant has no tolerance here.
     pub tolerance: Option<Tolerance>,
-    /// Within the tolerance, or nothing to exceed.
+    /// Whether it is within the tolerance. True without a tolerance.
     pub pass: bool,
-    /// Reference, route and their amplified difference as pictures, by their places under the folder; drawn once for each
-    /// variant and light, and where something disagrees.
+    /// Pictures of reference, route and amplified difference, by their paths under the folder. They are drawn once for each variant
+    /// and light, and for comparisons that disagree.
     pub pictures: Option<[String; 3]>,
     /// The variant's canonical configuration.
     pub settings: Value,
 }
 
 impl Compare {
-    /// The greater of the 95th percentiles of CIEDE2000 over all directions and over the map alone.
+    /// The larger of two 95th percentiles of CIEDE2000: over all directions, and over the map alone.
     pub fn worst_p95(&self) -> f64 {
         self.map.map_or(0.0, |map| map.de2000.p95).max(self.de2000.p95)
     }
 }
 
-/// Colour differences over the pixels of a map. Half of the drawn directions of a comparison lie in the brightest lobes, by
-/// which they set its exposure; a map on its own is exposed for all that it shows, so that dim orders count.
+/// Colour differences over the pixels of a map. Half of the random directions of a comparison are in the brightest lobes, so
+/// these set the exposure. The map alone has its own exposure, so that dim orders count.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MapColours {
-    /// Factor on luminance before colour differences.
+    /// Factor on luminance before colour differences are computed.
     pub exposure: f64,
-    /// Share of pixels of the disc that are lit.
+    /// Share of the disc's pixels that are lit, 0 to 1.
     pub lit: f64,
     /// CIEDE2000 over lit pixels.
     pub de2000: Percentiles,
 }
 
-/// A deliberately wrong shader; caught when the comparison that it should fail fails.
+/// A deliberately wrong shader. It is caught if its comparison fails.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Control {
     /// The surface's name.
@@ -114,34 +112,34 @@ pub struct Control {
     pub variant: String,
     /// What computed the colours.
     pub route: String,
-    /// What was made wrong.
+    /// Name of the fault.
     pub control: String,
-    /// Direction of the light, theta and phi in degrees.
+    /// Direction towards the light: theta and phi in degrees.
     pub light: [f64; 2],
-    /// Greatest difference from the twin of the right variant.
+    /// Maximum difference from the twin of the right variant.
     pub max_abs: f64,
-    /// 95th percentile of CIEDE2000 against the same.
+    /// 95th percentile of CIEDE2000 against the twin of the right variant.
     pub de2000_p95: f64,
-    /// Greatest difference of the right shader.
+    /// Maximum difference of the right shader.
     pub right_max_abs: f64,
-    /// What the right shader was allowed.
+    /// The tolerance of the right shader.
     pub tolerance: Tolerance,
     /// Whether the wrong shader exceeded the tolerance and the right one did not.
     pub caught: bool,
 }
 
-/// A route or an adapter that was not taken, or not to its end.
+/// Something that was not measured, or not to the end.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Gap {
     /// The route, or `BACKEND:ADAPTER`.
     pub route: String,
-    /// The surface, where it concerns one.
+    /// The surface, if it concerns one.
     pub surface: Option<String>,
-    /// The variant, where it concerns one.
+    /// The variant, if it concerns one.
     pub variant: Option<String>,
-    /// Why.
+    /// The reason.
     pub reason: String,
-    /// Whether something failed that began to run, as opposed to something that cannot be had here.
+    /// Whether something began to run and failed, unlike something that is not available here.
     pub failed: bool,
 }
 
@@ -156,11 +154,11 @@ pub struct Bench {
     pub backend: String,
     /// The adapter's name.
     pub adapter: String,
-    /// Direction of the light, theta and phi in degrees.
+    /// Direction towards the light: theta and phi in degrees.
     pub light: [f64; 2],
-    /// Pixels of the map along x.
+    /// Width of the map, in pixels.
     pub size: usize,
-    /// Pixels along y, where they are not as many.
+    /// Height of the map, in pixels, if it differs from the width.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height: Option<usize>,
     /// Median time of a frame, ms.
@@ -169,25 +167,25 @@ pub struct Bench {
     pub mad_ms: f64,
     /// 95 % confidence interval of the median, ms.
     pub interval_ms: [f64; 2],
-    /// Time of the processor for a frame, all threads, ms.
+    /// Processor time of a frame, all threads, ms.
     pub cpu_ms: f64,
-    /// Creation of the pipeline, first draw included, ms.
+    /// Time to create the pipeline, with the first draw, ms.
     pub pipeline_ms: f64,
-    /// Rounds that were measured.
+    /// Number of measured rounds.
     pub runs: usize,
-    /// Rounds far from the others.
+    /// Number of rounds far from the others.
     pub outliers: usize,
-    /// Frames of one round.
+    /// Number of frames in a round.
     pub frames_per_run: usize,
     /// `timestamps` or `wall`.
     pub clock: String,
-    /// `median_ms` over the pixels of the disc, ns.
+    /// `median_ms` divided by the pixels of the disc, in ns.
     pub ns_per_pixel: f64,
-    /// Bytes of all tables that the variant reads.
+    /// Size of all tables that the variant reads, in bytes.
     pub table_bytes: u64,
-    /// The variant that the ratio is against.
+    /// The variant that the ratio is to.
     pub baseline: Option<String>,
-    /// Median over interleaved rounds of the baseline's time over this one's.
+    /// Median over interleaved rounds of the baseline's time divided by this variant's.
     pub ratio: Option<f64>,
     /// 95 % confidence interval of the ratio.
     pub ratio_interval: Option<[f64; 2]>,
@@ -195,18 +193,18 @@ pub struct Bench {
     pub settings: Value,
 }
 
-/// Time against a number that was varied, everything else as it was.
+/// Time against a varied number. Everything else stays the same.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scaling {
     /// The surface's name.
     pub surface: String,
-    /// The variant that was varied.
+    /// The varied variant.
     pub variant: String,
     /// `vulkan`, `gl`, …
     pub backend: String,
     /// The adapter's name.
     pub adapter: String,
-    /// What was varied: `pixels`, `terms`, `radius`, `wavelengths`, `patch`, `height`, `range`.
+    /// The varied number: `pixels`, `terms`, `radius`, `wavelengths`, `patch`, `height`, `range`.
     pub axis: String,
     /// Its value.
     pub value: f64,
@@ -216,7 +214,7 @@ pub struct Scaling {
     pub mad_ms: f64,
 }
 
-/// Period of a surface as a variant sees it.
+/// Period of a surface as a variant shows it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Testbench {
     /// The surface's name.
@@ -227,33 +225,33 @@ pub struct Testbench {
     pub route: String,
     /// Angle of incidence, degrees.
     pub theta_i: f64,
-    /// Direction of the light about the normal, degrees.
+    /// Angle of the light about the normal, degrees.
     pub phi_i: f64,
-    /// The period around which was searched, nm.
+    /// The expected period, around which is searched, nm.
     pub expected_nm: f64,
     /// Mean period over wavelengths, nm.
     pub period_nm: f64,
     /// Standard deviation over wavelengths, nm.
     pub sd_nm: f64,
-    /// Wavelengths with a peak.
+    /// Number of wavelengths with a peak.
     pub points: usize,
-    /// Wavelengths left out because the first order is evanescent.
+    /// Number of wavelengths left out because the first order is evanescent.
     pub evanescent: usize,
-    /// Wavelengths left out because there is no maximum near the first order.
+    /// Number of wavelengths left out because there is no maximum near the first order.
     pub flat: usize,
-    /// Mean and standard deviation of the same estimator on the grating's closed form, nm.
+    /// Mean and standard deviation by the same estimator on the grating's closed form, nm.
     pub closed_nm: Option<[f64; 2]>,
-    /// The window of a scan, column and row of its first pixel and its width and height; none: the whole surface.
+    /// The window of a scan: column and row of its first pixel, width and height. `None`: the whole surface.
     pub window: Option<[usize; 4]>,
-    /// In a summary: how many windows, and the standard deviation of the period between them, nm.
+    /// In a summary: the number of windows, and the standard deviation of the period between them, nm.
     pub windows: Option<(usize, f64)>,
-    /// Mean response at the peaks, by which windows are weighted; their mean in a summary.
+    /// Mean response at the peaks, the weight of a window. In a summary: the mean weight.
     pub weight: f64,
     /// The picture of the response, relative to the file of records.
     pub svg: Option<String>,
 }
 
-/// A file of records that is open for appending.
+/// A file of records, open for appending.
 #[derive(Debug)]
 pub struct Log {
     file: File,
@@ -261,8 +259,8 @@ pub struct Log {
 }
 
 impl Log {
-    /// Begins a run of results of some kinds: earlier ones of these kinds leave the file, which is kept as a whole under
-    /// [`OLD`] beside it; others stay. Gives the log and what stayed.
+    /// Begins a run with results of some kinds, selected by `mine`. Earlier results of these kinds are removed from the file; the
+    /// whole old file is kept as [`OLD`] beside it. Returns the log and the remaining results.
     pub fn begin(folder: &Path, mine: impl Fn(&Record) -> bool) -> Result<(Log, Vec<Record>)> {
         let path = folder.join(FILE);
         let fail = |e: std::io::Error| Error::new(path.display(), e);
@@ -279,7 +277,7 @@ impl Log {
         Ok((Log::open(&path)?, records))
     }
 
-    /// Opens or creates the file; a last line that was cut short is taken off.
+    /// Opens or creates the file. An incomplete last line is removed.
     pub fn open(path: &Path) -> Result<Log> {
         let shown = path.display().to_string();
         let fail = |e: std::io::Error| Error::new(&shown, e);
@@ -295,20 +293,20 @@ impl Log {
         Ok(Log { file, path: shown })
     }
 
-    /// Appends one line and hands it to the system at once.
+    /// Appends one line and passes it to the system at once.
     pub fn append(&mut self, record: &Record) -> Result<()> {
         let line = line(record);
         self.file.write_all(line.as_bytes()).map_err(|e| Error::new(&self.path, e))
     }
 }
 
-/// A record as a line of JSON, with its end.
+/// A record as a line of JSON, with a line break.
 pub fn line(record: &Record) -> String {
-    // numbers, strings and options only: nothing that JSON cannot hold
+    // only numbers, strings and options, all of which JSON can represent
     serde_json::to_string(record).map(|text| text + "\n").unwrap_or_default()
 }
 
-/// Reads a file of records; an unfinished last line is ignored, any other fault is an error with its line.
+/// Reads a file of records. An incomplete last line is ignored; any other fault is an error with its line number.
 pub fn read(path: &Path) -> Result<Vec<Record>> {
     let shown = path.display().to_string();
     let bytes = std::fs::read(path).map_err(|e| Error::new(&shown, e))?;
@@ -316,8 +314,8 @@ pub fn read(path: &Path) -> Result<Vec<Record>> {
     let text = String::from_utf8_lossy(&bytes[..whole]);
     let parse = |(i, line): (usize, &str)| {
         serde_json::from_str(line).map_err(|e| {
-            Error::new(format!("{shown}:{}", i + 1), e)
-                .remedy("remove the line, or measure again into an empty folder")
+            Error::new(format!("{shown}:{}", i + 1), format!("is not a valid record: {e}"))
+                .remedy("remove the line, or measure again with an empty folder")
         })
     };
     text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()).map(parse).collect()

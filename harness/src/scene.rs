@@ -1,7 +1,7 @@
-//! A scene to draw a variant in: meshes with tangents, an orbiting camera, directional lights, a body's colour.
+//! Scenes to draw a variant in: meshes with tangents, an orbiting camera, directional lights, a body's colour.
 //!
-//! World: right-handed, `y` up in the picture; a camera at azimuth and elevation 0 stands on `+z`. Lengths have no unit.
-//! Everything here is data or f64 arithmetic; drawing is [`crate::drivers::gpu`]'s and [`crate::scene::drawing`]'s.
+//! World: right-handed, `y` up. A camera at azimuth and elevation 0 is on `+z`. Lengths have no unit. Everything here is data or
+//! f64 arithmetic; [`crate::drivers::gpu`] and [`crate::scene::drawing`] draw.
 
 mod camera;
 pub mod drawing;
@@ -25,10 +25,10 @@ pub use sphere::sphere;
 
 use glam::DVec3;
 
-/// The lights of the figure "Different light directions" of the texts (5.16): directions that the light travels in, the
-/// camera looking along `-z`.
+/// The lights of the thesis's figure 5.16, "Different light directions": directions in which the light travels. The camera looks
+/// along `-z`.
 ///
-/// The first is printed as (-3.3130, 0.0, -0.9999), which is no unit vector; -0.0130 is, to the digits given.
+/// The first is printed as (-3.3130, 0.0, -0.9999), which is not a unit vector. With -0.0130 it is one, to the given digits.
 pub const PRINTED_LIGHTS: [[f64; 3]; 6] = [
     [-0.0130, 0.0, -0.9999],
     [-0.1989, 0.0, -0.9799],
@@ -38,15 +38,15 @@ pub const PRINTED_LIGHTS: [[f64; 3]; 6] = [
     [0.0995, 0.4770, -0.8731],
 ];
 
-/// The zooms of the figure "Different camera zoom levels" of the texts (5.15).
+/// The zooms of the thesis's figure 5.15, "Different camera zoom levels".
 pub const PRINTED_ZOOMS: [f64; 6] = [0.1, 0.2, 0.5, 1.0, 1.5, 2.0];
 
 /// A directional light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
-    /// Direction to the light in the world, of any length.
+    /// Direction towards the light in the world, of any length.
     pub direction: DVec3,
-    /// Radiance of a white diffuser that faces it, linear sRGB.
+    /// Radiance of a white diffuser that faces the light, linear sRGB.
     pub colour: [f32; 3],
 }
 
@@ -57,5 +57,5 @@ impl Light {
     }
 }
 
-/// Most lights of a picture.
+/// Maximum number of lights in a picture.
 pub const MAX_LIGHTS: usize = 4;

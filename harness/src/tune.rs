@@ -1,13 +1,13 @@
-//! The cheapest variant of a surface within an error budget.
+//! Finds the cheapest variant of a surface within an error budget.
 //!
-//! 1. [`candidates`]: presets of a plan, as text, from a grid over what a version may build, and the plan's own variants.
-//!    Light and material stay those of the plan's `[optics]`: they say what is right.
-//! 2. [`prune`]: what bounds, sizes and counts say before anything is computed.
-//! 3. [`search`]: whose colours are computed, in which order; [`colours`] compares them with the exact ones.
+//! 1. [`candidates`]: the plan's own variants, and presets, as text, from a grid over all that this version can build. Light and
+//!    material are those of the plan's `[optics]`, which define the right colours.
+//! 2. [`prune`]: removes candidates by bounds, sizes and counts, before anything is computed.
+//! 3. [`search`]: decides whose colours are computed, in which order. [`colours`] compares them with the exact colours.
 //! 4. Times, drawn in turns with the baseline: see [`bench`](crate::bench).
 //! 5. [`verdict`]: the front of time and error, and the winner.
 //!
-//! All but the times is the same in every run: candidates, order, directions, errors.
+//! Everything except the times is the same in every run: candidates, order, directions, errors.
 
 pub mod candidates;
 pub mod colours;
@@ -25,7 +25,7 @@ use crate::results::{Bounds, Verdict};
 
 pub use preset::preset;
 
-/// A variant that can be laid on the surface.
+/// A variant that can be built on the surface.
 #[derive(Clone, Debug)]
 pub struct Candidate {
     /// The variant.
@@ -34,35 +34,35 @@ pub struct Candidate {
     pub on: Form,
     /// The text of its preset.
     pub preset: String,
-    /// What it is configured to, numbers apart. Of candidates of one kind the counts say which is faster.
+    /// Its configuration without numbers. Among candidates of one kind, counts decide which is faster.
     pub kind: String,
-    /// What is known of its error.
+    /// A-priori bounds of its error.
     pub bounds: Bounds,
-    /// What a lit pixel costs.
+    /// Cost of a lit pixel.
     pub cost: Cost,
 }
 
 impl Candidate {
-    /// Texels that a lit pixel reads, on average.
+    /// Texels that a lit pixel reads on average.
     pub fn fetches(&self) -> f64 {
         self.cost.fetches_mean
     }
 
-    /// Bytes of all tables.
+    /// Size of all tables in bytes.
     pub fn table_bytes(&self) -> u64 {
         self.cost.table_bytes
     }
 }
 
-/// A candidate that takes no part, and why.
+/// A candidate that does not take part, with the reason.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lost {
     /// Its name.
     pub name: String,
     /// The text of its preset.
     pub preset: String,
-    /// What became of it.
+    /// The verdict.
     pub verdict: Verdict,
-    /// Why, in words.
+    /// The reason in words.
     pub why: String,
 }

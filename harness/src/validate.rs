@@ -1,7 +1,7 @@
-//! External validators over emitted files.
+//! Checks emitted files with external validators.
 //!
-//! Every tool runs on the files in place, function forms inside a shell that calls them. A tool that crashes, or does
-//! not end in time, has rejected its file.
+//! Every tool runs on the files in place. Function forms are put inside a shell that calls them. A tool that crashes or does
+//! not end in time counts as having rejected its file.
 
 mod reflect;
 mod shell;
@@ -22,7 +22,7 @@ use serde::Serialize;
 pub use reflect::Reflection;
 pub use tools::{External, HlslSpirv, Naga, tools};
 
-/// Time that a tool has for one file.
+/// Maximum time of a tool for one file.
 const TIME_LIMIT: Duration = Duration::from_secs(60);
 
 /// The language that a tool reads.
@@ -30,7 +30,7 @@ const TIME_LIMIT: Duration = Duration::from_secs(60);
 pub enum Reads {
     /// WGSL.
     Wgsl,
-    /// GLSL of both kinds, and HLSL.
+    /// GLSL, GLSL ES and HLSL.
     GlslHlsl,
     /// HLSL.
     Hlsl,
@@ -55,37 +55,37 @@ pub trait Tool: Send + Sync {
     /// Its name on the command line and in tables.
     fn name(&self) -> &str;
 
-    /// The Debian package that brings it, where there is one.
+    /// The Debian package that contains it, if there is one.
     fn package(&self) -> Option<&str>;
 
-    /// Whether it can run here; its version, as far as it tells.
+    /// Its version, as far as it reports one; `None` if it cannot run here.
     fn version(&self) -> Option<String>;
 
-    /// Whether it reads files of that name.
+    /// Whether it reads files of this name.
     fn reads(&self, name: &str) -> bool;
 
-    /// Checks a file; the error is what the tool had to say.
+    /// Checks a file. The error is the tool's message.
     fn check(&self, file: &Path) -> Result<(), String>;
 }
 
-/// What the tools said about a folder.
+/// The results of the tools for a folder.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Report {
     /// One line per tool, in the order given.
     pub tools: Vec<ToolReport>,
     /// Rejected files, in order of tools, then paths.
     pub failures: Vec<Failure>,
-    /// Shader files that none of the tools reads.
+    /// Shader files that no tool read.
     pub unread: Vec<Unread>,
 }
 
 impl Report {
-    /// Whether every tool that ran accepted every file it reads, and at least one file was read.
+    /// Whether every tool that ran accepted all its files, and at least one file was read.
     pub fn accepted(&self) -> bool {
         self.failures.is_empty() && self.tools.iter().any(|tool| tool.files > 0)
     }
 
-    /// The failures as errors without a place.
+    /// The failures as diagnostics without a place.
     pub fn diagnostics(&self) -> Vec<Diagnostic> {
         let describe = |failure: &Failure| {
             let message = format!("{}: rejected by {}", failure.file.display(), failure.tool);
@@ -95,12 +95,12 @@ impl Report {
     }
 }
 
-/// A shader file that no tool has read.
+/// A shader file that no tool read.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct Unread {
     /// Path relative to the folder.
     pub file: PathBuf,
-    /// Why.
+    /// The reason.
     pub reason: String,
 }
 
@@ -109,11 +109,11 @@ pub struct Unread {
 pub struct ToolReport {
     /// Name of the tool.
     pub name: String,
-    /// Its version; `None` where it is not installed.
+    /// Its version; `None` if it is not installed.
     pub version: Option<String>,
-    /// Files that it read.
+    /// Number of files that it read.
     pub files: usize,
-    /// Files that it rejected.
+    /// Number of files that it rejected.
     pub rejected: usize,
 }
 
@@ -124,14 +124,13 @@ pub struct Failure {
     pub file: PathBuf,
     /// Name of the tool.
     pub tool: String,
-    /// What the tool said.
+    /// The tool's message.
     pub message: String,
 }
 
 /// Runs the tools over every file below `folder`, in parallel.
 ///
-/// Tools that are not installed are left out and reported so; one that is named in `required` is an error then, as is
-/// an unknown name.
+/// Tools that are not installed are skipped and reported. A missing tool in `required` is an error, and so is an unknown name.
 pub fn validate(folder: &Path, tools: &[Box<dyn Tool>], required: &[String]) -> Result<Report> {
     let versions: Vec<Option<String>> = tools.par_iter().map(|tool| tool.version()).collect();
     for name in required {
@@ -139,14 +138,14 @@ pub fn validate(folder: &Path, tools: &[Box<dyn Tool>], required: &[String]) -> 
         match known {
             None => {
                 let names: Vec<&str> = tools.iter().map(|tool| tool.name()).collect();
-                return Err(Error::new(name, "is not a validator known here")
-                    .remedy(format_args!("known are {}", names.join(", "))));
+                return Err(Error::new(name, "is not a known validator")
+                    .remedy(format_args!("one of {}", names.join(", "))));
             }
             Some((tool, None)) => {
-                let error = Error::new(name, "is required and not installed");
+                let error = Error::new(name, "is required, but not installed");
                 return Err(match tool.package() {
                     Some(package) => error.remedy(format_args!("apt-get install {package}")),
-                    None => error.remedy("put its binary on the PATH"),
+                    None => error.remedy("put its program on the PATH"),
                 });
             }
             Some((_, Some(_))) => {}
@@ -164,10 +163,13 @@ pub fn validate(folder: &Path, tools: &[Box<dyn Tool>], required: &[String]) -> 
         jobs.extend(readers.filter(|(i, _)| versions[*i].is_some()).map(|(i, _)| (i, file)));
         if jobs.len() == before && is_shader(&name) {
             let reason = if name.ends_with(".metal") {
-                "Metal's compiler comes with macOS only".to_owned()
+                "Metal's compiler exists on macOS only".to_owned()
             } else {
                 let named = tools.iter().filter(|tool| tool.reads(&name)).map(|tool| tool.name());
-                format!("none is installed of: {}", named.collect::<Vec<_>>().join(", "))
+                format!(
+                    "needs one of these tools, none of which is installed: {}",
+                    named.collect::<Vec<_>>().join(", ")
+                )
             };
             unread.insert(Unread { file: relative(file, folder), reason });
         }
@@ -200,13 +202,13 @@ fn relative(file: &Path, folder: &Path) -> PathBuf {
     file.strip_prefix(folder).unwrap_or(file).to_owned()
 }
 
-/// Suffixes of the files that a package calls shaders.
+/// Whether a package's file of this name is a shader.
 fn is_shader(name: &str) -> bool {
     let suffixes = [".wgsl", ".glsl", ".es300.vert", ".es300.frag", ".spv", ".hlsl", ".metal"];
     suffixes.iter().any(|suffix| name.ends_with(suffix))
 }
 
-/// Adds the files below a folder, links not followed.
+/// Adds all files below a folder. Links are not followed.
 fn walk(folder: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
     let unreadable = |error| Error::new(folder.display(), "cannot be listed").source(error);
     for entry in fs::read_dir(folder).map_err(unreadable)? {

@@ -137,6 +137,6 @@ fn what_cannot_be_measured_is_exit_code_two() {
         ],
         "--window-um",
     );
-    fails(&["--surface", "a", "--theta-i", "90"], "below 90 degrees");
+    fails(&["--surface", "a", "--theta-i", "90"], "at least 0 and below 90");
     fails(&["--surface", "a", "--window-um", "3"], "--windows");
 }

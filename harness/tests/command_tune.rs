@@ -92,7 +92,10 @@ fn the_winner_is_within_the_budget_and_its_preset_can_be_pasted() {
     assert_eq!(plain(&again), plain(&found));
     let text = String::from_utf8(done.stdout).unwrap();
     assert!(text.contains("winner: ") && text.contains("[[preset]]"), "{text}");
-    assert!(text.contains("a bound is far too large") && text.contains("baseline"), "{text}");
+    assert!(
+        text.contains("an a-priori error bound is far too large") && text.contains("baseline"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -105,7 +108,7 @@ fn a_budget_that_nothing_keeps_is_a_finding_that_says_what_came_nearest() {
     let text = String::from_utf8_lossy(&done.stderr);
     assert_eq!(done.status.code(), Some(1), "{text}");
     assert!(
-        text.contains("nothing is within a p95 of 0.000001") && text.contains("nearest"),
+        text.contains("no candidate is within a p95 of 0.000001") && text.contains("nearest"),
         "{text}"
     );
 }

@@ -212,7 +212,7 @@ fn what_the_driver_refuses_is_an_error_that_names_it() {
         for (spoiled, words) in [
             (compile(&replace("exp(", "expp("), &tables), [fragment, "expp", egl.driver()]),
             (compile(&lost, &tables), [fragment, "not link", "_vs2fs_"]),
-            (compile(&rename, &tables), [fragment, "knows no", "x"]),
+            (compile(&rename, &tables), [fragment, "does not know", "x"]),
             (compile(&untouched, &tables[..1]), [fragment, "no table for", "2"]),
             (
                 compile(&untouched, &with(&large)),

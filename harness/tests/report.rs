@@ -91,7 +91,7 @@ fn every_section_shows_its_numbers() {
     );
     has(
         section(&html, "pareto"),
-        &["<svg", "12.4", "117×", "112–121", "246", "1.50 MiB", "Beaten by no other"],
+        &["<svg", "12.4", "117×", "112–121", "246", "1.50 MiB", "On the front"],
     );
     has(section(&html, "routes"), &["8.88×10⁻⁵", "fails", "4.48×10⁻⁶", "3.37×10⁻⁶"]);
     has(
@@ -220,11 +220,11 @@ fn pictures_that_cannot_be_shown_are_named() {
         &missing,
         &[
             "gone.png: ",
-            "../records.jsonl: lies outside the folder",
-            "page.png: is neither a PNG nor an SVG picture",
+            "../records.jsonl: is outside the folder",
+            "page.png: is not a PNG or SVG picture",
         ],
     );
-    has(section(&found.html, "summary"), &["gone.png", "lies outside"]);
+    has(section(&found.html, "summary"), &["gone.png", "is outside"]);
     has(section(&found.html, "maps"), &["picture missing"]);
     let without = page(&[read(folder.path(), false).expect("reads")]);
     assert_eq!(without.missing, Vec::<String>::new());

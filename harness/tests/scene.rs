@@ -253,7 +253,7 @@ fn frames_that_do_not_exist_are_black_and_pictures_of_no_size_are_errors() {
     let pixels = relative_radiance(&gpu, &prepared, &mesh, &params, SIZE).unwrap();
     assert!(pixels.iter().any(|p| p[1] > 1e-6) && pixels.iter().flatten().all(|c| c.is_finite()));
     let error = orbit.params(&mesh, [0, 0], LIGHT).unwrap_err();
-    assert_eq!(error.to_string(), "camera: a picture of 0 × 0 pixels, which is none");
+    assert_eq!(error.to_string(), "camera: a picture of 0 × 0 pixels is empty");
     let error = relative_radiance(&gpu, &prepared, &mesh, &params, [0, 5]).unwrap_err();
     assert!(error.to_string().contains("0 × 5 pixels"), "{error}");
 }

@@ -143,7 +143,7 @@ fn missing_tangents_follow_the_texture_and_its_mirror_image() {
 fn without_texture_coordinates_tangents_are_arbitrary_and_said_to_be() {
     let mesh = Square { tangents: None, uvs: None, ..Square::whole() }.read().unwrap();
     let said = notes(&mesh);
-    assert!(said.contains("4 vertices have no texture coordinates"), "{said}");
+    assert!(said.contains("4 vertices have no valid texture coordinates"), "{said}");
     assert!(said.contains("6 corners got no tangent from their texture coordinates"), "{said}");
     assert!(mesh.vertices.iter().all(|v| (v.tangent.truncate().length() - 1.0).abs() < 1e-6));
 }
@@ -156,7 +156,7 @@ fn normals_that_are_no_numbers_come_from_the_triangles() {
     let mesh = square.read().unwrap();
     assert_eq!(
         notes(&mesh),
-        "2 normals are missing or no numbers; taken from the triangles around"
+        "2 normals are missing or invalid; computed from the adjacent triangles"
     );
     assert!(mesh.vertices.iter().all(|v| v.normal == DVec3::Z));
 }
@@ -169,7 +169,7 @@ fn triangles_without_area_are_left_out() {
     assert_eq!(notes(&mesh), "1 triangles without area left out");
     assert_eq!(mesh.triangles.len(), 2);
     let nothing = Square { indices: vec![0, 0, 1], ..Square::whole() }.read().unwrap_err();
-    assert_eq!(nothing, "square.gltf: holds no triangle with an area");
+    assert_eq!(nothing, "square.gltf: has no triangle with an area");
 }
 
 #[test]
@@ -205,34 +205,34 @@ fn broken_files_are_refused_by_name_and_cause() {
     let cases: [(Edit<'_>, &str); 8] = [
         (
             &|g| g["bufferViews"][0]["byteLength"] = json!(100_000),
-            "buffer view 0 ends behind its buffer",
+            "buffer view 0 ends beyond its buffer",
         ),
-        (&|g| g["accessors"][0]["count"] = json!(1000), "accessor 0 ends behind its buffer view"),
+        (&|g| g["accessors"][0]["count"] = json!(1000), "accessor 0 ends beyond its buffer view"),
         (&|g| g["accessors"][0]["count"] = json!(0), "accessor 0 is empty"),
         (&|g| g["accessors"][1]["type"] = json!("VEC2"), "accessor 1 is Vec2 of F32"),
-        (&|g| g["scenes"] = json!([]), "is no glTF 2.0 file that can be read"),
+        (&|g| g["scenes"] = json!([]), "cannot be read as glTF 2.0"),
         (&|g| g["buffers"][0]["uri"] = json!("nowhere.bin"), "its buffers cannot be read"),
         (
             &|g| g["accessors"][5]["componentType"] = json!(5126),
-            "accessor 5 ends behind its buffer view",
+            "accessor 5 ends beyond its buffer view",
         ),
-        (&|g| g["meshes"][0]["primitives"][0]["mode"] = json!(1), "holds no triangle with an area"),
+        (&|g| g["meshes"][0]["primitives"][0]["mode"] = json!(1), "has no triangle with an area"),
     ];
     for (edit, expected) in cases {
         let said = edited(edit);
         assert!(said.starts_with("square.gltf: ") && said.contains(expected), "{said}");
     }
     let far = Square { indices: vec![0, 1, 9], ..Square::whole() }.read().unwrap_err();
-    assert!(far.contains("a triangle names vertex 9 of 4"), "{far}");
+    assert!(far.contains("a triangle has the vertex index 9, but there are 4 vertices"), "{far}");
     let mut square = Square::whole();
     square.positions[2][1] = f32::INFINITY;
     let said = square.read().unwrap_err();
-    assert!(said.contains("vertex 2 has no place"), "{said}");
-    assert!(read_text("no.gltf", "{").unwrap_err().contains("is no glTF 2.0 file"));
-    assert!(read_text("no.glb", "glTF").unwrap_err().contains("is no glTF 2.0 file"));
-    assert!(read_text("no.obj", "f 1 2 3\n").unwrap_err().contains("is no OBJ file"));
+    assert!(said.contains("vertex 2 has no valid position"), "{said}");
+    assert!(read_text("no.gltf", "{").unwrap_err().contains("cannot be read as glTF 2.0"));
+    assert!(read_text("no.glb", "glTF").unwrap_err().contains("cannot be read as glTF 2.0"));
+    assert!(read_text("no.obj", "f 1 2 3\n").unwrap_err().contains("cannot be read as OBJ"));
     assert_eq!(
         read_text("no.stl", "").unwrap_err(),
-        "no.stl: its name ends in none of .gltf, .glb, .obj (convert it)"
+        "no.stl: the name must end in .gltf, .glb or .obj (convert the file)"
     );
 }

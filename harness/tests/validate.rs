@@ -46,7 +46,7 @@ fn every_emitted_file_is_accepted() {
     assert!(report.tools.iter().all(|tool| tool.version.is_some()));
     let unread: Vec<_> =
         report.unread.iter().map(|u| (u.file.to_str(), u.reason.as_str())).collect();
-    assert_eq!(unread, [(Some("diffraction.metal"), "Metal's compiler comes with macOS only")]);
+    assert_eq!(unread, [(Some("diffraction.metal"), "Metal's compiler exists on macOS only")]);
 }
 
 #[test]
@@ -96,9 +96,15 @@ fn files_below_the_folder_are_found_and_all_failures_told() {
     let unread: Vec<_> =
         report.unread.iter().map(|u| (u.file.clone(), u.reason.as_str())).collect();
     let expected = [
-        ("diffraction.frag.glsl", "none is installed of: no-such-validator"),
-        ("diffraction.hlsl", "none is installed of: no-such-validator"),
-        ("diffraction.metal", "Metal's compiler comes with macOS only"),
+        (
+            "diffraction.frag.glsl",
+            "needs one of these tools, none of which is installed: no-such-validator",
+        ),
+        (
+            "diffraction.hlsl",
+            "needs one of these tools, none of which is installed: no-such-validator",
+        ),
+        ("diffraction.metal", "Metal's compiler exists on macOS only"),
     ];
     assert_eq!(unread, expected.map(|(name, reason)| (relative.join(name), reason)));
 }
@@ -117,11 +123,11 @@ fn required_tools() {
     };
     assert_eq!(run(&tools(), "naga").unwrap(), 7);
     let error = run(&tools(), "nagga").unwrap_err().to_string();
-    assert!(error.starts_with("nagga: is not a validator known here (known are naga, "), "{error}");
+    assert!(error.starts_with("nagga: is not a known validator (one of naga, "), "{error}");
     let missing = External::new("no-such-validator", Some("some-package"), Reads::Wgsl, |_| vec![]);
     let error = run(&[Box::new(missing)], "no-such-validator").unwrap_err().to_string();
     let expected =
-        "no-such-validator: is required and not installed (apt-get install some-package)";
+        "no-such-validator: is required, but not installed (apt-get install some-package)";
     assert_eq!(error, expected);
     assert!(validate(&folder.path().join("gone"), &tools(), &[]).is_err());
 }

@@ -1,4 +1,4 @@
-//! The harness's program, built where it is missing or older than its sources.
+//! Builds the harness's program if it is missing or older than its sources.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use diffraction_cli::harness::NAME;
 
 use crate::root;
 
-/// What it is made of, relative to the workspace.
+/// Its sources, relative to the workspace.
 const SOURCES: [&str; 8] = [
     "Cargo.lock",
     "Cargo.toml",
@@ -22,13 +22,13 @@ const SOURCES: [&str; 8] = [
     "templates",
 ];
 
-/// The program, up to date, in the folder `release` of the target folder that this program lies in.
+/// Path of the program, up to date: in the folder `release` of this program's target folder.
 pub(crate) fn harness() -> Result<PathBuf> {
-    let own = std::env::current_exe().context("this program cannot be found")?;
-    let target = own.ancestors().nth(2).context("this program lies in no target folder")?;
+    let own = std::env::current_exe().context("the path of this program cannot be found")?;
+    let target = own.ancestors().nth(2).context("this program is not in a target folder")?;
     let release = target.join("release");
     let path = release.join(format!("{NAME}{}", std::env::consts::EXE_SUFFIX));
-    // cargo leaves a program alone whose sources changed in name only
+    // cargo does not touch a program if its sources changed only in their time
     let looked_at = release.join(format!(".{NAME}-looked-at"));
     let known = modified(&path).map(|built| modified(&looked_at).map_or(built, |at| at.max(built)));
     if let Some(known) = known
@@ -36,18 +36,18 @@ pub(crate) fn harness() -> Result<PathBuf> {
     {
         return Ok(path);
     }
-    eprintln!("note: building {NAME}, about 5 minutes the first time on two cores");
+    eprintln!("note: building {NAME}: the first build takes about 5 minutes on two cores");
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let status = Command::new(cargo)
         .args(["build", "--release", "-p", NAME, "--target-dir"])
         .arg(target)
         .current_dir(root())
         .status()
-        .context("cargo cannot be started; install Rust, or build on another machine")?;
+        .context("cargo cannot be started; install Rust")?;
     if !status.success() {
-        bail!("{NAME} was not built; cargo says why above");
+        bail!("{NAME} could not be built; see cargo's messages above");
     }
-    // without the mark the next call asks cargo again
+    // without this mark the next call only runs cargo again
     let _ = File::create(looked_at);
     Ok(path)
 }
@@ -56,7 +56,7 @@ fn modified(path: &Path) -> Option<SystemTime> {
     fs::metadata(path).ok()?.modified().ok()
 }
 
-/// When the latest of files and folders, with all that is in them, was changed; nothing where there are none.
+/// Time of the last change in files and folders with all their content; `None` if they do not exist.
 fn newest(root: &Path, places: &[&str]) -> Option<SystemTime> {
     places.iter().filter_map(|place| newest_in(&root.join(place))).max()
 }

@@ -1,7 +1,7 @@
-//! `cargo xtask`: every command of the project in its own workspace.
+//! `cargo xtask`: all commands of the project, inside its workspace.
 //!
-//! The compiler's commands are those of `diffraction_cli`; `test` is here; all others go to the harness's program, which is
-//! built when it is first asked for.
+//! The compiler's commands are in `diffraction_cli`, `test` is here. All others are passed to the harness's program, which is
+//! built when it is first needed.
 
 mod build;
 mod test;

@@ -1,4 +1,4 @@
-//! `cargo xtask test`: sets up what the tests need and runs all of them.
+//! `cargo xtask test`: installs what the tests need, then runs all checks and tests.
 
 mod modules;
 mod setup;
@@ -12,26 +12,28 @@ use std::{
 
 use crate::root;
 
-/// Sets up what the tests need, and runs all of them.
+/// Install what the tests need, then run all checks and tests.
 ///
-/// Missing software drivers, validators, node and Python are installed with apt-get, where that takes no password; the gallery's
-/// libraries by npm, those of the Python example by pip, both into folders of the workspace. Then come formatting,
-/// lints, documentation and tests, all of them even if one fails.
+/// Missing packages (software drivers, validators, Chromium, node, Python) are installed with apt-get, if that needs no password.
+/// npm installs the gallery's libraries and pip those of the Python example, both into folders of the workspace. Then
+/// formatting, lints, documentation and tests run, all of them even if one fails.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   cargo xtask test
-  cargo xtask test -- --test gpu           only the tests of harness/tests/gpu.rs
-  cargo xtask test --no-setup -- -- bands  only tests whose name contains `bands`")]
+  cargo xtask test -- --test gpu           run only the tests of harness/tests/gpu.rs
+  cargo xtask test --no-setup -- -- bands  run only tests whose name contains `bands`
+
+Exit code 0: all steps passed. 1: a step failed. 2: a step could not run, or a tool is missing.")]
 pub struct Args {
-    /// Install nothing; tests that lack a tool say so and pass
+    /// Do not install anything. Tests without their tool then print a note and pass
     #[arg(long)]
     pub no_setup: bool,
-    /// Further arguments of `cargo test`
+    /// Further arguments for `cargo test`, after --
     #[arg(last = true, value_name = "ARGS")]
     pub cargo_test: Vec<OsString>,
 }
 
-/// Runs the command. 0: all steps passed; 1: one failed; 2: one could not be run, or a tool is missing.
+/// Runs the command. 0: all steps passed. 1: a step failed. 2: a step could not run, or a tool is missing.
 pub fn run(args: &Args) -> anyhow::Result<ExitCode> {
     let root = root();
     if !args.no_setup
@@ -79,7 +81,7 @@ impl Step {
     }
 }
 
-/// All but formatting share one profile and all crates, so that each dependency is built once.
+/// The steps. All except formatting share one profile and all crates, so that each dependency is built once.
 fn steps(cargo_test: &[OsString]) -> Vec<Step> {
     let shared = "--release --workspace";
     let step = |name, command: &str, rest: &str| Step {
@@ -90,9 +92,9 @@ fn steps(cargo_test: &[OsString]) -> Vec<Step> {
     let mut test = step("tests", "test", &format!("{shared} --no-fail-fast"));
     test.arguments.extend_from_slice(cargo_test);
     test.environment = &[
-        // Mesa's GL renders to 32-bit float targets only when asked to
+        // Mesa's GL renders to 32-bit float targets only with this
         ("MESA_EXTENSION_OVERRIDE", "+GL_ARB_color_buffer_float"),
-        // else Mesa's Vulkan looks for a Wayland display and complains
+        // otherwise Mesa's Vulkan looks for a Wayland display and prints a warning
         ("NODEVICE_SELECT", "1"),
     ];
     let mut doc = step("documentation", "doc", &format!("{shared} --no-deps"));
@@ -128,7 +130,7 @@ struct Done {
     time: Duration,
 }
 
-/// That of the first step that did not pass.
+/// The exit code of the first step that did not pass.
 fn exit_code(done: &[Done]) -> u8 {
     done.iter()
         .find_map(|done| match done.outcome {

@@ -1,4 +1,4 @@
-//! The facts of a surface for people.
+//! The facts of a surface as text for people.
 
 use diffraction_shaders::plan::{SurfaceSource, SurfaceSpec};
 use diffraction_shaders::surface::facts::{AxisPeriods, Facts, TRIM_PERCENT};
@@ -6,10 +6,10 @@ use diffraction_shaders::survey::{Survey, TERM_ERRORS};
 
 use crate::list::{or_dash, source, table};
 
-/// Columns of a line, beyond which sentences are broken.
+/// Maximum width of a line, in columns. Longer sentences are broken.
 const WIDTH: usize = 100;
 
-/// Column at which values begin.
+/// Column in which values begin.
 const INDENT: usize = 16;
 
 pub(super) fn human(spec: &SurfaceSpec, found: &Survey, written: &[String]) -> String {
@@ -41,7 +41,7 @@ fn size(found: &Survey) -> Lines {
     };
     let is_enough = found.wanted_pitch_um * (1.0 + 1e-9) >= pitch_um[0].max(pitch_um[1]);
     let verdict = format!(
-        "{}, which serves wavelengths from {} nm up; {} nm needs {} nm or less{}",
+        "{}, enough for wavelengths of {} nm and longer; {} nm needs a pitch of at most {} nm{}",
         pitch,
         short(*shortest_nm),
         short(found.wanted_nm),
@@ -64,7 +64,7 @@ fn size(found: &Survey) -> Lines {
     if found.rotate_deg != 0.0 {
         lines.push((
             "rotation",
-            vec![format!("{}° later on; all of this is before it", found.rotate_deg)],
+            vec![format!("{}°, applied later: all numbers here are before it", found.rotate_deg)],
         ));
     }
     lines
@@ -101,13 +101,13 @@ fn relief(found: &Survey, is_file: bool) -> Lines {
     lines.push(("voids", vec![voids]));
     lines.push(("tilt", vec![tilt(facts)]));
     let edges = match facts.joins {
-        [true, true] => "joins itself when tiled".to_owned(),
+        [true, true] => "tiles without a seam".to_owned(),
         joins => {
             let axes: Vec<&str> =
                 ["x", "y"].into_iter().zip(joins).filter(|(_, j)| !j).map(|(a, _)| a).collect();
             let seam = facts.seam[0].max(facts.seam[1]);
             format!(
-                "does not join itself along {} (steps over the seam are {} times those inside)",
+                "has a seam along {} when tiled (steps across the seam are {} times those inside)",
                 axes.join(" and "),
                 short(seam)
             )
@@ -127,7 +127,7 @@ fn tilt(facts: &Facts) -> String {
         return "none".to_owned();
     }
     format!(
-        "{:.3}° towards {:.0}°, {} nm over the patch; `level = \"plane\"` makes the peak to valley {} nm, and `clip_percent = {TRIM_PERCENT}` moreover {} nm",
+        "{:.3}° towards {:.0}°, {} nm over the patch; with `level = \"plane\"` the peak to valley is {} nm, with `clip_percent = {TRIM_PERCENT}` as well {} nm",
         tilt.angle_deg,
         tilt.direction_deg,
         short(rise * 1e3),
@@ -149,13 +149,13 @@ fn periods(found: &Survey) -> String {
         })
         .collect();
     if rows.is_empty() {
-        text += "  none has a hundredth of the power\n";
+        text += "  no period has 1 % of the power\n";
     } else {
         text += &indented(&table::text(&["period, µm", "direction, °", "power, %"], rows));
     }
     let along = |axis: &AxisPeriods| match (axis.peaks.as_slice(), axis.mean_um, axis.deviation_um)
     {
-        ([], _, _) | (_, None, _) => "no period has a hundredth of the power".to_owned(),
+        ([], _, _) | (_, None, _) => "no period has 1 % of the power".to_owned(),
         (peaks, Some(mean), deviation) => {
             let listed: Vec<String> = peaks
                 .iter()
@@ -174,10 +174,10 @@ fn periods(found: &Survey) -> String {
         }
     };
     let how = match periods.tiled {
-        [true, true] => "of the tiled patch, exact".to_owned(),
-        [true, false] => "with a window along y, where the patch does not join itself".to_owned(),
-        [false, true] => "with a window along x, where the patch does not join itself".to_owned(),
-        [false, false] => "plane taken off, with a window against the seam".to_owned(),
+        [true, true] => "exact, of the tiled patch".to_owned(),
+        [true, false] => "with a window along y against the seam".to_owned(),
+        [false, true] => "with a window along x against the seam".to_owned(),
+        [false, false] => "plane removed, with a window against the seam".to_owned(),
     };
     text + &paragraph(vec![
         ("along x", vec![along(&periods.along_x)]),
@@ -205,7 +205,7 @@ fn terms(found: &Survey, is_file: bool) -> String {
     let head: Vec<&str> =
         std::iter::once("basis").chain(errors.iter().map(String::as_str)).collect();
     format!(
-        "terms needed for an error of the phase function of at most\n{}",
+        "terms needed to keep the error of the phase function below\n{}",
         indented(&table::text(&head, rows))
     )
 }
@@ -214,7 +214,7 @@ fn window(found: &Survey) -> Lines {
     let window = &found.window;
     let [x, y] = window.sigma_bins;
     let mut sentences = vec![format!(
-        "{} µm, `{}`: a lobe's σf is {} of the distance between orders along x, {} along y; half way to the next order it is at {:.0} % and {:.0} %",
+        "{} µm, `{}`: a lobe's σf is {} of the distance between orders along x, {} along y; halfway to the next order it has fallen to {:.0} % and {:.0} %",
         short(window.coherence_um),
         serde_json::to_value(window.coherence)
             .ok()
@@ -247,7 +247,7 @@ fn cost(found: &Survey) -> String {
     format!("cost of a lit pixel\n{}\n", indented(&table::text(&head, rows.collect())))
 }
 
-/// Labelled values, long ones broken between words.
+/// Values with labels. Long values are broken between words.
 fn paragraph(lines: Lines) -> String {
     let mut text = String::new();
     for (label, values) in lines {

@@ -1,6 +1,7 @@
 //! Plain text tables.
 
-/// Columns as wide as their widest cell, columns of numbers to the right; every row has as many cells as the head.
+/// A table whose columns are as wide as their widest cell. Numbers are aligned to the right. Every row must have as many
+/// cells as the heading.
 pub fn text(head: &[&str], rows: Vec<Vec<String>>) -> String {
     let head: Vec<String> = head.iter().map(ToString::to_string).collect();
     let columns = head.len();
@@ -24,10 +25,10 @@ pub fn text(head: &[&str], rows: Vec<Vec<String>>) -> String {
     text
 }
 
-/// Width of a terminal that lists are written for.
+/// Maximum width of a list, in columns.
 const WIDTH: usize = 100;
 
-/// A head and items after it, in as many lines as they take; the lines after the first are indented.
+/// A heading with items after it, on as many lines as needed. Lines after the first are indented.
 pub(crate) fn wrapped(head: &str, items: &[String], between: &str) -> String {
     const INDENT: &str = "      ";
     let mut text = String::new();

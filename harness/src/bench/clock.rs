@@ -1,13 +1,13 @@
-//! Clocks: that of the wall and that of the processor.
+//! The wall clock and the processor's clock.
 
 use std::time::{Duration, Instant};
 
-/// What time it is.
+/// A source of times.
 pub trait Clock {
-    /// Since some moment before; never goes back.
+    /// Wall time since a fixed moment. It never runs backwards.
     fn wall(&self) -> Duration;
 
-    /// Time that processors spent on this process, all threads; zero where the system does not tell.
+    /// Processor time of all threads of this process; zero if the system does not report it.
     fn cpu(&self) -> Duration;
 }
 
@@ -16,7 +16,7 @@ pub trait Clock {
 pub struct SystemClock(Instant);
 
 impl SystemClock {
-    /// Starts now.
+    /// Clocks that start now.
     pub fn new() -> SystemClock {
         SystemClock(Instant::now())
     }
@@ -36,7 +36,7 @@ impl Clock for SystemClock {
     #[cfg(unix)]
     fn cpu(&self) -> Duration {
         use rustix::time::{ClockId, clock_gettime};
-        // never negative
+        // the system's times are never negative
         clock_gettime(ClockId::ProcessCPUTime).try_into().unwrap_or_default()
     }
 
@@ -46,7 +46,7 @@ impl Clock for SystemClock {
     }
 }
 
-/// Milliseconds.
+/// A time in milliseconds.
 pub fn ms(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }

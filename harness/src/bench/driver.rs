@@ -1,4 +1,4 @@
-//! Groups of variants on one adapter.
+//! Measures groups of variants on one adapter.
 
 use diffraction_shaders::error::Result;
 use diffraction_shaders::optics::direction;
@@ -15,55 +15,55 @@ use super::yardstick::{self, Yardstick};
 use crate::drivers::gpu::{Gpu, Pipeline};
 use crate::drivers::{Prepared, params};
 
-/// Pixels along a side of the first draw, which makes the driver compile.
+/// Width and height in pixels of the first draw, which makes the driver compile.
 const FIRST_DRAW: u32 = 8;
 
-/// What is drawn.
+/// The surface and the light to draw.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'a> {
     /// The heights.
     pub height: &'a HeightField,
     /// Rotation of the surface about its normal, degrees.
     pub rotate_deg: f64,
-    /// Direction of the light, theta and phi in degrees.
+    /// Direction towards the light: theta and phi in degrees.
     pub light: [f64; 2],
 }
 
-/// A placement of a group.
+/// A member of a group.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Case {
     /// A variant's map.
     Map {
         /// The variant.
         variant: Box<Variant>,
-        /// Heights in place of the scene's, where those are varied.
+        /// Heights in place of the scene's, if heights are varied.
         height: Option<Box<HeightField>>,
         /// Pixels along x and y.
         frame: [usize; 2],
     },
-    /// A frame of something else.
+    /// A frame of another shader, for scale.
     Yardstick {
-        /// What.
+        /// Which shader.
         what: Yardstick,
-        /// Decide the gain.
+        /// The optics, for the gain.
         optics: Box<Optics>,
         /// Pixels along x and y.
         frame: [usize; 2],
     },
 }
 
-/// What was measured of a group, in the order of its cases.
+/// The result of a group, in the order of its cases.
 #[derive(Debug)]
 pub struct Group {
-    /// The clock of all times.
+    /// The clock that all times are from.
     pub timing: Timing,
-    /// Greatest difference of time stamps from the wall while warming up, relative; none where there are no stamps.
+    /// Maximum relative difference of the time stamps from the wall clock while warming up; `None` without time stamps.
     pub disagreement: Option<f64>,
     /// The times, or what went wrong.
     pub cases: Vec<Result<Timed>>,
 }
 
-/// Builds the pipelines of a group and draws them in turns, see [`rounds::measure`]. Ratios are to the first case.
+/// Builds the pipelines of a group and draws them in turns, see [`rounds::measure`]. The first case is the baseline.
 pub fn measure(
     gpu: &Gpu,
     scene: &Scene<'_>,
@@ -81,7 +81,7 @@ pub fn measure(
     drop(subjects);
     let disagreement = measured.samples.iter().flatten().filter_map(|s| s.disagreement);
     let disagreement = disagreement.reduce(f64::max);
-    // an error of building comes before the one of drawing what was not built
+    // an error of building is reported before the error of drawing what was not built
     let timed = |(built, samples): (Result<Built>, Result<Samples>)| {
         let built = built?;
         Ok(Timed { samples: samples?, ..built.timed })
@@ -90,7 +90,7 @@ pub fn measure(
     Group { timing: measured.timing, disagreement, cases }
 }
 
-/// A pipeline with what is known of it.
+/// A pipeline with its numbers.
 struct Built {
     pipeline: Pipeline,
     params: [f32; 8],
@@ -106,7 +106,7 @@ impl Executor for Subjected<'_> {
             Err(error) => {
                 return Err(diffraction_shaders::error::Error::new(
                     error.subject(),
-                    "was not built",
+                    "the pipeline was not built",
                 ));
             }
         };
@@ -154,7 +154,7 @@ fn build(gpu: &Gpu, scene: &Scene<'_>, case: &Case, clock: &dyn Clock) -> Result
     }
 }
 
-/// The driver may put its work off until the first draw, so that is part of it.
+/// Compiles and draws once: drivers may put off their work until the first draw.
 fn compile(
     gpu: &Gpu,
     prepared: &Prepared<'_>,

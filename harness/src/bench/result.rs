@@ -7,7 +7,7 @@ use super::rounds::{Samples, Timing, ratios};
 use super::stats::{interval, median, summary};
 use crate::results::{Bench, Scaling};
 
-/// Where something was measured.
+/// Where and under which light something was measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
     /// The surface's name.
@@ -16,7 +16,7 @@ pub struct Place {
     pub backend: String,
     /// The adapter's name.
     pub adapter: String,
-    /// Direction of the light, theta and phi in degrees.
+    /// Direction towards the light: theta and phi in degrees.
     pub light: [f64; 2],
 }
 
@@ -25,26 +25,26 @@ pub struct Place {
 pub struct Timed {
     /// The variant's name.
     pub variant: String,
-    /// Its canonical configuration; null where nothing is configured.
+    /// Its canonical configuration; null for a yardstick.
     pub settings: Value,
     /// Pixels of the frame along x and y.
     pub frame: [usize; 2],
-    /// Creation of the pipeline and upload of its tables, first draw of a few pixels included, ms.
+    /// Time to create the pipeline and upload its tables, with the first draw of a few pixels, ms.
     pub pipeline_ms: f64,
-    /// Bytes of all tables.
+    /// Size of all tables in bytes.
     pub table_bytes: u64,
-    /// Texels that a lit pixel reads, on average; counted, not measured.
+    /// Texels that a lit pixel reads on average; counted, not measured.
     pub fetches: f64,
     /// The times.
     pub samples: Samples,
 }
 
-/// The canonical configuration of a variant as data.
+/// The canonical configuration of a variant as JSON.
 pub fn settings(variant: &Variant) -> Value {
     serde_json::from_str(&variant.canonical()).unwrap_or_default()
 }
 
-/// A record; none where not a single round was measured. The ratio is against `baseline`, which may be the variant itself.
+/// A record; `None` if no round was measured. The ratio is against `baseline`, which may be the variant itself.
 pub fn bench(
     place: &Place,
     timing: Timing,
@@ -80,7 +80,7 @@ pub fn bench(
     })
 }
 
-/// A record of a varied number; none where not a single round was measured.
+/// A record of a varied number; `None` if no round was measured.
 pub fn scaling(place: &Place, axis: &str, value: f64, timed: &Timed) -> Option<Scaling> {
     let time = summary(&timed.samples.time_ms)?;
     Some(Scaling {
@@ -95,8 +95,8 @@ pub fn scaling(place: &Place, axis: &str, value: f64, timed: &Timed) -> Option<S
     })
 }
 
-/// Pixels of a map that lie inside the disc, an ellipse where the frame is no square: the only ones with anything to compute,
-/// about 0.785 of all.
+/// Number of pixels of a map inside the disc, about 0.785 of all. Only these have something to compute. In a frame that is
+/// not square the disc is an ellipse.
 pub fn disc_pixels([width, height]: [usize; 2]) -> usize {
     let place = |index: usize, side: usize| ((2 * index + 1) as f64 / side as f64 - 1.0).powi(2);
     let inside = |row: usize| {

@@ -1,5 +1,5 @@
-//! Interleaved rounds: every subject of a group is drawn once in each, so that whatever slows the machine down slows all
-//! of them, and only ratios of the same round are formed.
+//! Interleaved rounds. Each round draws every subject of a group once, so that other load of the machine slows all of them
+//! alike. Ratios are formed within a round only.
 
 use std::time::Duration;
 
@@ -8,47 +8,47 @@ use diffraction_shaders::error::Result;
 use super::clock::{Clock, ms};
 use super::stats::{self, MIN_VALUES, median, relative_width};
 
-/// Something that draws frames and says how long they took.
+/// Draws frames and measures their time.
 pub trait Executor {
     /// Draws `frames` frames one after another.
     fn draw(&mut self, frames: usize) -> Result<Drawn>;
 }
 
-/// How long some frames took together.
+/// Time of several frames together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Drawn {
-    /// From submission until the driver says that they are done.
+    /// From submission until the driver reports the end.
     pub wall: Duration,
-    /// Between the driver's time stamps; none where it has none.
+    /// Between the driver's time stamps; `None` without time stamps.
     pub stamps: Option<Duration>,
 }
 
-/// When enough was measured.
+/// When to stop measuring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rules {
-    /// Half of the width of the ratio's confidence interval over the ratio, that is aimed at.
+    /// Target precision: half of the width of the ratio's confidence interval, over the ratio.
     pub precision: f64,
-    /// Time for each subject, warm-up not included; a round that began is finished.
+    /// Time for each subject, without warm-up. A round that has begun is finished.
     pub budget: Duration,
-    /// Fewest rounds, whatever they cost.
+    /// Minimum number of rounds, whatever the budget.
     pub min_rounds: usize,
-    /// Most rounds, whatever the precision.
+    /// Maximum number of rounds, whatever the precision.
     pub max_rounds: usize,
 }
 
 impl Rules {
-    /// 2 %, in 6 to 60 rounds.
+    /// A precision of 2 % in 6 to 60 rounds.
     pub fn standard(budget: Duration) -> Rules {
         Rules { precision: 0.02, budget, min_rounds: MIN_VALUES, max_rounds: 60 }
     }
 }
 
-/// Which clock the times of a group are of; one for all, so that ratios mean something.
+/// The clock of a group's times. All times of a group are from one clock, so that ratios are meaningful.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Timing {
-    /// Time stamps of the driver, which agreed with the wall for every subject.
+    /// The driver's time stamps, if they agree with the wall clock for every subject.
     Stamps,
-    /// From submission to the end, as the processor sees it.
+    /// The wall clock, from submission to the end.
     Wall,
 }
 
@@ -62,18 +62,18 @@ impl Timing {
     }
 }
 
-/// What was measured of one subject, times for one frame in ms.
+/// The measurements of one subject. Times are in ms for one frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Samples {
-    /// Frames of a round.
+    /// Number of frames in a round.
     pub frames: usize,
     /// The round of each value below.
     pub rounds: Vec<usize>,
     /// Time by the group's clock.
     pub time_ms: Vec<f64>,
-    /// Time of the processor, all threads.
+    /// Processor time, all threads.
     pub cpu_ms: Vec<f64>,
-    /// `|time stamps / wall - 1|` while warming up; none where there are no time stamps.
+    /// `|time stamps / wall - 1|` while warming up; `None` without time stamps.
     pub disagreement: Option<f64>,
 }
 
@@ -86,27 +86,28 @@ pub struct Measured {
     pub samples: Vec<Result<Samples>>,
 }
 
-/// In a round, a subject is drawn for this long at least, ms: frames of 2 ms twenty times …
+/// Minimum time for which a round draws a subject, in ms: a frame of 2 ms is drawn twenty times.
 const ROUND_MS: f64 = 40.0;
-/// … and for this share of the longest frame: a short glance meets the machine busy or idle, a long one both.
+/// Minimum of the same time as a share of the longest frame. A short draw may meet the machine only busy or only idle.
 const MIN_SHARE: f64 = 0.25;
-/// … but no more frames than these.
+/// Maximum number of frames of a subject in a round.
 const MAX_FRAMES: f64 = 20.0;
-/// Time stamps that differ by more from the wall are not believed …
+/// Maximum relative difference of time stamps from the wall clock. With a larger one they are not used …
 const AGREEMENT: f64 = 0.05;
-/// … unless it is by less than what a submission costs, ms.
+/// … unless the difference is below this cost of a submission, in ms.
 const SUBMISSION_MS: f64 = 0.5;
-/// Other work may come between the last stamp and the wall's: short draws, ms, are compared again before that counts.
+/// Draws shorter than this, in ms, are compared again before a difference counts: other work may have come between the last
+/// time stamp and the wall clock's.
 const CHEAP_MS: f64 = 500.0;
 const RETRIES: usize = 2;
 
-/// Measures a group. The first subject is what ratios are formed with: it is drawn as long as any other still is.
+/// Measures a group. The first subject is the baseline of the ratios: it is drawn as long as any other is.
 ///
-/// Each subject is drawn once to learn how long it takes, and once more to warm up and to compare clocks. A frame below
-/// 40 ms, or much shorter than the longest, is then drawn several times in a round, one below 2 ms twenty times. The order within a round changes from round
-/// to round. A subject leaves when the interval of its ratio is narrow enough; one that fails leaves with its error.
-/// `stop` is asked before every draw, and what whole rounds have measured is kept. `progress` is told the share of the
-/// time allowed that is spent.
+/// Each subject is drawn once to estimate its time, and once more to warm up and to compare clocks. A frame below 40 ms, or
+/// much shorter than the longest, is drawn several times in a round, a frame below 2 ms twenty times. The order changes from
+/// round to round. A subject leaves when the interval of its ratio is narrow enough, or with its error when it fails.
+/// `stop` is called before every draw; the results of whole rounds are kept. `progress` gets the spent share of the
+/// allowed time.
 pub fn measure(
     subjects: &mut [Box<dyn Executor + '_>],
     clock: &dyn Clock,
@@ -140,7 +141,7 @@ pub fn measure(
     Measured { timing, samples }
 }
 
-/// Values of `baseline` over those of `other`, round by round.
+/// Values of `baseline` divided by the values of `other`, round by round.
 pub fn ratios(baseline: &Samples, other: &Samples) -> Vec<f64> {
     let of = |round: usize, time: f64| {
         let place = baseline.rounds.iter().position(|at| *at == round)?;
@@ -157,7 +158,7 @@ impl Samples {
         };
         let frames = self.frames as f64;
         self.rounds.push(round);
-        // a clock that is too coarse must not make a ratio infinite
+        // a coarse clock must not make a ratio infinite
         self.time_ms.push(ms(time).max(1e-6) / frames);
         self.cpu_ms.push(ms(cpu) / frames);
     }
@@ -192,7 +193,7 @@ fn warm_up(
     (if agree { Timing::Stamps } else { Timing::Wall }, samples)
 }
 
-/// What the two clocks say of the same frames.
+/// The times of the same frames by both clocks.
 #[derive(Clone, Copy)]
 struct Paired {
     wall_ms: f64,
@@ -200,7 +201,7 @@ struct Paired {
     agree: bool,
 }
 
-/// None where there are no stamps.
+/// `None` without time stamps.
 fn paired(drawn: Drawn) -> Option<Paired> {
     let wall_ms = ms(drawn.wall);
     let apart = (ms(drawn.stamps?) - wall_ms).abs();
@@ -208,7 +209,7 @@ fn paired(drawn: Drawn) -> Option<Paired> {
     Some(Paired { wall_ms, relative: apart / wall_ms.max(1e-6), agree })
 }
 
-/// How long a frame takes, ms. A first frame may be slow: where frames are cheap, later ones are asked.
+/// Estimates the time of a frame, in ms. The first frame may be slow: if frames are cheap, later ones are measured.
 fn length(subject: &mut dyn Executor, stop: &dyn Fn() -> bool) -> Result<f64> {
     if stop() {
         return Ok(0.0);
@@ -217,7 +218,7 @@ fn length(subject: &mut dyn Executor, stop: &dyn Fn() -> bool) -> Result<f64> {
     if first < ROUND_MS { Ok(ms(subject.draw(2)?.wall) / 2.0) } else { Ok(first) }
 }
 
-/// Subjects of the next round; empty when nothing is left to learn.
+/// The subjects of the next round; empty if all are measured well enough.
 fn active(samples: &[Result<Samples>], round: usize, rules: &Rules) -> Vec<usize> {
     let baseline = samples.first().and_then(|first| first.as_ref().ok());
     let wanting = |(index, sample): (usize, &Result<Samples>)| {
@@ -233,7 +234,7 @@ fn active(samples: &[Result<Samples>], round: usize, rules: &Rules) -> Vec<usize
     };
     let mut wanted: Vec<usize> =
         samples.iter().enumerate().skip(1).filter_map(|(i, s)| wanting((i, s))).collect();
-    // alone it has to be precise by itself
+    // if the baseline is alone, its own interval counts
     let alone = samples.iter().skip(1).all(Result::is_err);
     if baseline.is_some() && (!wanted.is_empty() || (alone && wanting((0, &samples[0])).is_some()))
     {
@@ -242,7 +243,8 @@ fn active(samples: &[Result<Samples>], round: usize, rules: &Rules) -> Vec<usize
     wanted
 }
 
-/// Starts elsewhere in each round, and every other round runs backwards: nobody always follows the same one.
+/// The order of a round. Each round starts with another subject, and every second round runs backwards, so that no subject
+/// always follows the same one.
 fn order(active: &[usize], round: usize) -> Vec<usize> {
     let mut order = active.to_vec();
     order.rotate_left((round / 2) % active.len().max(1));

@@ -1,4 +1,4 @@
-//! Which numbers of a variant are varied, one at a time, to see what a frame's time depends on.
+//! The numbers of a variant that are varied, one at a time, to measure how a frame's time grows.
 
 use diffraction_shaders::error::Result;
 use diffraction_shaders::plan::{Auto, Mode, Variant, Wavelengths};
@@ -18,11 +18,11 @@ pub enum Swept {
     Radius,
     /// Wavelength samples.
     Wavelengths,
-    /// Width of the range of wavelengths, nm; the step stays.
+    /// Width of the range of wavelengths, nm, at the same step.
     Range,
-    /// Width of the patch, µm: the middle of the surface.
+    /// Width of the patch, µm. Patches are cut from the middle of the surface.
     Patch,
-    /// Peak to valley, nm: the surface's heights times a factor.
+    /// Peak to valley, nm. The heights are multiplied by a factor.
     Height,
 }
 
@@ -31,18 +31,19 @@ pub enum Swept {
 pub struct Point {
     /// The value.
     pub value: f64,
-    /// What work is expected to be proportional to: the value, or of `radius` the bins within it, `(2r + 1)²`.
+    /// The amount of work, to which time is expected to be proportional: the value, or for `radius` the number of bins
+    /// within it, `(2r + 1)²`.
     pub work: f64,
     /// The variant, under its own name.
     pub variant: Variant,
-    /// Heights in place of the surface's, where those are varied.
+    /// Heights in place of the surface's, if heights are varied.
     pub height: Option<HeightField>,
     /// Pixels of the frame along x and y.
     pub frame: [usize; 2],
 }
 
 impl Swept {
-    /// All of them.
+    /// All numbers.
     pub const ALL: [Swept; 7] = [
         Swept::Pixels,
         Swept::Terms,
@@ -66,7 +67,7 @@ impl Swept {
         }
     }
 
-    /// What [`Point::work`] counts.
+    /// Name of what [`Point::work`] counts.
     pub fn work(self) -> &'static str {
         match self {
             Swept::Radius => "bins",
@@ -74,7 +75,7 @@ impl Swept {
         }
     }
 
-    /// Four points, everything else as configured; empty for a number that the mode does not read.
+    /// Four points. Everything else stays as configured. Empty if the mode does not read this number.
     pub fn points(
         self,
         variant: &Variant,
@@ -84,7 +85,7 @@ impl Swept {
         let values: [u32; 4] = match self {
             Swept::Pixels | Swept::Patch => [1, 2, 3, 4],
             Swept::Terms => [4, 8, 16, 32],
-            // the kernel of `pq` is no kernel without a neighbour
+            // the kernel of `pq` needs a neighbour
             Swept::Radius if variant.mode == Mode::Pq => [1, 2, 3, 4],
             Swept::Radius => [0, 1, 2, 3],
             Swept::Wavelengths => [11, 21, 41, 81],
@@ -146,10 +147,10 @@ impl Swept {
     }
 }
 
-/// Middle of the varied ranges of wavelengths: that of 380 to 780 nm.
+/// Middle of the varied ranges of wavelengths, as of 380 to 780 nm.
 const MIDDLE_NM: f64 = 580.0;
 
-/// So many samples over the same range.
+/// `count` samples over the same range.
 fn samples(range: &Wavelengths, count: u32) -> Wavelengths {
     Wavelengths { step_nm: (range.max_nm - range.min_nm) / f64::from(count - 1), ..*range }
 }

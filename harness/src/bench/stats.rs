@@ -1,19 +1,19 @@
-//! Statistics of repeated measurements that make no assumption about how times are distributed.
+//! Statistics of repeated measurements, without an assumption about the distribution of times.
 //!
-//! Times of frames are skewed: other work can only add. So medians, not means; intervals from order statistics, not from
-//! a normal distribution.
+//! Times of frames are skewed, because other work can only add to them. So medians are used, not means, and intervals come
+//! from order statistics, not from a normal distribution.
 
-/// Share of the cases in which an [`interval`] holds the true median, where there are values enough for it.
+/// Probability that an [`interval`] contains the true median, if there are at least [`MIN_VALUES`] values.
 pub const CONFIDENCE: f64 = 0.95;
 
-/// Fewest values of which the extremes hold the median with [`CONFIDENCE`]: `1 - 2·2⁻⁶ = 0.969`.
+/// Minimum number of values whose range contains the median with [`CONFIDENCE`]: `1 - 2·2⁻⁶ = 0.969`.
 pub const MIN_VALUES: usize = 6;
 
-/// Above this modified z-score a value is an outlier: B. Iglewicz and D. Hoaglin, *How to Detect and Handle Outliers*
-/// (ASQC, 1993).
+/// Modified z-score above which a value is an outlier: B. Iglewicz and D. Hoaglin, *How to Detect and Handle Outliers* (ASQC,
+/// 1993).
 pub const OUTLIER_SCORE: f64 = 3.5;
 
-/// What is said of a list of values, in their unit.
+/// Summary of a list of values, in their unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
     /// The median.
@@ -22,11 +22,11 @@ pub struct Summary {
     pub mad: f64,
     /// Confidence interval of the median, see [`interval`].
     pub interval: [f64; 2],
-    /// Values whose modified z-score is above [`OUTLIER_SCORE`]; they count all the same.
+    /// Number of values whose modified z-score is above [`OUTLIER_SCORE`]. They are not removed.
     pub outliers: usize,
 }
 
-/// Describes a list of finite values; none of an empty one.
+/// Summarises a list of finite values; `None` for an empty list.
 pub fn summary(values: &[f64]) -> Option<Summary> {
     Some(Summary {
         median: median(values)?,
@@ -36,7 +36,7 @@ pub fn summary(values: &[f64]) -> Option<Summary> {
     })
 }
 
-/// The middle value, or the mean of the two in the middle.
+/// The middle value, or the mean of the two middle values.
 pub fn median(values: &[f64]) -> Option<f64> {
     let sorted = sorted(values);
     let half = sorted.len() / 2;
@@ -53,10 +53,10 @@ pub fn mad(values: &[f64]) -> Option<f64> {
     median(&deviations(values, centre))
 }
 
-/// Interval of the median without an assumption about the distribution: the `k`-th value from either end, with the
-/// greatest `k` for which `P(B < k)`, `B` binomial of `n` tosses of a fair coin, is at most half of `1 -` [`CONFIDENCE`]
-/// (W. J. Conover, *Practical Nonparametric Statistics*, 1971, chapter 3). Fewer than [`MIN_VALUES`] give their extremes,
-/// which hold the median less often.
+/// Confidence interval of the median, without an assumption about the distribution: the `k`-th value from either end. `k` is
+/// the largest number for which `P(B < k)`, `B` binomial of `n` tosses of a fair coin, is at most half of `1 -` [`CONFIDENCE`]
+/// (W. J. Conover, *Practical Nonparametric Statistics*, 1971, chapter 3). Fewer than [`MIN_VALUES`] values give their
+/// minimum and maximum, which contain the median less often.
 pub fn interval(values: &[f64]) -> Option<[f64; 2]> {
     let sorted = sorted(values);
     let from_end = sorted.len().checked_sub(1)?;
@@ -64,7 +64,7 @@ pub fn interval(values: &[f64]) -> Option<[f64; 2]> {
     Some([sorted[skipped], sorted[from_end - skipped]])
 }
 
-/// Rank `k`, counted from 1, of the ends of [`interval`]; 0 where even the extremes do not do.
+/// Rank `k`, counted from 1, of the ends of [`interval`]; 0 if even the minimum and maximum do not suffice.
 pub fn interval_rank(count: usize) -> usize {
     let allowed = 0.5 * (1.0 - CONFIDENCE);
     // in logarithms, since 2⁻ⁿ underflows
@@ -80,8 +80,8 @@ pub fn interval_rank(count: usize) -> usize {
     count / 2
 }
 
-/// Modified z-scores `0.6745·(x - median)/MAD`; where more than half of the values are equal, so that the MAD is 0,
-/// `(x - median)/(1.2533·mean absolute deviation)` as Iglewicz and Hoaglin propose; 0 where all are equal.
+/// Modified z-scores `0.6745·(x - median)/MAD`. If more than half of the values are equal, the MAD is 0; then
+/// `(x - median)/(1.2533·mean absolute deviation)`, as Iglewicz and Hoaglin propose. 0 if all values are equal.
 pub fn scores(values: &[f64]) -> Vec<f64> {
     let (Some(centre), Some(mad)) = (median(values), mad(values)) else { return Vec::new() };
     let mean = deviations(values, centre).iter().sum::<f64>() / values.len() as f64;
@@ -91,12 +91,12 @@ pub fn scores(values: &[f64]) -> Vec<f64> {
     values.iter().map(score).collect()
 }
 
-/// Half of the width of an interval over the value that it surrounds.
+/// Half of the width of an interval, over the value inside it.
 pub fn relative_width(value: f64, [low, high]: [f64; 2]) -> f64 {
     0.5 * (high - low) / value.abs()
 }
 
-/// Exponent `p` of the power law `y ∝ xᵖ` by least squares in logarithms; none without two different positive `x`.
+/// Exponent `p` of the power law `y ∝ xᵖ` by least squares in logarithms; `None` without two different positive `x`.
 pub fn exponent(points: &[[f64; 2]]) -> Option<f64> {
     let logs: Vec<[f64; 2]> =
         points.iter().filter(|p| p[0] > 0.0 && p[1] > 0.0).map(|p| p.map(f64::ln)).collect();

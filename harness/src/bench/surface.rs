@@ -1,9 +1,9 @@
-//! Surfaces of other sizes and heights, to see what a frame's time depends on.
+//! Surfaces of other sizes and heights, to measure how a frame's time grows.
 
 use diffraction_shaders::error::Result;
 use diffraction_shaders::surface::HeightField;
 
-/// The middle of a surface: `quarters` of four parts of its columns and rows, at least two pixels each way.
+/// The middle of a surface: `quarters`/4 of its columns and rows, at least two pixels each way.
 pub fn middle(height: &HeightField, quarters: u32) -> Result<HeightField> {
     let part = |count: usize| (count * quarters as usize / 4).clamp(count.min(2), count);
     let (columns, rows) = (part(height.columns()), part(height.rows()));
@@ -21,7 +21,7 @@ pub fn middle(height: &HeightField, quarters: u32) -> Result<HeightField> {
     )
 }
 
-/// The surface with all heights times a factor.
+/// The surface with all heights multiplied by a factor.
 pub fn higher(height: &HeightField, factor: f64) -> Result<HeightField> {
     HeightField::new(
         height.columns(),

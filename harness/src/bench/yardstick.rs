@@ -1,4 +1,4 @@
-//! Frames of something else, which say what a variant's time means.
+//! Other shaders, for scale: they show what a variant's time means.
 
 use diffraction_shaders::error::Result;
 use diffraction_shaders::plan::{Mode, Optics, Variant};
@@ -10,10 +10,10 @@ use diffraction_shaders::variant::{Form, Gems};
 
 use crate::drivers::Prepared;
 
-/// A shader that is drawn beside the variants.
+/// A shader that is timed beside the variants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Yardstick {
-    /// Nothing but the gain: the floor below which a frame cannot fall.
+    /// Only the gain: the minimum time of a frame.
     Empty,
     /// An ordinary material: one texel of base colour under a microfacet lobe (Walter et al. 2007; Schlick 1994).
     Ggx,
@@ -36,7 +36,7 @@ impl Yardstick {
         }
     }
 
-    /// In place of a mode's template.
+    /// The template in place of a mode's.
     fn template(self) -> &'static str {
         match self {
             Yardstick::Empty => EMPTY,
@@ -74,15 +74,15 @@ fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
 }
 ";
 
-/// Texels of the base colour along a side.
+/// Width and height of the base colour, in texels.
 const TEXTURE: usize = 512;
 
-/// What the shader is drawn as: the mode whose template needs nothing of the others.
+/// The variant that the shader replaces: of the mode whose template needs no other template.
 pub fn variant(what: Yardstick, optics: &Optics) -> Variant {
     Variant { name: what.name().to_owned(), mode: Mode::Gems, ..Variant::texts(optics) }
 }
 
-/// Shader and texture, ready for a driver.
+/// The shader and its texture, ready for a driver.
 pub fn prepared<'a>(
     what: Yardstick,
     height: &'a HeightField,
@@ -91,7 +91,7 @@ pub fn prepared<'a>(
     let mut sources = Sources::builtin();
     sources.0.insert("gems".to_owned(), what.template().to_owned());
     Ok(Prepared {
-        // turning a surface that is not read takes its table
+        // a rotation would read the spectrum table, whose place the base colour takes
         placement: Placement { height, rotate_deg: 0.0, variant },
         sources,
         form: Form::Gems(Gems),
@@ -104,7 +104,7 @@ pub fn prepared<'a>(
     })
 }
 
-/// Squares of two browns, so that neighbouring pixels do not all read one texel.
+/// A checkerboard of two browns, so that neighbouring pixels read different texels.
 fn base_colour() -> Table {
     let texel = |i: usize| match (i / TEXTURE / 16 + i % TEXTURE / 16) % 2 {
         0 => [0.40, 0.22, 0.10, 1.0],

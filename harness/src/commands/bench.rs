@@ -1,4 +1,4 @@
-//! `cargo xtask bench`: time of every variant on every adapter.
+//! `cargo xtask bench`: measures the frame time of every variant on every adapter.
 
 mod adapters;
 mod output;
@@ -24,9 +24,10 @@ const EXAMPLE: &str = "Examples:
   cargo xtask bench --plan plan.toml --surface blazed --variant preview --size 1920x1080 --ggx
   cargo xtask bench --plan plans/growth.toml --scaling --out growth
 
-Times depend on what else the machine does; ratios hardly do, since baseline and variants are drawn in turns.";
+Ratio = time of the baseline / time of the variant. Times depend on the other load of the machine. Ratios hardly do, since
+baseline and variants are drawn in turns.";
 
-/// Mesa keeps compiled shaders on disk; found there, a pipeline would seem to cost nothing.
+/// Mesa caches compiled shaders on disk. With that cache, creating a pipeline would seem to cost nothing.
 const NO_SHADER_CACHE: (&str, &str) = ("MESA_SHADER_CACHE_DISABLE", "true");
 
 #[derive(Clone, Debug, clap::Args)]
@@ -34,47 +35,48 @@ const NO_SHADER_CACHE: (&str, &str) = ("MESA_SHADER_CACHE_DISABLE", "true");
 pub(crate) struct Args {
     #[command(flatten)]
     plan: PlanArgs,
-    /// Take this surface only; may be repeated.
+    /// Measure only the surface of this name; may be repeated. Default: all surfaces.
     #[arg(long, value_name = "NAME")]
     surface: Vec<String>,
-    /// Take the variants that match; `texts` only where it is named. May be repeated.
+    /// Measure only variants whose name matches this pattern (`*`, `?`); may be repeated. Default: all variants. The built-in
+    /// `texts` must be named.
     #[arg(long, value_name = "GLOB", num_args = 1..)]
     variant: Vec<String>,
-    /// Take the adapters of this interface; vulkan and gl where none is named.
+    /// Use only adapters of this graphics interface; may be repeated. Default: vulkan and gl.
     #[arg(long, value_enum)]
     backend: Vec<Interface>,
-    /// Take the adapters whose name or driver contains this.
+    /// Use only adapters whose name or driver contains this text. Default: all adapters.
     #[arg(long, value_name = "SUBSTRING")]
     adapter: Option<String>,
-    /// Direction of the light in degrees.
+    /// Direction towards the light, in degrees: THETA from the normal, PHI about it from the tangent.
     #[arg(long, value_name = "THETA,PHI", default_value = "20,0", allow_hyphen_values = true)]
     light: Light,
-    /// Pixels of the map: its side, or width and height.
+    /// Size of the map in pixels: one number for a square, or width x height.
     #[arg(long, value_name = "N|WxH", default_value = "256", value_parser = frame)]
     size: Frame,
-    /// The variant that ratios are against; `texts` is the shader as printed.
+    /// The variant that the others are compared with; `texts` is the thesis's shader as printed.
     #[arg(long, value_name = "NAME", default_value = Variant::TEXTS)]
     baseline: String,
-    /// Seconds for each variant on each adapter; the fewest rounds are always drawn.
+    /// Time to measure each variant on each adapter, in seconds. At least 6 rounds are drawn in any case.
     #[arg(long, value_name = "S", default_value_t = 5.0, value_parser = seconds)]
     seconds: f64,
-    /// Also draw a shader that computes nothing but the gain: the floor of every time.
+    /// Also time a shader that computes only the gain: no variant can be faster.
     #[arg(long)]
     empty: bool,
-    /// Also draw an ordinary material: a GGX lobe and one texel of base colour.
+    /// Also time an ordinary material, for scale: a GGX lobe and one texel of base colour.
     #[arg(long)]
     ggx: bool,
-    /// Vary pixels, terms, radius, wavelengths and their range of each variant, width and heights of the surface instead, one at a
-    /// time.
+    /// Instead, measure how time grows: vary pixels, terms, radius, number and range of wavelengths, and width and height of the
+    /// surface, one at a time.
     #[arg(long)]
     scaling: bool,
-    /// Keep the results under this name, in target/bench or in --out.
+    /// Save the results under this name, in target/bench or in the folder of --out.
     #[arg(long, value_name = "NAME", value_parser = name, conflicts_with = "scaling")]
     save: Option<String>,
-    /// Show what changed since results were kept under this name.
+    /// Show the change since the results that --save saved under this name.
     #[arg(long, value_name = "NAME", value_parser = name, conflicts_with = "scaling")]
     compare_to: Option<String>,
-    /// Append each result to records.jsonl in this folder as soon as it is known.
+    /// Folder for results, for a report: each is appended to DIR/records.jsonl as soon as it is known.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Print one JSON object per result instead of tables.
@@ -116,14 +118,14 @@ fn frame(text: &str) -> Result<Frame, String> {
     })
 }
 
-/// A name that is a file's name and no other file's of an output folder.
+/// A name that is valid as a file's name and does not collide with another file of the output folder.
 fn name(text: &str) -> Result<String, String> {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     let good = !text.is_empty() && text.chars().all(plain) && !text.starts_with('.');
     if good && text != "records" {
         return Ok(text.to_owned());
     }
-    Err("expected letters, digits, -, _ and ., and not \"records\"".to_owned())
+    Err("expected a name of letters, digits, -, _ and . other than \"records\"".to_owned())
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! `cargo xtask compare`: every variant by every route against the exact reference, its twin and the other routes.
+//! `cargo xtask compare`: compares every variant, by every route, with the exact reference, its twin and the other routes.
 
 mod drivers;
 mod sink;
@@ -18,43 +18,48 @@ const EXAMPLE: &str = "Examples:
   cargo xtask compare --plan plans/texts.toml --light 0,0 --light 20,0 --out target/texts --resume
   cargo xtask compare --route twin --route vulkan:llvmpipe --variant texts --variant 'full-*' --json
 
-Routes: twin (always there), vulkan, gl, spirv, hlsl (each on every adapter, or KIND:SUBSTRING), glsl450, glsl-es300,
-webgpu, webgl2. Routes of a software driver inside a browser, and SwiftShader, take the variants of --subset.
-Exit code 1: something lies outside its tolerance, a negative control was not caught, or a route failed.";
+A route is a way from a variant to its colours: twin (the variant's algorithm in 64 bits, always there), vulkan, gl, spirv,
+hlsl (these four on every adapter, or with KIND:SUBSTRING on one), glsl450, glsl-es300, webgpu, webgl2. Slow routes
+(SwiftShader, webgpu, webgl2) take only the variants of --subset. A negative control is a shader made wrong
+on purpose, which the comparison must catch.
+
+Exit code 1: something is outside its tolerance, a negative control was not caught, or a route failed.";
 
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Args {
     #[command(flatten)]
     plan: PlanArgs,
-    /// Only surfaces of these names.
+    /// Compare only the surface of this name; may be repeated. Default: all surfaces.
     #[arg(long, value_name = "NAME")]
     surface: Vec<String>,
-    /// Only variants that match; `texts` comes where it is named.
+    /// Compare only variants whose name matches this pattern (`*`, `?`); may be repeated. Default: all variants. The built-in
+    /// `texts` must be named.
     #[arg(long, value_name = "GLOB")]
     variant: Vec<String>,
-    /// Only these routes, KIND or KIND:ADAPTER, several by commas.
+    /// Take only these routes, each KIND or KIND:SUBSTRING (part of the adapter's name), separated by commas. Default: all that
+    /// this machine has.
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     route: Vec<String>,
-    /// Side of the maps in pixels; 4096 drawn directions come on top.
+    /// Width and height of the maps, in pixels. 4096 random directions are compared in addition.
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(4..=4096))]
     size: u32,
-    /// Direction of the light in degrees; several by repeating.
+    /// Direction towards the light, in degrees: THETA from the normal, PHI about it from the tangent. May be repeated.
     #[arg(long, value_name = "THETA,PHI", default_value = "20,0", allow_hyphen_values = true)]
     light: Vec<Light>,
-    /// Factor before colour differences: auto or a positive number.
+    /// Factor on the colours before colour differences are computed: a positive number, or auto: from the exact map.
     #[arg(long, value_name = "auto|V", default_value = "auto")]
     exposure: Exposure,
-    /// Variants per surface that slow routes take, of every mode the cheapest first.
+    /// Number of variants per surface that slow routes take: of each mode the cheapest first.
     #[arg(long, value_name = "N", default_value_t = 4)]
     subset: usize,
-    /// Folder of records.jsonl and pictures.
+    /// Folder for results: records.jsonl and pictures.
     #[arg(long, value_name = "DIR", default_value = "target/compare")]
     out: PathBuf,
-    /// Go on where an interrupted run stopped.
+    /// Continue an interrupted run: keep its results in --out and compute only the missing ones.
     #[arg(long)]
     resume: bool,
-    /// Print the records, one JSON object per line.
+    /// Print one JSON object per result instead of tables.
     #[arg(long)]
     json: bool,
 }

@@ -1,4 +1,4 @@
-//! From flags to a runner on a driver.
+//! From options to a runner on a driver.
 
 use anyhow::Result;
 use diffraction_cli::args::{Runner as Kind, RunnerArgs};
@@ -10,7 +10,7 @@ use crate::drivers::gpu::{Backend, Gpu};
 use crate::drivers::passthrough::{Language, Passthrough};
 use crate::drivers::{DriverRunner, Prepared, ShaderRunner};
 
-/// Opens a runner on the driver that the flags name.
+/// Opens a runner on the driver that the options name.
 pub(super) fn open<'a>(
     placement: Placement<'a>,
     args: &RunnerArgs,

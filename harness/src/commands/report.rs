@@ -1,4 +1,4 @@
-//! `cargo xtask report`: one HTML page from records and pictures.
+//! `cargo xtask report`: makes one HTML page from records and pictures.
 
 use std::path::PathBuf;
 
@@ -13,21 +13,22 @@ const EXAMPLE: &str = "Examples:
   cargo xtask report target/compare
   cargo xtask report target/compare target/bench --html report.html
 
-The page holds everything, pictures too, and fetches nothing. Of results of the same thing the last one counts.";
+The page is one file with everything inside, pictures too; it loads nothing from the network. If folders have several results
+of the same measurement, the last one counts.";
 
-/// Size of a page that is worth a word, in bytes.
+/// Size from which a page counts as large, in bytes.
 const LARGE: usize = 40 << 20;
 
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Args {
-    /// Folders with records.jsonl, as compare, bench and testbench write them.
+    /// Folders with records.jsonl, written by compare, bench, testbench or tune with --out.
     #[arg(required = true, value_name = "DIR")]
     folders: Vec<PathBuf>,
-    /// The page; without it, report.html in the first folder.
+    /// The HTML file to write. Default: report.html in the first folder.
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
-    /// Leave pictures out.
+    /// Leave out pictures, for a smaller page.
     #[arg(long)]
     no_pictures: bool,
 }
@@ -46,7 +47,7 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let mib = page.html.len() as f64 / f64::from(1 << 20);
     console.note(&format!("{}: {records} records, {mib:.1} MiB", path.display()));
     if page.html.len() > LARGE && !args.no_pictures {
-        console.note("the page is large; --no-pictures makes one of tables and plots only");
+        console.note("the page is large; --no-pictures makes one with tables and plots only");
     }
     Ok(Outcome::Done)
 }

@@ -1,5 +1,5 @@
-//! Commands that need drivers start this program again, once, where its environment lacks what the drivers read: Mesa's 32-bit
-//! float targets, and Vulkan drivers that its loader would not find. What the user has set stays.
+//! Restarts the program with environment variables that drivers need: Mesa's 32-bit float targets, and Vulkan drivers that the
+//! loader would not find. Commands on drivers do this once, if variables are missing. Variables that the user has set are kept.
 
 use std::process::Command;
 
@@ -9,27 +9,27 @@ use diffraction_cli::replace;
 
 use crate::drivers::icd;
 
-/// What Mesa's drivers have to be told.
+/// Variables for Mesa's drivers.
 const MESA: [(&str, &str); 2] = [
-    // its GL renders to 32-bit float targets only when asked to
+    // Mesa's GL renders to 32-bit float targets only with this
     ("MESA_EXTENSION_OVERRIDE", "+GL_ARB_color_buffer_float"),
-    // its Vulkan otherwise looks for a Wayland display, and complains on stderr where there is none
+    // otherwise Mesa's Vulkan looks for a Wayland display and prints a warning if there is no display
     ("NODEVICE_SELECT", "1"),
 ];
 
 const MARK: &str = "DIFFRACTION_STARTED_AGAIN";
 
-/// Returns when the environment has all that drivers read; else replaces this process by one that has.
+/// Returns if the environment has all variables that drivers need. Otherwise replaces this process by one that has them.
 pub(crate) fn with_drivers() -> Result<()> {
     with_drivers_and(&[])
 }
 
-/// The same where a runner is on a driver.
+/// Like [`with_drivers`], if the runner is on a driver.
 pub(crate) fn with_drivers_for(runner: &RunnerArgs) -> Result<()> {
     if runner.runner.is_driver() { with_drivers() } else { Ok(()) }
 }
 
-/// The same with more variables of the environment, where they are not set to something else.
+/// Like [`with_drivers`], with further variables, unless the user has set them.
 pub(crate) fn with_drivers_and(more: &[(&str, &str)]) -> Result<()> {
     let lacking = |(key, _): &&(&str, &str)| std::env::var_os(key).is_none();
     let missing: Vec<&(&str, &str)> = MESA.iter().chain(more).filter(lacking).collect();
@@ -41,7 +41,7 @@ pub(crate) fn with_drivers_and(more: &[(&str, &str)]) -> Result<()> {
         let mut names: Vec<&str> = missing.iter().map(|(key, _)| *key).collect();
         names.extend(drivers.is_some().then_some(icd::ADD_DRIVERS));
         bail!(
-            "started again for {}, and the environment still lacks it; set it by hand",
+            "{}: not set, even after a restart of this program; set it by hand",
             names.join(", ")
         );
     }

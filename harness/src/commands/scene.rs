@@ -1,4 +1,4 @@
-//! `cargo xtask scene`: a variant on the skin of a body, as stills, sweeps and a turntable.
+//! `cargo xtask scene`: draws a variant as the skin of a 3-D body: pictures, sweeps and a turntable.
 
 mod args;
 mod work;

@@ -1,4 +1,4 @@
-//! `cargo xtask serve`: the gallery, or another folder, on a local port.
+//! `cargo xtask serve`: serves the gallery, or another folder, on a local port.
 
 use std::path::PathBuf;
 
@@ -12,19 +12,19 @@ const EXAMPLE: &str = "Examples:
   cargo xtask serve
   cargo xtask serve --dir gallery/dist --port 8080
 
-The gallery is built by
+Build the gallery first:
   cargo xtask generate --plan plans/gallery.toml --out gallery/package
   cd gallery && npm ci && npm run build
 
-Only this machine can reach it, and it gets no file from outside the folder. Ctrl-C ends it.";
+Only browsers on this machine can reach the server, and it serves files of the folder only. Stop it with Ctrl-C.";
 
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Args {
-    /// The folder.
+    /// The folder to serve; it must hold an index.html.
     #[arg(long, value_name = "DIR", default_value = "gallery/dist")]
     dir: PathBuf,
-    /// The port; 0 takes any that is free.
+    /// The port; 0: any free port.
     #[arg(long, value_name = "N", default_value_t = 8080)]
     port: u16,
 }
@@ -32,7 +32,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     if !args.dir.join("index.html").is_file() {
         bail!(
-            "{}: holds no index.html; cargo xtask serve --help tells how the gallery is built",
+            "{}: has no index.html; cargo xtask serve --help says how to build the gallery",
             args.dir.display()
         );
     }

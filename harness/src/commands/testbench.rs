@@ -1,4 +1,4 @@
-//! `cargo xtask testbench`: the period of a surface as variants see it.
+//! `cargo xtask testbench`: measures the period of a surface as variants show it.
 
 mod args;
 mod task;
@@ -23,7 +23,7 @@ use crate::results::{self, Gap, Log, Record, Testbench};
 pub(crate) use args::Args;
 use task::{Found, Task, gap};
 
-/// Pictures under `--out`.
+/// Folder of the pictures, under `--out`.
 const PICTURES: &str = "pictures/testbench";
 
 pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
@@ -53,7 +53,7 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
                 if args.variant.is_some() {
                     bail!("variant {}: {reason}", task.name);
                 }
-                // windows are alike in what decides it
+                // all windows would be refused for the same reason
                 gaps.push(gap(&spec.name, &task.name, args.runner_name(), reason));
                 break;
             }
@@ -91,14 +91,14 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     console.data(&text)?;
     if results.is_empty() {
         bail!(
-            "{}: no period was found (say where to search with --period-nm)",
+            "{}: no period was found (give the expected period with --period-nm)",
             surface::subject(spec)
         );
     }
     Ok(Outcome::Done)
 }
 
-/// The file of records under `--out`.
+/// Opens the file of records under `--out`.
 fn log(args: &Args) -> Result<Option<Log>> {
     let Some(folder) = &args.out else { return Ok(None) };
     let pictures = folder.join(PICTURES);
@@ -106,7 +106,7 @@ fn log(args: &Args) -> Result<Option<Log>> {
     Ok(Some(Log::open(&folder.join(results::FILE))?))
 }
 
-/// Appends a result at once, so that an interrupted command loses none.
+/// Appends a result at once, so that an interrupt loses no results.
 fn keep(log: &mut Option<Log>, record: &Record) -> Result<()> {
     Ok(log.as_mut().map_or(Ok(()), |log| log.append(record))?)
 }
@@ -135,7 +135,7 @@ fn crops(args: &Args, spec: &SurfaceSpec, surface: &Surface) -> Result<Vec<Optio
     Ok(found.into_iter().map(Some).collect())
 }
 
-/// Writes the files that were asked for; the picture's name.
+/// Writes the requested files. Returns the picture's name.
 fn write(args: &Args, spec: &SurfaceSpec, one: &Found, suffix: &str) -> Result<Option<String>> {
     if let Some(path) = &args.csv {
         write_whole(&suffixed(path, suffix), csv(&one.measurement).as_bytes())?;
@@ -161,7 +161,7 @@ fn write(args: &Args, spec: &SurfaceSpec, one: &Found, suffix: &str) -> Result<O
     Ok(named.or_else(|| path.file_name().map(|name| name.to_string_lossy().into_owned())))
 }
 
-/// The file's name with something before its extension.
+/// The path with a suffix before its extension.
 fn suffixed(path: &Path, suffix: &str) -> PathBuf {
     let mut name = path.file_stem().unwrap_or_default().to_owned();
     name.push(suffix);
@@ -172,7 +172,7 @@ fn suffixed(path: &Path, suffix: &str) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// All windows of one variant as one result.
+/// The summary of all windows of one variant.
 fn together(spec: &SurfaceSpec, found: &[Found]) -> Option<Testbench> {
     let all = spread(found.iter().map(|one| &one.measurement))?;
     let sum = |of: fn(&Found) -> usize| found.iter().map(of).sum();
@@ -193,9 +193,9 @@ fn nothing(one: &Found) -> String {
     let period_nm = 1e3 * expected_um;
     if one.measurement.flat == 0 {
         let min_nm = wavelengths.min_nm;
-        return format!("the first order of {period_nm:.1} nm is evanescent from {min_nm} nm on");
+        return format!("the first order of {period_nm:.1} nm is evanescent from {min_nm} nm up");
     }
-    format!("has no maximum near the first order of {period_nm:.1} nm")
+    format!("the response has no maximum near the first order of {period_nm:.1} nm")
 }
 
 fn lines(results: &[Testbench], gaps: &[Gap]) -> String {

@@ -1,4 +1,4 @@
-//! `cargo xtask tune`: the cheapest variant within an error budget.
+//! `cargo xtask tune`: finds the cheapest variant within an error budget.
 
 mod text;
 mod timing;
@@ -19,44 +19,48 @@ const EXAMPLE: &str = "Examples:
   cargo xtask tune --surface fingers --budget-de 0.5 --fits webgl2 --max-table-mib 4 --out target/tune
   cargo xtask tune --surface rows --budget-de 1 --light 40,0 --light 40,90 --backend gl --json
 
-The candidates are presets of a plan from a grid over what this version builds, and the plan's own variants; [optics] stays
-as it is, since it says what is right. The budget holds for the 95th percentile of CIEDE2000 against the exact colours, of
-all directions compared and of the map, under every light; times are those of the first light.
-Exit code 1: nothing is within the budget.";
+Candidates are the plan's own variants and a grid of presets over all that this version can build. All use the plan's [optics],
+which defines the right colours. A candidate is within the budget if the 95th percentile of CIEDE2000 against the exact colours
+is, under every light, over all compared directions and over the map alone. Times are measured under the first light.
+The winner is printed as a [[preset]] to paste into a plan.
+
+Exit code 1: no candidate is within the budget.";
 
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Args {
     #[command(flatten)]
     surface: SurfaceArgs,
-    /// Greatest 95th percentile of CIEDE2000.
+    /// The error budget: maximum 95th percentile of CIEDE2000. 1 is about the smallest visible difference.
     #[arg(long, value_name = "DE", value_parser = positive, allow_hyphen_values = true)]
     budget_de: f64,
-    /// Tables must be within what every implementation of this guarantees.
+    /// Take only candidates whose tables fit the limits that every implementation of this profile guarantees.
     #[arg(long, value_enum)]
     fits: Option<Fits>,
-    /// Most MiB of tables.
+    /// Take only candidates whose tables have at most M MiB.
     #[arg(long, value_name = "M", value_parser = positive, allow_hyphen_values = true)]
     max_table_mib: Option<f64>,
-    /// Measure times by this interface; else by vulkan, or gl where there is none.
+    /// Graphics interface for the times. Default: vulkan, or gl if there is no Vulkan adapter.
     #[arg(long, value_enum)]
     backend: Option<Interface>,
-    /// Take the adapter whose name or driver contains this; else graphics cards come first.
+    /// Use the first adapter whose name or driver contains this text. Default: graphics cards before software drivers.
     #[arg(long, value_name = "SUBSTRING")]
     adapter: Option<String>,
-    /// Side in pixels of the map that is timed; errors are always those of maps of 64 × 64 and 2048 drawn directions.
+    /// Width and height of the map for the times, in pixels. Errors are always computed on maps of 64 × 64 pixels and 2048 random
+    /// directions.
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=8192))]
     size: u32,
-    /// Direction of a light in degrees; several by repeating. Without it 20,0 0,0 60,0 and 75,0.
+    /// Direction towards a light, in degrees: THETA from the normal, PHI about it from the tangent. May be repeated. Default: four
+    /// lights, 20,0 0,0 60,0 75,0.
     #[arg(long, value_name = "THETA,PHI", allow_hyphen_values = true)]
     light: Vec<Light>,
-    /// Seconds for each time; the fewest rounds are always drawn.
+    /// Time to measure each candidate, in seconds. At least 6 rounds are drawn in any case.
     #[arg(long, value_name = "S", default_value_t = 2.0, value_parser = crate::commands::bench::seconds)]
     seconds: f64,
-    /// Write records.jsonl and a picture of the front to this folder.
+    /// Folder for results, for a report: records.jsonl and a picture of error against time.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Name every candidate that lost, not just a few for each reason.
+    /// List every candidate that lost, not only a few for each reason.
     #[arg(long)]
     all: bool,
     /// Print one JSON object per candidate instead of tables.
@@ -64,7 +68,7 @@ pub(crate) struct Args {
     json: bool,
 }
 
-/// A profile whose limits can be asked for.
+/// A profile with guaranteed limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Fits {
     Webgl2,

@@ -1,7 +1,7 @@
-//! Negative controls: shaders that are wrong on purpose, which a comparison has to tell from right ones.
+//! Negative controls: shaders made wrong on purpose, which a comparison must catch.
 //!
-//! Each is run once by every route on a surface and variant where its fault must show: a blazed grating, unlike its mirror
-//! image, under a light off the normal. The right shader has to pass there, or nothing is shown.
+//! Each is run once by every route, on a surface and variant on which its fault must show: a blazed grating, which differs
+//! from its mirror image, under a light off the normal. The right shader must pass there, else the control counts as missed.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -27,28 +27,28 @@ use crate::results::{self, Record};
 
 use super::{PATIENCE, Sink, Truth, failed};
 
-/// Light of the controls, theta and phi in degrees.
+/// Light of the controls: theta and phi in degrees.
 const LIGHT: [f64; 2] = [20.0, 10.0];
-/// Side of the controls' map in pixels.
+/// Width and height of the controls' map, in pixels.
 const SIZE: usize = 48;
-/// Drawn directions of a control.
+/// Number of random directions of a control.
 const DRAWN: usize = 512;
 /// Name of the controls' surface in records.
 pub const SURFACE: &str = "blazed-control";
 
-/// A fault: its name, the mode it is made in, how it is made; `mean` is the right map's mean colour.
+/// A fault: its name, the mode of the variant, and how the shader is spoilt. `mean` is the mean colour of the right map.
 pub struct Control {
     /// Name in records.
     pub name: &'static str,
-    /// The mode of the variant that is spoilt.
+    /// The mode of the spoilt variant.
     pub mode: Mode,
-    /// Whether it reads a prefiltered table through the linear filter.
+    /// Whether the variant reads a prefiltered table through the linear filter.
     pub filtered: bool,
     spoil: fn(&mut Prepared<'_>, [f64; 3]),
 }
 
 impl Control {
-    /// The spoilt shader by a route against the twin of the right one.
+    /// Compares the spoilt shader by a route with the twin of the right one.
     fn record(
         &self,
         placement: Placement<'_>,
@@ -80,7 +80,7 @@ impl Control {
     }
 }
 
-/// All of them.
+/// All controls.
 pub const CONTROLS: [Control; 10] = [
     Control {
         name: "black",
@@ -92,9 +92,9 @@ pub const CONTROLS: [Control; 10] = [
         name: "constant",
         mode: Mode::Full,
         filtered: false,
-        // the mean colour is the constant that is hardest to find
+        // of all constants, the mean colour is the hardest to catch
         spoil: |p, [x, y, z]| {
-            // tables that no driver reads would be missing at their names
+            // the tables must still be read, or the driver would not know their names
             let constant = format!("(1e-20 * tristimulus(wi, wr) + vec3f({x:?}, {y:?}, {z:?}))");
             replace(p, "probe", "tristimulus(wi, wr)", &constant);
             replace(p, "colour", "to_rgb(tristimulus(wi, wr))", &format!("to_rgb({constant})"));
@@ -133,10 +133,10 @@ pub const CONTROLS: [Control; 10] = [
         name: "weights without jacobian",
         mode: Mode::Adaptive,
         filtered: false,
-        // weights per wavenumber, λ² times too small; 0.55 µm keeps its own
+        // weights per wavenumber: too small by λ²; normalised at 0.55 µm
         spoil: |p, _| {
             let (width, mut rows) = (p.spectrum.width, p.spectrum.texels.chunks_mut(4));
-            // row 1 holds no weights
+            // row 1 has no weights
             let first = rows.by_ref().take(width).collect::<Vec<_>>();
             for texel in first.into_iter().chain(rows.skip(width)).filter(|t| t[3] > 0.0) {
                 let jacobian = (texel[3] / 0.55).powi(2);
@@ -167,7 +167,7 @@ pub const CONTROLS: [Control; 10] = [
     },
 ];
 
-/// Runs all controls by a route; how many of them failed to run. A driver that fails [`PATIENCE`] times is not asked again.
+/// Runs all controls by a route and returns how many failed to run. A driver that fails [`PATIENCE`] times is dropped.
 pub(super) fn run(route: &dyn Route, sink: &mut dyn Sink) -> Result<u32> {
     let height = surface()?;
     let mut rights: BTreeMap<(Mode, bool), Right> = BTreeMap::new();
@@ -190,7 +190,7 @@ pub(super) fn run(route: &dyn Route, sink: &mut dyn Sink) -> Result<u32> {
     Ok(failures)
 }
 
-/// What the right shader should give, may differ by, and differs by.
+/// The right shader: its colours, its tolerance, and its measured difference.
 struct Right {
     truth: Truth,
     allowed: Tolerance,
@@ -239,7 +239,7 @@ fn surface() -> Result<HeightField> {
     synthesise(&grating, SURFACE).map(|surface| surface.field)
 }
 
-/// The right variant of a mode; under a narrow window where it is filtered, which keeps its table small.
+/// The right variant of a mode. A filtered one has a narrow window, which keeps its table small.
 fn variant(mode: Mode, filtered: bool) -> Variant {
     let coherence_um = if filtered { 10.0 } else { Optics::standard().coherence_um };
     let texts = Variant::texts(&Optics { coherence_um, ..Optics::standard() });
@@ -250,7 +250,7 @@ fn variant(mode: Mode, filtered: bool) -> Variant {
         terms: Auto::Value(if filtered { 6 } else { 19 }),
         reconstruction: if filtered { Reconstruction::Prefiltered } else { Reconstruction::Window },
         sampling: if filtered { Sampling::Filter } else { Sampling::Load },
-        // `pq` needs neighbours
+        // `pq` needs neighbouring replicas
         window_radius: Auto::Value(if mode == Mode::Pq { 3 } else { 1 }),
         packing: Packing::Paired,
         table: match mode {
@@ -258,21 +258,21 @@ fn variant(mode: Mode, filtered: bool) -> Variant {
             _ if filtered => TableFormat::F16,
             _ => TableFormat::F32,
         },
-        // small, since it is made for every route
+        // small, since it is computed for every route
         bake_mib: 2.0,
         hoist: true,
         ..texts
     }
 }
 
-/// The template of a name with a text replaced, which must be there.
+/// Replaces a text in a template.
 fn replace(prepared: &mut Prepared<'_>, template: &str, from: &str, to: &str) {
     let text = prepared.sources.0.entry(template.to_owned()).or_default();
-    // a control that changes nothing is found out, because it is not caught
+    // if the text is not there, the control changes nothing, and so is not caught
     *text = text.replace(from, to);
 }
 
-/// Zeroes the term that is largest anywhere, the constant one apart.
+/// Sets the term with the largest value to zero, except the constant one.
 fn drop_largest(terms: &mut Table) {
     let (channels, texels) = (terms.format.channels(), terms.width * terms.height);
     let pair = |term: usize| (term / 2 * texels * channels, 2 * (term % 2));
@@ -289,8 +289,8 @@ fn drop_largest(terms: &mut Table) {
     }
 }
 
-/// Terms as they come out of 16-bit floats that hold the transforms of `h^n` in µm, as the texts define them, without a
-/// scale: the high powers fall below the least number of the format.
+/// Rounds the terms as 16-bit floats would round the transforms of `h^n` in µm without a scale, as the thesis defines them:
+/// the high powers are below the smallest number of the format.
 fn forget_scale(prepared: &mut Prepared<'_>) {
     let Some(series) = prepared.form.series() else { return };
     let expansion = series.expansion();

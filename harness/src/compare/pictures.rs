@@ -1,4 +1,4 @@
-//! What is to be seen of a comparison: maps, their difference, and FLIP.
+//! Pictures of a comparison: maps, their difference, and FLIP.
 
 use diffraction_shaders::optics::brdf_map::BrdfMap;
 use diffraction_shaders::optics::colour::{srgb_encode, to_rgb};
@@ -6,10 +6,10 @@ use diffraction_shaders::optics::colour_difference::LIT;
 use diffraction_shaders::plan::Colour;
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, flip};
 
-/// Factor on differences before they are drawn.
+/// Factor on differences in pictures.
 pub const AMPLIFIED: f64 = 10.0;
 
-/// `|a - b|` channel by channel in linear sRGB, amplified, as a map of colours.
+/// `|a - b|` for each channel in linear sRGB, amplified, as a map of colours.
 pub fn difference(a: &BrdfMap, b: &BrdfMap) -> BrdfMap {
     let pixel = |(a, b): (&Option<[f64; 3]>, &Option<[f64; 3]>)| {
         let ([a, b], srgb) = ([(*a)?, (*b)?], Colour::Srgb);
@@ -21,7 +21,7 @@ pub fn difference(a: &BrdfMap, b: &BrdfMap) -> BrdfMap {
 }
 
 /// Mean FLIP (Andersson et al. 2020, *FLIP: a difference evaluator for alternating images*) over the pixels that are lit in
-/// either map, at the viewing distance that the authors propose (67 pixels per degree). `None` where no pixel is lit.
+/// one of the maps, at the viewing distance that the authors propose (67 pixels per degree). `None` if no pixel is lit.
 pub fn mean_flip(reference: &BrdfMap, other: &BrdfMap, exposure: f64) -> Option<f64> {
     let image = |frame: &BrdfMap| {
         let pixel = |xyz: &Option<[f64; 3]>| {

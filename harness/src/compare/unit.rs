@@ -1,4 +1,4 @@
-//! One variant on one surface under one light: truth, twins, routes, and routes against each other.
+//! One variant on one surface under one light: the exact colours, twins, routes, and routes against each other.
 
 use diffraction_shaders::error::Result;
 use diffraction_shaders::field::comparison_directions::standard;
@@ -18,7 +18,7 @@ use crate::results::{Compare, MapColours, Part, Record};
 
 use super::{Job, Sink, Truth, Unit, difference, failed, mean_flip};
 
-/// Routes of the two twins in records.
+/// Names of the two twins in records.
 const TWIN: &str = "twin";
 const UNPACKED: &str = "twin:unpacked";
 
@@ -35,7 +35,7 @@ pub(super) fn truth(
     let directions = standard(height, &variant.optics, rotate_deg, light, unit.size);
     let map = diffraction_shaders::optics::brdf_map::view_directions(unit.size).len();
     let colours = Exact(subject).tristimulus(&directions)?;
-    // a black surface has no exposure: comparing it tells so
+    // a black surface has no exposure; the comparison reports that
     let exposure = request.exposure.or_else(|| auto_exposure(&colours)).unwrap_or(1.0);
     let map_exposure = request.exposure.or_else(|| auto_exposure(&colours[..map]));
     let picture = format!("pictures/{}/exact-{number}-{}.png", unit.surface, place(unit.light));
@@ -46,7 +46,7 @@ pub(super) fn truth(
     Ok(truth)
 }
 
-/// Everything about one unit. `routes` has `None` where a route does not take part.
+/// Compares one unit. `routes` has `None` for routes that do not take part.
 pub(super) fn run(
     unit: &Unit<'_>,
     prepared: &Prepared<'_>,
@@ -62,7 +62,7 @@ pub(super) fn run(
     let (unpacked, twin) = (ask(false)?, ask(true)?);
     unit.judge(Part::Model, (UNPACKED, &unpacked), ("exact", &truth.colours), None)?;
     unit.judge(Part::Packing, (TWIN, &twin), (UNPACKED, &unpacked), None)?;
-    // the strip of a report: by the first route that draws, by the twin where there is none
+    // the strip of pictures in a report shows the first route that draws, else the twin
     let mut drawn = routes.iter().all(Option::is_none);
     let exact = ("exact", truth.colours.as_slice());
     let pictures = match drawn {
@@ -108,7 +108,7 @@ struct Judged<'a, 'b> {
 type Named<'a> = (&'a str, &'a [[f64; 3]]);
 
 impl Judged<'_, '_> {
-    /// Compares, records, and draws both sides where they disagree.
+    /// Compares and records, and draws both sides if they disagree.
     fn judge(
         &mut self,
         part: Part,
@@ -161,7 +161,7 @@ impl Judged<'_, '_> {
         }))
     }
 
-    /// The map's pixels alone.
+    /// Compares the map's pixels alone.
     fn map_colours(
         &self,
         subject: &str,
@@ -176,7 +176,7 @@ impl Judged<'_, '_> {
         Some(MapColours { exposure, lit, de2000 })
     }
 
-    /// Draws the reference (unless it has a place already), the other side and their difference; their places.
+    /// Draws the reference (unless it has been drawn), the other side and their difference. Returns their paths.
     fn draw(
         &mut self,
         suffix: &str,
@@ -204,7 +204,7 @@ impl Judged<'_, '_> {
         Ok(places)
     }
 
-    /// Each route against the one that it differs from most.
+    /// Compares each route with the route that it differs from most.
     fn across(&mut self, found: &[(String, Vec<[f64; 3]>)]) -> Result<()> {
         for (i, (route, colours)) in found.iter().enumerate() {
             let others = found.iter().enumerate().filter(|(j, _)| i != *j).map(|(_, other)| other);

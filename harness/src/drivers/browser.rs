@@ -1,16 +1,14 @@
-//! Emitted WGSL in a browser's WebGPU and emitted GLSL ES 3.00 in its WebGL2, exactly as emitted: the routes `webgpu` and
-//! `webgl2`.
+//! The routes `webgpu` and `webgl2`: emitted WGSL in a browser's WebGPU and emitted GLSL ES 3.00 in its WebGL2, unchanged.
 //!
-//! WGSL meets Tint there, a compiler that shares nothing with naga; GLSL ES meets ANGLE's checks, which are stricter than
-//! those of drivers. No window and no graphics card are needed: `chromium` brings SwiftShader, and its WebGL2 takes Mesa's
-//! llvmpipe where that is installed.
+//! There, Tint compiles WGSL, which shares no code with naga, and ANGLE checks GLSL ES, more strictly than drivers do. Neither a
+//! window nor a graphics card is needed: `chromium` comes with SwiftShader, and its WebGL2 uses Mesa's llvmpipe if installed.
 //!
-//! * One [`Browser`], a program with a profile of its own, serves any number of pipelines of both routes. Its end, also
-//!   where an error or a panic brings it, ends its processes and removes its profile. Where this process is killed, the
-//!   page finds its server gone and closes the browser; the profile goes with the next one that is started.
+//! * One [`Browser`], a process with a profile of its own, serves any number of pipelines of both routes. Dropping it, also on
+//!   an error or a panic, ends its processes and removes its profile. If this process is killed, the page loses its server and
+//!   closes the browser; the next browser that is started removes the profile.
 //! * Every failure is an [`Error`]: the compiler's message with its line, a lost device or context, a browser that crashed
 //!   or does not answer.
-//! * Pictures are handed out row by row from the top: row 0 is next to y = +1.
+//! * Pictures are returned row by row from the top: row 0 is next to y = +1.
 
 mod chromium;
 mod drive;
@@ -46,13 +44,13 @@ pub use pipeline::Pipeline;
 pub type BrowserRunner<'a> = DriverRunner<'a, Web>;
 
 impl<'a> BrowserRunner<'a> {
-    /// Computes the tables and compiles nothing yet.
+    /// Computes the tables. Nothing is compiled yet.
     pub fn new(subject: Placement<'a>, web: Web) -> Result<BrowserRunner<'a>> {
         Ok(DriverRunner::with(Prepared::new(subject)?, web))
     }
 }
 
-/// An interface of browsers to drivers.
+/// A graphics interface of browsers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Api {
     /// WebGPU, which takes WGSL.
@@ -62,10 +60,10 @@ pub enum Api {
 }
 
 impl Api {
-    /// Both of them.
+    /// Both interfaces.
     pub const ALL: [Api; 2] = [Api::WebGpu, Api::WebGl2];
 
-    /// The target whose texts it takes.
+    /// The target whose files it takes.
     pub fn target(self) -> Target {
         match self {
             Api::WebGpu => Target::Wgsl,
@@ -73,7 +71,7 @@ impl Api {
         }
     }
 
-    /// The route.
+    /// Name of the route.
     pub fn route(self) -> &'static str {
         match self {
             Api::WebGpu => "webgpu",
@@ -88,7 +86,7 @@ impl fmt::Display for Api {
     }
 }
 
-/// A running browser. Clones are the same one; it ends with the last of them and of their pipelines.
+/// A running browser. Clones share one process, which ends with the last clone and the last pipeline.
 #[derive(Clone)]
 pub struct Browser {
     shared: Arc<Shared>,
@@ -97,42 +95,44 @@ pub struct Browser {
 struct Shared {
     link: Mutex<Link>,
     process: u32,
-    /// What the page found: for each route `driver` or `error`.
+    /// What the page reported: for each route `driver` or `error`.
     found: Value,
-    /// Jobs to do before the next one: numbers of pipelines that are no longer needed, and the route of each.
+    /// Routes and numbers of pipelines that are no longer needed. They are freed before the next job.
     unused: Mutex<Vec<(Api, u32)>>,
     /// Number of the next pipeline.
     next: Mutex<u32>,
 }
 
 impl Browser {
-    /// Starts the browser of the machine.
+    /// Starts the installed browser.
     pub fn open() -> Result<Browser> {
         Browser::start(None)
     }
 
-    /// Starts a Chromium that lies elsewhere.
+    /// Starts a Chromium by its path.
     pub fn open_program(program: &Path) -> Result<Browser> {
         Browser::start(Some(program))
     }
 
-    /// Number of its first process.
+    /// Id of the browser's first process.
     pub fn process(&self) -> u32 {
         self.shared.process
     }
 
-    /// The folder with its profile, which goes with it.
+    /// The folder with the browser's profile, which is removed with it.
     pub fn profile(&self) -> PathBuf {
         lock(&self.shared.link).profile().to_owned()
     }
 
-    /// Its interface `api` on whatever adapter the browser takes; an error where it has none.
+    /// The interface `api` on the adapter that the browser chooses; an error if the browser lacks it.
     pub fn api(&self, api: Api) -> Result<Web> {
         let found = &self.shared.found[api.route()];
         match found["driver"].as_str() {
             Some(driver) => Ok(Web { browser: self.clone(), api, driver: driver.to_owned() }),
             None => {
-                let cause = found["error"].as_str().unwrap_or("the page does not know it");
+                let cause = found["error"]
+                    .as_str()
+                    .unwrap_or("the page reported neither a driver nor an error");
                 Err(Error::new(api, cause).remedy(DRIVERS))
             }
         }
@@ -143,7 +143,7 @@ impl Browser {
         let (link, first) = match first.head[Api::WebGl2.route()]["driver"].is_string() {
             true => (link, first),
             false => {
-                // no library of GL, or none that the browser likes
+                // there is no GL library, or the browser does not accept it
                 drop(link);
                 Link::start(program, &flags::OWN_GL)?
             }
@@ -158,7 +158,7 @@ impl Browser {
         Ok(Browser { shared: Arc::new(shared) })
     }
 
-    /// Does a job; `subject` is named where the page reports an error.
+    /// Does a job. An error that the page reports is about `subject`.
     fn call(&self, subject: &str, head: &Value, payload: &[&[u8]]) -> Result<Message> {
         let mut link = lock(&self.shared.link);
         let unused = std::mem::take(&mut *lock(&self.shared.unused));
@@ -180,20 +180,20 @@ impl fmt::Debug for Browser {
     }
 }
 
-/// What brings drivers that the browser can use.
-const DRIVERS: &str = "apt-get install chromium libegl1 libgles2 brings software drivers";
+/// How to install drivers that the browser can use.
+const DRIVERS: &str = "install software drivers: apt-get install chromium libegl1 libgles2";
 
-/// Ways to start it.
+/// Flags to start the browser with.
 mod flags {
     const WEBGPU: &str = "--enable-unsafe-webgpu";
     const SOFTWARE: &str = "--enable-unsafe-swiftshader";
-    /// The machine's own GL, by its EGL: much faster than the browser's software driver where it is software, too.
+    /// The machine's GL through EGL. Even a software driver there is much faster than the browser's own.
     pub(super) const ANY_GL: [&str; 3] = [WEBGPU, "--use-angle=gl-egl", "--ignore-gpu-blocklist"];
     /// The software driver that comes with the browser.
     pub(super) const OWN_GL: [&str; 3] = [WEBGPU, "--use-angle=swiftshader", SOFTWARE];
 }
 
-/// One interface of a browser, with the adapter that it took.
+/// One interface of a browser, with the adapter that the browser chose.
 #[derive(Clone, Debug)]
 pub struct Web {
     browser: Browser,
@@ -202,15 +202,17 @@ pub struct Web {
 }
 
 impl Web {
-    /// Starts a browser of its own for one interface, whose adapter's name contains `adapter`, in any case of letters, where
-    /// given.
+    /// Starts a browser for one interface. If `adapter` is given, the adapter's name must contain it, ignoring case.
     pub fn open(api: Api, adapter: Option<&str>) -> Result<Web> {
         let web = Browser::open()?.api(api)?;
         let name = web.driver.to_lowercase();
         match adapter.filter(|part| !name.contains(&part.to_lowercase())) {
             None => Ok(web),
             Some(part) => {
-                let cause = format!("the browser chose {}, which is not {part}", web.driver);
+                let cause = format!(
+                    "the browser chose the adapter {}, whose name does not contain {part}",
+                    web.driver
+                );
                 Err(Error::new(api, cause).remedy("leave --adapter out"))
             }
         }
@@ -221,13 +223,13 @@ impl Web {
         self.api
     }
 
-    /// The adapter as the browser calls it.
+    /// Name of the adapter, from the browser.
     pub fn driver(&self) -> &str {
         &self.driver
     }
 
-    /// Compiles the fragment entry point `entry` of emitted files, after their only vertex entry point, and uploads the
-    /// tables that it reads; `name` is the variant's, for errors.
+    /// Compiles the fragment entry point `entry` of emitted files with their only vertex entry point, and uploads the tables that
+    /// it reads. `name` is the variant's name, for errors.
     pub fn compile(
         &self,
         name: &str,
@@ -267,14 +269,14 @@ impl Driver for Web {
         for top in (0..height).step_by(BAND_ROWS as usize) {
             let band = top..height.min(top + BAND_ROWS);
             pixels.extend(pipeline.rows([width, height], params, band.clone())?);
-            // no job is under way here: whoever is told may draw by itself
+            // no job is running here, so `progress` may draw, too
             progress(band.len() * width as usize);
         }
         Ok(pixels)
     }
 }
 
-/// Whoever panicked while it held the lock left nothing half done.
+/// The lock, also after a panic: a holder leaves nothing half done.
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

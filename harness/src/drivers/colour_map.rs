@@ -1,15 +1,15 @@
-//! Colours of a body.
+//! The colour picture of a body.
 
 use diffraction_shaders::error::{Error, Result};
 
-/// An sRGB picture, `[row][column]`, first row at texture coordinate 0.
+/// An sRGB picture, `[row][column]`. The first row is at texture coordinate 0.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ColourMap {
     /// Columns.
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Red, green, blue, and 255.
+    /// Red, green, blue and alpha; alpha is 255.
     pub texels: Vec<[u8; 4]>,
 }
 
@@ -20,16 +20,16 @@ impl ColourMap {
         ColourMap { width: 1, height: 1, texels: vec![[r, g, b, 255]] }
     }
 
-    /// Reads the bytes of a PNG or JPEG file; `subject` names it.
+    /// Reads the bytes of a PNG or JPEG file. `subject` names the file in errors.
     pub(crate) fn decode(subject: &str, bytes: &[u8]) -> Result<ColourMap> {
         let picture = image::load_from_memory(bytes)
-            .map_err(|error| Error::new(subject, "is no picture that can be read").source(error))?;
+            .map_err(|error| Error::new(subject, "cannot be read as an image").source(error))?;
         let picture = picture.into_rgb8();
         let texels = picture.pixels().map(|p| [p[0], p[1], p[2], 255]).collect();
         Ok(ColourMap { width: picture.width(), height: picture.height(), texels })
     }
 
-    /// The picture and its halvings down to one texel, averaged in linear light.
+    /// The mipmap levels: the picture, halved down to one texel, averaged in linear light.
     pub fn levels(&self) -> Vec<ColourMap> {
         let mut levels = vec![self.clone()];
         while let Some(last) = levels.last().filter(|l| l.width > 1 || l.height > 1) {
@@ -59,7 +59,7 @@ fn half(from: &ColourMap) -> ColourMap {
     ColourMap { width, height, texels: (0..width * height).map(texel).collect() }
 }
 
-/// The sRGB transfer function backwards (IEC 61966-2-1).
+/// The inverse sRGB transfer function (IEC 61966-2-1).
 fn decode(code: f32) -> f32 {
     if code <= 0.04045 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) }
 }

@@ -1,4 +1,4 @@
-//! What all drivers have in common: which pictures they draw, from which tables, and what the pixels mean.
+//! What all drivers share: the pictures that they draw, the tables, and the meaning of the pixels.
 
 use std::cell::RefCell;
 
@@ -19,14 +19,14 @@ use diffraction_shaders::tables::{
 use diffraction_shaders::variant::Form;
 use glam::DVec3;
 
-/// Rows of a picture that are drawn at once, so that progress shows and an interrupt is heard.
+/// Number of rows drawn at once. Between bands progress is reported and an interrupt is noticed.
 pub(super) const BAND_ROWS: u32 = 16;
-/// Directions in a row of the probe's picture.
+/// Number of directions in a row of the probe's picture.
 const PROBE_WIDTH: usize = 512;
-/// Most rows of the probe's picture; its table of directions has twice as many, which every driver can hold.
+/// Maximum number of rows of the probe's picture. Its table of directions has twice as many, which every driver supports.
 const PROBE_ROWS: usize = 1024;
 
-/// A table and the binding in the templates, in group 0, that reads it.
+/// A table, and its binding in group 0 of the templates.
 pub type BoundTable<'a> = (u32, &'a Table);
 
 /// A driver that runs the shaders of variants.
@@ -34,10 +34,10 @@ pub trait Driver {
     /// A compiled entry point with its tables.
     type Pipeline;
 
-    /// The route that this driver stands for.
+    /// Name of the route.
     fn route(&self) -> String;
 
-    /// Compiles the fragment entry point `entry` after the vertex entry point `vert`, and uploads its tables.
+    /// Compiles the fragment entry point `entry` with the vertex entry point `vert`, and uploads its tables.
     fn pipeline(
         &self,
         module: &Module,
@@ -45,7 +45,7 @@ pub trait Driver {
         tables: &[BoundTable<'_>],
     ) -> Result<Self::Pipeline>;
 
-    /// Draws a picture of `[width, height]` pixels, `[row][column]`, top row first; `params` is the block `Params`.
+    /// Draws a picture of `[width, height]` pixels, `[row][column]`, top row first. `params` is the block `Params`.
     fn draw(
         &self,
         pipeline: &Self::Pipeline,
@@ -55,21 +55,20 @@ pub trait Driver {
     ) -> Result<Vec<[f32; 4]>>;
 }
 
-/// A variant on a surface with everything that its shader needs. Fields may be spoilt on purpose: a comparison that
-/// does not notice proves nothing.
+/// A variant on a surface with everything that its shader needs. Negative controls spoil its fields on purpose.
 #[derive(Clone, Debug)]
 pub struct Prepared<'a> {
     /// The variant and its surface.
     pub placement: Placement<'a>,
-    /// Where the shader comes from.
+    /// The templates of the shader.
     pub sources: Sources,
     /// How the variant computes.
     pub form: Form,
-    /// The term table; empty where the mode has none.
+    /// The term table; empty if the mode has no terms.
     pub terms: Table,
     /// The spectrum table.
     pub spectrum: Table,
-    /// The table of coefficients; empty where they are powers.
+    /// The table of coefficients; empty if coefficients are powers.
     pub coefficients: Table,
 }
 
@@ -87,19 +86,19 @@ impl<'a> Prepared<'a> {
         Ok(Prepared { placement, sources: Sources::builtin(), form, terms, spectrum, coefficients })
     }
 
-    /// The shader that reads a spectrum table of so many wavelengths.
+    /// The shader for a spectrum table of `wavelengths` wavelengths.
     pub fn module(&self, wavelengths: usize) -> Result<Module> {
         let Placement { rotate_deg, variant, .. } = self.placement;
         let defines = specialise::defines(variant, &self.form, rotate_deg, wavelengths);
         specialise::shader(&self.sources, &variant.name, &self.form, &defines).map_err(first)
     }
 
-    /// Compiles the entry point `map` with its tables; its uniform block is [`params`].
+    /// Compiles the entry point `map` with its tables. Its uniform block is [`params`].
     pub fn map_pipeline<D: Driver>(&self, driver: &D) -> Result<D::Pipeline> {
         self.pipeline(driver, "map", &self.spectrum, None)
     }
 
-    /// Compiles an entry point with its tables; `directions` only for `probe`.
+    /// Compiles an entry point with its tables. Only `probe` has `directions`.
     fn pipeline<D: Driver>(
         &self,
         driver: &D,
@@ -119,12 +118,12 @@ impl<'a> Prepared<'a> {
 pub struct DriverRunner<'a, D: Driver> {
     prepared: Prepared<'a>,
     driver: D,
-    /// The entry point `map`, once it was needed.
+    /// The entry point `map`, compiled when first needed.
     map: RefCell<Option<D::Pipeline>>,
 }
 
 impl<'a, D: Driver> DriverRunner<'a, D> {
-    /// Compiles nothing yet.
+    /// A runner. Nothing is compiled yet.
     pub fn with(prepared: Prepared<'a>, driver: D) -> DriverRunner<'a, D> {
         DriverRunner { prepared, driver, map: RefCell::new(None) }
     }
@@ -134,7 +133,7 @@ impl<'a, D: Driver> DriverRunner<'a, D> {
         &self.driver
     }
 
-    /// Evaluates `probe` with any spectrum table, in pictures of at most half a million directions.
+    /// Evaluates `probe` with a given spectrum table, in pictures of at most half a million directions.
     fn probe(
         &self,
         spectrum: &Table,
@@ -166,7 +165,7 @@ impl<D: Driver> Runner for DriverRunner<'_, D> {
         self.probe(&self.prepared.spectrum, directions, progress)
     }
 
-    /// The shader with a single wavelength of weight 1 returns `C·|P|²`; the gain is taken off again in f64.
+    /// With a single wavelength of weight 1 the shader returns `C·|P|²`. The gain is divided out in f64.
     fn response(&self, directions: &[Directions], lambda_nm: f64) -> Result<Vec<f64>> {
         let Placement { rotate_deg, variant, .. } = self.prepared.placement;
         has_wavelengths(&variant.name, &self.prepared.form)?;
@@ -181,7 +180,7 @@ impl<D: Driver> Runner for DriverRunner<'_, D> {
             .collect())
     }
 
-    /// The `map` entry point; its linear RGB is taken back to tristimulus values.
+    /// Draws by the entry point `map`, whose linear RGB is converted back to tristimulus values.
     fn brdf_map_with(&self, light: DVec3, size: usize, progress: Progress<'_>) -> Result<BrdfMap> {
         let mut cached = self.map.borrow_mut();
         let pipeline = match cached.take() {
@@ -200,7 +199,8 @@ impl<D: Driver> Runner for DriverRunner<'_, D> {
     }
 }
 
-/// Rows 2k hold directions to the light, rows 2k + 1 those to the viewer; black below the horizon fills up.
+/// Rows 2k hold the directions to the light, rows 2k + 1 those to the viewer. Unused texels hold directions below the
+/// horizon, which give black.
 fn directions_table(directions: &[Directions]) -> Table {
     let rows = directions.len().div_ceil(PROBE_WIDTH);
     let mut texels = vec![0.0; 2 * rows * PROBE_WIDTH * 4];
@@ -223,17 +223,17 @@ fn directions_table(directions: &[Directions]) -> Table {
     }
 }
 
-/// Binding of the uniform block `Params`; that of meshes is another.
+/// Binding of the uniform block `Params`. Meshes have another block.
 pub(super) const PARAMS: u32 = 0;
 
-/// The uniform block `Params`: direction to the light, and width and height in pixels.
+/// The uniform block `Params`: direction to the light, then width and height in pixels.
 pub fn params(light: DVec3, [width, height]: [u32; 2]) -> [f32; 8] {
     let light = light.as_vec3();
     [light.x, light.y, light.z, 0.0, width as f32, height as f32, 0.0, 0.0]
 }
 
-/// The first diagnostic of a shader that does not compile; `generate` shows all of them in their places.
+/// The first diagnostic of a shader that does not compile. `generate` shows all of them with their places.
 fn first(diagnostics: Vec<Diagnostic>) -> Error {
     let message = diagnostics.first().map_or("does not compile", |d| d.message.as_str());
-    Error::new("shader", message).remedy("cargo xtask generate shows every error with its place")
+    Error::new("shader", message).remedy("the command generate shows every error with its place")
 }

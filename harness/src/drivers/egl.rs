@@ -1,14 +1,14 @@
-//! Emitted GLSL on a GL driver, exactly as emitted: the routes `glsl450` and `glsl-es300`.
+//! The routes `glsl450` and `glsl-es300`: emitted GLSL on a GL driver, unchanged.
 //!
-//! No window and no graphics card are needed: `libegl1 libgles2 libgl1-mesa-dri` bring Mesa's llvmpipe. The library is
-//! loaded at run time, so that building needs none of them.
+//! Neither a window nor a graphics card is needed: the packages `libegl1 libgles2 libgl1-mesa-dri` contain Mesa's llvmpipe. The
+//! library is loaded at run time, so that a build does not need them.
 //!
-//! * Textures and the uniform block are found by the names, or the bindings, that [`emit`](diffraction_shaders::shader::emit) reports; a name
+//! * Textures and the uniform block are found by the names, or the bindings, that [`emit`](diffraction_shaders::shader::emit) reports. A name
 //!   that the driver does not know is an error.
-//! * Clip space is GL's own, y up. Pictures are handed out row by row from the top: row 0 is next to y = +1.
-//! * Every pipeline has a context of its own, which is current only inside calls, on the calling thread, and which takes
-//!   all its textures and buffers with it when it is dropped.
-//! * The display that EGL opens is kept until the process ends: others may have opened the same one.
+//! * Clip space is GL's own, y up. Pictures are returned row by row from the top: row 0 is next to y = +1.
+//! * Every pipeline has a context of its own, which is current only inside calls, on the calling thread. Dropping the pipeline
+//!   frees the context with all its textures and buffers.
+//! * The display that EGL opens is kept until the process ends: other code may have opened the same one.
 
 mod context;
 mod device;
@@ -28,21 +28,21 @@ use super::stages::stages;
 use device::Device;
 pub use pipeline::Pipeline;
 
-/// What brings a software driver.
-const REMEDY: &str = "apt-get install libegl1 libgles2 libgl1-mesa-dri brings a software driver";
+/// How to install a software driver.
+const REMEDY: &str = "install a software driver: apt-get install libegl1 libgles2 libgl1-mesa-dri";
 
 /// A variant's emitted GLSL on one driver.
 pub type EglRunner<'a> = DriverRunner<'a, Egl>;
 
 impl<'a> EglRunner<'a> {
-    /// Opens the first driver of the machine, computes the tables, and compiles nothing yet.
+    /// Opens the first driver of the machine and computes the tables. Nothing is compiled yet.
     pub fn new(placement: Placement<'a>, dialect: Dialect) -> Result<EglRunner<'a>> {
         let egl = Egl::open(dialect, None)?;
         Ok(DriverRunner::with(Prepared::new(placement)?, egl))
     }
 }
 
-/// A dialect of GLSL, and with it the kind of context that runs it.
+/// A dialect of GLSL, with the kind of context that runs it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Dialect {
     /// GLSL 4.50 in a core context of desktop GL 4.5 or later.
@@ -52,10 +52,10 @@ pub enum Dialect {
 }
 
 impl Dialect {
-    /// Both of them.
+    /// Both dialects.
     pub const ALL: [Dialect; 2] = [Dialect::Glsl450, Dialect::GlslEs300];
 
-    /// The target whose texts these are.
+    /// The target whose files it runs.
     pub fn target(self) -> Target {
         match self {
             Dialect::Glsl450 => Target::Glsl450,
@@ -63,7 +63,7 @@ impl Dialect {
         }
     }
 
-    /// The route, which bears the target's name.
+    /// Name of the route, the same as the target's.
     pub fn route(self) -> &'static str {
         self.target().as_str()
     }
@@ -82,10 +82,10 @@ pub struct Egl {
 }
 
 impl Egl {
-    /// Opens the first driver of the machine that runs `dialect`, and whose name contains `adapter`, in any case of
-    /// letters, where given. Mesa puts graphics cards before software.
+    /// Opens the first driver of the machine that runs `dialect` and whose name contains `adapter`, if given, ignoring case. Mesa
+    /// lists graphics cards before software drivers.
     ///
-    /// The error says why each display was refused.
+    /// The error states why each display was refused.
     pub fn open(dialect: Dialect, adapter: Option<&str>) -> Result<Egl> {
         Device::open(dialect, adapter).map(|device| Egl { device })
     }
@@ -95,13 +95,13 @@ impl Egl {
         self.device.dialect
     }
 
-    /// Renderer and version as the driver calls them.
+    /// Renderer and version, from the driver.
     pub fn driver(&self) -> &str {
         &self.device.driver
     }
 
-    /// Compiles the fragment entry point `entry` of emitted files, after their only vertex entry point, and uploads the
-    /// tables that it reads; `name` is the variant's, for errors.
+    /// Compiles the fragment entry point `entry` of emitted files with their only vertex entry point, and uploads the tables that
+    /// it reads. `name` is the variant's name, for errors.
     pub fn compile(
         &self,
         name: &str,
@@ -142,7 +142,7 @@ impl Driver for Egl {
         for top in (0..height).step_by(BAND_ROWS as usize) {
             let band = top..height.min(top + BAND_ROWS);
             pixels.extend(pipeline.rows([width, height], params, band.clone())?);
-            // the context is not current here: whoever is told may use another one
+            // the context is not current here, so `progress` may use another one
             progress(band.len() * width as usize);
         }
         Ok(pixels)

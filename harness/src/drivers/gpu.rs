@@ -1,16 +1,17 @@
-//! Shaders on a real driver, headless: wgpu on Vulkan or GL, a full-screen triangle into an f32 target, pixels read back.
+//! Runs shaders on a driver without a window: wgpu on Vulkan or GL draws a full-screen triangle into an f32 target, and the
+//! pixels are read back.
 //!
-//! No window and no graphics card are needed: `mesa-vulkan-drivers` brings lavapipe (Vulkan), `libegl1 libgles2 libgl1-mesa-dri` bring
-//! llvmpipe (GL).
+//! A graphics card is not needed: the package `mesa-vulkan-drivers` contains lavapipe (Vulkan), `libegl1 libgles2 libgl1-mesa-dri`
+//! contain llvmpipe (GL).
 //!
 //! Conventions, the same on every backend:
 //!
 //! * Pixels come row by row from the top: row 0 is next to y = +1 of normalised device coordinates, column 0 next to x = -1.
-//! * All bindings are in group 0. Textures are read by `textureLoad` and bound as not filterable, but for those that name a sampler.
-//! * Every failure is an [`Error`](diffraction_shaders::error::Error) of stage `Run`: what wgpu reports, a lost device, and a panic inside wgpu,
-//!   which it raises where it has no other way to report (the panic's own message also goes to stderr, as Rust's hook prints it).
-//! * Shaders run with wgpu's own run-time checks (bounds of loads, bounded loops). Switching them off is 1.0 to 1.5 times faster
-//!   and takes an unsafe call that vouches for the shader; this runner exists to measure shaders of which nobody can vouch yet.
+//! * All bindings are in group 0. Textures are read by `textureLoad` and bound as not filterable, except those with a sampler.
+//! * Every failure is an [`Error`](diffraction_shaders::error::Error): what wgpu reports, a lost device, and a panic inside wgpu, by which
+//!   wgpu reports some errors (Rust's hook prints the panic's message on stderr, too).
+//! * Shaders run with wgpu's run-time checks (bounds of loads, bounded loops). Without them they would be 1.0 to 1.5 times as
+//!   fast, but that needs an unsafe call which guarantees that the shader is right, and this runner tests whether shaders are.
 //!
 //! Calls on one [`Gpu`] and its pipelines, from any number of threads, take turns.
 
@@ -46,17 +47,17 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// Opens the best adapter of `backend`: the first whose name or driver contains `adapter`, in any case of letters, where given;
-    /// graphics cards before software.
+    /// Opens the best adapter of `backend`: graphics cards before software drivers. If `adapter` is given, the first one whose name
+    /// or driver contains it, ignoring case.
     ///
-    /// The device gets all the limits that the adapter has, since tables can be large.
-    /// The error lists every adapter of the machine where none matches, and what to set where it cannot render to f32.
+    /// The device gets all limits of the adapter, since tables can be large. If no adapter matches, the error lists all adapters of
+    /// the machine; if the adapter cannot render to f32, it states what to set.
     pub fn open(backend: Backend, adapter: Option<&str>) -> Result<Gpu> {
         guard::caught(backend.name(), || adapter::open(backend, adapter))
             .map(|shared| Gpu { shared: Arc::new(shared) })
     }
 
-    /// All adapters of the machine, by backend. Empty where there is no driver.
+    /// All adapters of the machine, by backend. Empty without a driver.
     pub fn adapters() -> Vec<AdapterInfo> {
         guard::caught("adapters", || Ok(adapter::list())).unwrap_or_default()
     }
@@ -68,7 +69,7 @@ impl Gpu {
 
     /// Uploads the textures of `program` and compiles its shader.
     ///
-    /// What the adapter cannot hold is refused by the name of the limit, before anything is created.
+    /// A program above a limit of the adapter is refused before anything is created. The error names the limit.
     pub fn program(&self, program: &Program<'_>) -> Result<Pipeline> {
         program::check(program, &self.shared)?;
         self.shared.guarded(program.name, || program::build(&self.shared, program))
@@ -88,8 +89,8 @@ impl Gpu {
         self.shared.guarded(program.name, || mesh::build(&self.shared, program, targets))
     }
 
-    /// Draws passes over a mesh, one over the other, all for the same targets. Pictures come as `[picture][row][column]`,
-    /// top row first; alpha is 0 where nothing is.
+    /// Draws passes over a mesh, one over the other, into the same targets. Returns pictures as `[picture][row][column]`, top row
+    /// first; alpha is 0 outside the mesh.
     pub fn draw_mesh(
         &self,
         name: &str,
@@ -111,7 +112,7 @@ mod tests {
     #[test]
     fn a_lost_device_is_an_error_and_stays_one() {
         for backend in [Backend::Vulkan, Backend::Gl] {
-            // whether a driver must be there is the business of harness/tests/gpu.rs
+            // harness/tests/gpu.rs decides whether a driver is required
             let Ok(gpu) = Gpu::open(backend, None) else { continue };
             let wgsl = "
                 @vertex fn v(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
@@ -130,7 +131,7 @@ mod tests {
             };
             let wgsl = with(Shader::Wgsl(wgsl));
             let spirv = with(Shader::Spirv { vertex: &vertex, fragment: &fragment });
-            // only Vulkan takes SPIR-V as it is
+            // only Vulkan takes unchanged SPIR-V
             let programs = if backend == Backend::Vulkan { vec![wgsl, spirv] } else { vec![wgsl] };
             let pipelines: Vec<Pipeline> =
                 programs.iter().map(|program| gpu.program(program).expect("valid")).collect();

@@ -1,4 +1,4 @@
-//! Vulkan drivers that a machine has and Vulkan's loader does not look for.
+//! Installed Vulkan drivers that Vulkan's loader does not find by itself.
 
 use std::{
     env,
@@ -6,15 +6,15 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// The environment variable by which the loader (1.3.207 or later) takes drivers in addition to those of the system.
+/// The environment variable that adds drivers to those of the system (loader 1.3.207 or later).
 ///
-/// It must be set before the process loads Vulkan, hence before it starts.
+/// It must be set before the process loads Vulkan, so before the process starts.
 pub const ADD_DRIVERS: &str = "VK_ADD_DRIVER_FILES";
 
-/// Variables by which a user has chosen drivers already.
+/// Variables by which a user chooses drivers.
 const CHOSEN: [&str; 3] = ["VK_DRIVER_FILES", "VK_ICD_FILENAMES", ADD_DRIVERS];
 
-/// Folders in which the loader looks.
+/// Folders that the loader searches.
 const SYSTEM: [&str; 5] = [
     "/usr/local/etc/vulkan/icd.d",
     "/usr/local/share/vulkan/icd.d",
@@ -23,9 +23,9 @@ const SYSTEM: [&str; 5] = [
     "/usr/share/vulkan/icd.d",
 ];
 
-/// SwiftShader's description, as browsers bring it.
+/// File name of SwiftShader's description in browsers.
 const SWIFTSHADER: &str = "vk_swiftshader_icd.json";
-/// Where browsers are installed: Debian's, others', Google's.
+/// Folders of browsers: Debian's, other distributions', Google's.
 const BROWSERS: [&str; 5] = [
     "/usr/lib/chromium",
     "/usr/lib64/chromium",
@@ -34,16 +34,16 @@ const BROWSERS: [&str; 5] = [
     "/opt/google/chrome",
 ];
 
-/// Descriptions of drivers that exist in well-known places and are not loaded by themselves: SwiftShader, from the first browser
-/// that has it. None where the environment names drivers already.
+/// Descriptions of drivers in known places that the loader does not search: SwiftShader, from the first browser that has it. Empty
+/// if the environment already chooses drivers.
 ///
-/// [`ADD_DRIVERS`] takes them, joined as paths are in `PATH`.
+/// [`ADD_DRIVERS`] takes them, joined like `PATH`.
 pub fn unloaded() -> Vec<PathBuf> {
     let chosen = CHOSEN.iter().any(|name| env::var_os(name).is_some_and(|v| !v.is_empty()));
     if chosen { Vec::new() } else { unloaded_of(&|file| file.is_file()) }
 }
 
-/// The value for [`ADD_DRIVERS`]; `None` where there is nothing to add.
+/// The value for [`ADD_DRIVERS`]; `None` if there is no driver to add.
 pub fn addition() -> Option<OsString> {
     let files = unloaded();
     if files.is_empty() { None } else { env::join_paths(files).ok() }

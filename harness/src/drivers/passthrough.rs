@@ -1,10 +1,10 @@
-//! Emitted SPIR-V on Vulkan exactly as emitted, and emitted HLSL by way of glslang: the routes `spirv` and `hlsl`.
+//! The routes `spirv` and `hlsl`: emitted SPIR-V on Vulkan, unchanged, and emitted HLSL, compiled by glslang.
 //!
-//! * No adapter of Vulkan is special: lavapipe, SwiftShader, a graphics card.
-//! * wgpu changes nothing of the shaders: neither bindings nor clip space, and it adds no run-time checks.
-//! * HLSL is compiled entry point by entry point by `glslangValidator`, which makes registers bindings number by number.
-//! * Wrong words can bring a driver down. So every module is looked through, and shown to `spirv-val` where that is installed,
-//!   before the driver sees it.
+//! * All adapters of Vulkan can run them: lavapipe, SwiftShader, a graphics card.
+//! * wgpu does not change the shaders, neither bindings nor clip space, and adds no run-time checks.
+//! * `glslangValidator` compiles HLSL entry point by entry point. It turns registers into bindings of the same number.
+//! * Wrong words can crash a driver. So before the driver gets a module, its form is checked, and `spirv-val` checks it, if
+//!   installed.
 
 mod compile;
 
@@ -27,20 +27,20 @@ use super::shader;
 /// A variant's emitted SPIR-V or HLSL on one adapter.
 pub type PassthroughRunner<'a> = DriverRunner<'a, Passthrough>;
 
-/// A language of emitted files that reaches Vulkan without wgpu's translation.
+/// A language of emitted files that wgpu does not translate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Language {
-    /// The emitted modules.
+    /// The emitted SPIR-V modules.
     Spirv,
-    /// The emitted text, compiled by glslang.
+    /// The emitted HLSL, compiled by glslang.
     Hlsl,
 }
 
 impl Language {
-    /// Both of them.
+    /// Both languages.
     pub const ALL: [Language; 2] = [Language::Spirv, Language::Hlsl];
 
-    /// The target whose files these are.
+    /// The target whose files it runs.
     pub fn target(self) -> Target {
         match self {
             Language::Spirv => Target::Spirv,
@@ -60,19 +60,19 @@ impl fmt::Display for Language {
 pub struct Passthrough {
     gpu: Gpu,
     language: Language,
-    /// glslang, where the language needs it.
+    /// glslang, if the language needs it.
     compiler: Option<PathBuf>,
 }
 
 impl Passthrough {
-    /// Opens the best adapter of Vulkan whose name or driver contains `adapter`, where given, as [`Gpu::open`] does.
+    /// Opens the best adapter of Vulkan, whose name or driver contains `adapter` if given, like [`Gpu::open`].
     pub fn open(language: Language, adapter: Option<&str>) -> Result<Passthrough> {
-        // of two things that are missing, the one that is easier to install
+        // if both are missing, report the one that is easier to install
         compiler(language)?;
         Passthrough::with(language, Gpu::open(Backend::Vulkan, adapter)?)
     }
 
-    /// Runs a language on an adapter that is open already.
+    /// Runs a language on an open adapter.
     pub fn with(language: Language, gpu: Gpu) -> Result<Passthrough> {
         Ok(Passthrough { gpu, language, compiler: compiler(language)? })
     }
@@ -87,8 +87,8 @@ impl Passthrough {
         &self.gpu
     }
 
-    /// Compiles the fragment entry point `entry` of emitted files, after their only vertex entry point, and uploads the
-    /// tables; `name` is the variant's, for errors. Bindings are those that were reported with the files.
+    /// Compiles the fragment entry point `entry` of emitted files with their only vertex entry point, and uploads the tables.
+    /// `name` is the variant's name, for errors. Bindings are those that were reported with the files.
     pub fn compile(
         &self,
         name: &str,
@@ -107,13 +107,13 @@ impl Passthrough {
                 (BindingKind::UniformBlock, _) if binding.binding == PARAMS => {
                     uniform = Some(Uniform { binding: place, size: size_of::<[f32; 8]>() as u32 });
                 }
-                // a file of several entry points names the tables of all; what this one lacks is found in its words
+                // a file lists the tables of all its entry points; which of them are missing is found in the words
                 (BindingKind::Texture, Some(&(_, table)))
                     if textures.iter().all(|texture| texture.binding != place) =>
                 {
                     textures.push(shader::texture(table, place));
                 }
-                // comes with the textures that it reads
+                // samplers come with their textures
                 _ => {}
             }
         }
@@ -125,7 +125,7 @@ impl Passthrough {
             vertex_entry: vertex.entry,
             fragment_entry: fragment.entry,
             textures,
-            // every picture comes with its parameters
+            // every picture brings its parameters
             uniform: uniform.or(Some(Uniform { binding: 0, size: size_of::<[f32; 8]>() as u32 })),
         })
     }
@@ -159,7 +159,7 @@ impl Driver for Passthrough {
     }
 }
 
-/// An entry point and the file that has it.
+/// An entry point and its file.
 struct Entry<'a> {
     file: &'a EmittedFile,
     stage: module::Stage,
@@ -188,8 +188,8 @@ fn compiler(language: Language) -> Result<Option<PathBuf>> {
         return Ok(None);
     }
     on_path(GLSLANG).map(Some).ok_or_else(|| {
-        let cause = format!("{GLSLANG} is not installed, which turns HLSL into SPIR-V");
+        let cause = format!("{GLSLANG} is not installed, but HLSL needs it");
         Error::new(language, cause)
-            .remedy(format!("apt-get install {GLSLANG_PACKAGE}, or take the runner spirv"))
+            .remedy(format!("apt-get install {GLSLANG_PACKAGE}, or use the runner spirv"))
     })
 }

@@ -1,4 +1,4 @@
-//! Routes to drivers by name, opened once and used for many variants.
+//! Opens routes to drivers by name. A route is opened once and used for many variants.
 
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::runner::Runner;
@@ -9,12 +9,12 @@ use super::gpu::{Backend, Gpu};
 use super::passthrough::{Language, Passthrough};
 use super::{Driver, DriverRunner, Prepared};
 
-/// An open way to a driver.
+/// An open route to a driver.
 pub trait Route {
-    /// Its name, as records bear it.
+    /// Name of the route, as in records.
     fn name(&self) -> String;
 
-    /// A runner for a variant; compiles nothing yet.
+    /// A runner for a variant. Nothing is compiled yet.
     fn runner<'a>(&self, prepared: Prepared<'a>) -> Box<dyn Runner + 'a>;
 }
 
@@ -28,11 +28,11 @@ impl<D: Driver + Clone + 'static> Route for D {
     }
 }
 
-/// A route that was looked for.
+/// The outcome of opening a route.
 pub struct Found {
-    /// Its name, or its kind where it could not be opened.
+    /// Name of the route, or its kind if it could not be opened.
     pub name: String,
-    /// The open route, or why there is none.
+    /// The open route, or why it could not be opened.
     pub route: Result<Box<dyn Route>>,
 }
 
@@ -40,11 +40,11 @@ pub struct Found {
 pub const KINDS: [&str; 8] =
     ["vulkan", "gl", "spirv", "hlsl", "glsl450", "glsl-es300", "webgpu", "webgl2"];
 
-/// Opens every route of the kinds that are wanted, `KIND` or `KIND:ADAPTER` with a part of the adapter's name; all kinds
-/// for an empty list. A kind that has several adapters gives one route each. An unknown kind is an error.
+/// Opens every route of the wanted kinds, `KIND` or `KIND:SUBSTRING` with a part of the adapter's name; all kinds for an empty
+/// list. A kind with several adapters gives one route for each. An unknown kind is an error.
 pub fn open(wanted: &[String]) -> Result<Vec<Found>> {
     let mut found = Vec::new();
-    // one for both of its routes
+    // one browser for both routes
     let mut browser = None;
     let all: Vec<String> = KINDS.iter().map(ToString::to_string).collect();
     for wanted in if wanted.is_empty() { &all } else { wanted } {
@@ -62,7 +62,7 @@ pub fn open(wanted: &[String]) -> Result<Vec<Found>> {
             "webgpu" => found.push(one(wanted, web(&mut browser, Api::WebGpu))),
             "webgl2" => found.push(one(wanted, web(&mut browser, Api::WebGl2))),
             _ => {
-                return Err(Error::new(format!("route {kind}"), "is not known")
+                return Err(Error::new(format!("route {kind}"), "is not a route")
                     .remedy(format!("one of {}", KINDS.join(", "))));
             }
         }
@@ -82,7 +82,7 @@ fn untranslated(language: Language, wanted: &str, adapter: Option<&str>) -> Vec<
     on_adapters(Backend::Vulkan, wanted, adapter, |gpu| Passthrough::with(language, gpu))
 }
 
-/// A route for each adapter of a backend.
+/// Opens a route on each adapter of a backend.
 fn on_adapters<R: Route + 'static>(
     backend: Backend,
     wanted: &str,
@@ -95,10 +95,10 @@ fn on_adapters<R: Route + 'static>(
         .filter(|info| info.backend == backend && info.name.to_lowercase().contains(&part))
         .map(|info| info.name)
         .collect();
-    // equal cards are equal routes
+    // two adapters of the same name are one route
     names.dedup();
     if names.is_empty() {
-        // the error of opening says what there is, and what to do
+        // the error of opening lists the adapters and what to do
         return vec![one(wanted, Gpu::open(backend, adapter).and_then(route))];
     }
     let open =

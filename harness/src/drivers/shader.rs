@@ -1,4 +1,4 @@
-//! Evaluation of the specialised WGSL by a driver, through wgpu.
+//! Runs the specialised WGSL on a driver, through wgpu.
 
 use std::borrow::Cow;
 use std::ops::ControlFlow;
@@ -15,7 +15,7 @@ use super::gpu::{Gpu, Pipeline, Program, Shader, Texture, TextureFormat, Texture
 pub type ShaderRunner<'a> = DriverRunner<'a, Gpu>;
 
 impl<'a> ShaderRunner<'a> {
-    /// Computes the tables and compiles nothing yet.
+    /// Computes the tables. Nothing is compiled yet.
     pub fn new(placement: Placement<'a>, gpu: Gpu) -> Result<ShaderRunner<'a>> {
         Ok(DriverRunner::with(Prepared::new(placement)?, gpu))
     }
@@ -61,7 +61,7 @@ impl Driver for Gpu {
     }
 }
 
-/// A table as wgpu takes it.
+/// A table as a texture for wgpu.
 pub fn texture(table: &Table, binding: u32) -> Texture<'static> {
     Texture {
         binding,

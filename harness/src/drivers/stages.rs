@@ -1,13 +1,14 @@
-//! Which emitted files a pipeline is made of.
+//! Finds the emitted files of a pipeline.
 
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::shader::emit::EmittedFile;
 use diffraction_shaders::shader::module;
 
-/// A file and the name of one of its entry points in it.
+/// A file and the name of one of its entry points.
 pub(super) type StageFile<'a> = (&'a EmittedFile, &'a str);
 
-/// The files with the first vertex entry point, that of whole screens, and with the fragment entry point `entry`; `name` is the variant's.
+/// The file with the first vertex entry point, which covers the screen, and the file with the fragment entry point `entry`.
+/// `name` is the variant's name, for errors.
 pub(super) fn stages<'a>(
     name: &str,
     files: &'a [EmittedFile],

@@ -1,4 +1,4 @@
-//! Gratings in closed form: the yardstick of the estimate.
+//! Closed forms of gratings, the yardstick of the estimate.
 
 use std::f64::consts::{PI, TAU};
 
@@ -22,7 +22,7 @@ enum Shape {
     Triangle { apex: f64 },
 }
 
-/// What gives an order its width.
+/// What determines the width of an order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lobe {
     /// A Gaussian coherence window of this standard deviation, µm.
@@ -30,9 +30,9 @@ pub enum Lobe {
         /// Standard deviation, µm.
         sigma_um: f64,
     },
-    /// So many periods along x with sharp ends, and so long a groove along y.
+    /// A finite number of periods along x with sharp ends, and a finite length of the groove along y.
     Replicas {
-        /// Periods.
+        /// Number of periods.
         periods: f64,
         /// Length along y, µm.
         length_um: f64,
@@ -40,7 +40,7 @@ pub enum Lobe {
 }
 
 impl ClosedForm {
-    /// The profile of a synthetic surface; `None` for one without a closed form.
+    /// The closed form of a synthetic surface; `None` if it has no closed form.
     pub fn new(grating: &Grating) -> Option<ClosedForm> {
         let profile = |shape, period_um, height_um| ClosedForm { shape, period_um, height_um };
         match *grating {
@@ -60,7 +60,7 @@ impl ClosedForm {
         }
     }
 
-    /// `∫₀¹ exp(i z h(t)) exp(2πi t place) dt`, `t = x/d`: the transform of one period, `c_m` where `place` is a whole `m`.
+    /// `∫₀¹ exp(i z h(t)) exp(2πi t place) dt`, `t = x/d`: the transform of one period. For an integer `place = m` it is `c_m`.
     pub fn transform(&self, place: f64, z: f64) -> Complex64 {
         let psi = z * self.height_um;
         // ∫₀^share exp(i rise s/share) exp(2πi place s) ds
@@ -80,18 +80,18 @@ impl ClosedForm {
             // Jacobi–Anger: exp(iζ cos φ) = Σ iⁿ J_n(ζ) exp(inφ)
             Shape::Sinusoidal => {
                 let zeta = 0.5 * psi;
-                let most = zeta.abs() as i32 + 24;
+                let max = zeta.abs() as i32 + 24;
                 let term = |n: i32| {
                     let shifted = place + f64::from(n);
                     let factor = Complex64::i().powi(n) * Complex64::cis(PI * shifted);
                     factor * (libm::jn(n, zeta) * sinc(shifted))
                 };
-                Complex64::cis(zeta) * (-most..=most).map(term).sum::<Complex64>()
+                Complex64::cis(zeta) * (-max..=max).map(term).sum::<Complex64>()
             }
         }
     }
 
-    /// `|P|²` at `f = (fx, fy)`, cycles per µm, and `z`, 1/µm. Orders are taken to be isolated.
+    /// `|P|²` at `f = (fx, fy)`, cycles per µm, and `z`, 1/µm. Assumes that orders do not overlap.
     pub fn response(&self, [fx, fy]: [f64; 2], z: f64, lobe: Lobe) -> f64 {
         let place = fx * self.period_um;
         match lobe {
@@ -119,7 +119,7 @@ fn sinc(t: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Height over the period's share, of `H`.
+    /// Height in units of `H`, over the position in the period, 0 to 1.
     type Height = fn(f64) -> f64;
 
     fn all() -> [(ClosedForm, Height); 4] {

@@ -1,11 +1,11 @@
-//! Every sample as a line of text.
+//! Samples as CSV.
 
 use std::fmt::Write;
 
 use super::Measurement;
 
-/// `wavelength_nm,theta_r_deg,response`, one line for each sample that was evaluated, by wavelength, then angle; numbers
-/// read back as they were. The angles are a subset of the grid, dense around peaks.
+/// CSV with the header `wavelength_nm,theta_r_deg,response` and one line for each evaluated sample, by wavelength, then angle.
+/// Numbers are exact. The angles are a subset of the grid, dense around peaks.
 pub fn csv(measurement: &Measurement) -> String {
     let mut text = "wavelength_nm,theta_r_deg,response\n".to_owned();
     for row in &measurement.rows {

@@ -1,16 +1,16 @@
-//! The period that a surface shows along the plane of incidence.
+//! Estimates the period of a surface along the plane of incidence.
 
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::surface::HeightField;
 use diffraction_shaders::surface::facts::periods;
 
-/// A period counts for the plane of incidence if it repeats within this angle of it, degrees.
+/// Maximum angle between the direction of a period and the plane of incidence, degrees.
 const ALONG_DEG: f64 = 5.0;
 
-/// The dominant spatial period of the heights along a direction of the surface's own frame, degrees from `+x`, µm: that of
-/// the strongest peak of their spectrum near it; along x and y, where there is none, whatever repeats along that axis.
+/// The dominant spatial period of the heights, in µm, along a direction of the surface's own frame in degrees from `+x`: the
+/// strongest peak of their spectrum near it. Without such a peak, along x and y, the dominant period along that axis.
 ///
-/// `tiled`: whether the patch is known to join itself along x and y.
+/// `tiled`: whether the patch is known to tile without a seam along x and y.
 pub fn expected_um(
     height: &HeightField,
     tiled: [bool; 2],
@@ -23,7 +23,7 @@ pub fn expected_um(
     let along = found.peaks.iter().chain(axes).find(|p| apart(p.direction_deg).abs() < ALONG_DEG);
     along.map(|peak| peak.period_um).ok_or_else(|| {
         let cause =
-            format!("shows no period along the plane of incidence, {along_deg}° from its x");
-        Error::new(subject, cause).remedy("say where to search with --period-nm")
+            format!("has no period along the plane of incidence, {along_deg}° from its x axis");
+        Error::new(subject, cause).remedy("give the expected period with --period-nm")
     })
 }

@@ -1,4 +1,4 @@
-//! The response over wavelength and viewing angle as a picture, the periods beside it.
+//! Draws the response over wavelength and viewing angle, with the periods beside it.
 
 use diffraction_shaders::error::{Error, Result};
 use plotters::coord::Shift;
@@ -6,32 +6,32 @@ use plotters::prelude::*;
 
 use super::{Measurement, Protocol};
 
-/// What is written into the picture and drawn for comparison.
+/// Text of the picture, and a measurement to compare with.
 #[derive(Clone, Copy, Debug)]
 pub struct HeatmapText<'a> {
-    /// The line above.
+    /// The title.
     pub title: &'a str,
-    /// The same estimator on the closed form.
+    /// The same measurement on the closed form.
     pub yardstick: Option<&'a Measurement>,
 }
 
 const SIZE: (u32, u32) = (1200, 560);
-/// Pixels of the map with its axis; the rest is for the periods and the scale of colours.
+/// Size of the map with its axes, in pixels. The rest is for the periods and the colour scale.
 const SPLIT: [u32; 2] = [770, 1090];
-/// Cells of the map over all angles: a fifth of a degree each.
+/// Number of cells of the map over all angles: 0.2° each.
 const CELLS: usize = 900;
-/// Responses below this are drawn like none, dB under the largest.
+/// Responses below this are drawn as zero, in dB relative to the largest.
 const FLOOR_DB: f64 = -40.0;
-/// Steps of the scale of colours.
+/// Number of steps of the colour scale.
 const LEVELS: usize = 20;
-/// Axes and text; a reader's dark theme turns it light.
+/// Colour of axes and text. The style below replaces it in dark themes.
 const INK: RGBColor = RGBColor(0x1f, 0x23, 0x28);
 const THEME: &str = "<style>@media (prefers-color-scheme: dark){[fill=\"#1F2328\"]{fill:#E6EDF3}[stroke=\"#1F2328\"]{stroke:#E6EDF3}}</style>";
 const PEAK: RGBColor = RGBColor(0xe8, 0x59, 0x0c);
 const CLOSED: RGBColor = RGBColor(0x2f, 0x81, 0xf7);
 const GRATING: RGBColor = RGBColor(0xff, 0xff, 0xff);
 
-/// Draws an SVG; the measurement has to hold the whole half circle of angles.
+/// Draws an SVG. The measurement must have the whole half circle of angles.
 pub fn heatmap(
     measurement: &Measurement,
     protocol: &Protocol,
@@ -95,7 +95,7 @@ fn draw_map(area: &Area<'_>, m: &Measurement, protocol: &Protocol) -> Drawn {
     for (row, (from, to)) in m.rows.iter().zip(bands(m)) {
         let levels = levels(&row.samples, largest);
         let mut start = 0;
-        // one rectangle for neighbours of one colour; what is dark is the ground already
+        // one rectangle for neighbours of one colour; the darkest colour is the background
         while start < CELLS {
             let run = levels[start..].iter().take_while(|l| **l == levels[start]).count();
             if levels[start] > 0 {
@@ -136,7 +136,7 @@ fn draw_map(area: &Area<'_>, m: &Measurement, protocol: &Protocol) -> Drawn {
         .map_err(|e| e.to_string())
 }
 
-/// Level of every cell: of its largest sample, or of the sample before it where it has none.
+/// Level of every cell: of its largest sample, or of the previous sample if it has no sample.
 fn levels(samples: &[(f64, f64)], largest: f64) -> Vec<usize> {
     let mut cells = vec![f64::NAN; CELLS];
     for (theta_deg, response) in samples {
@@ -156,7 +156,7 @@ fn levels(samples: &[(f64, f64)], largest: f64) -> Vec<usize> {
     cells.iter().map(level).collect()
 }
 
-/// From night blue over green to cream, lightness rising evenly.
+/// Dark blue over green to cream, with evenly increasing lightness.
 fn colour(level: usize) -> RGBColor {
     const STOPS: [[f64; 3]; 6] = [
         [12.0, 16.0, 42.0],
@@ -183,7 +183,7 @@ fn draw_periods(
         m.rows.iter().filter_map(point).collect()
     };
     let (found, closed) = (points(m), yardstick.map(points).unwrap_or_default());
-    // a grating's own period belongs into the picture; of a scan it is only where the search began
+    // for a grating this is its true period; for a scan only the start of the search
     let known = yardstick.map(|_| 1e3 * protocol.expected_um);
     let all = found.iter().chain(&closed).map(|p| p.0).chain(known);
     let (least, most) =

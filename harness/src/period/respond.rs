@@ -1,4 +1,4 @@
-//! What is asked for responses: the exact field, a runner, a closed form.
+//! Sources of responses: the exact field, a runner, a closed form.
 
 use std::f64::consts::TAU;
 
@@ -12,7 +12,7 @@ use diffraction_shaders::variant::Form;
 
 use super::{ClosedForm, Lobe, Measurement, Protocol, measure};
 
-/// The exact field, prepared once for all wavelengths of a protocol; of the variant only the optics count.
+/// The exact field, prepared once for all wavelengths of a protocol. Only the optics of the variant are used.
 pub fn exact(
     placement: Placement<'_>,
     protocol: Protocol,
@@ -21,7 +21,7 @@ pub fn exact(
     let nodes = protocol.wavelengths.nodes_nm();
     let ends = |f: fn(f64, f64) -> f64| nodes.iter().copied().fold(nodes[0], f);
     let range = (ends(f64::min), ends(f64::max));
-    // w has its extremes at the horizon and at the normal, u at the horizons
+    // w is extreme at the horizon and at the normal, u at the horizons
     let extremes = [-90.0, 0.0, 90.0].map(|theta| protocol.directions(theta));
     let reference = Reference::new(height, rotate_deg, &variant.optics, range, extremes)?;
     Ok(move |lambda_nm: f64, angles: &[f64]| {
@@ -31,7 +31,7 @@ pub fn exact(
     })
 }
 
-/// Any runner; one whose variant has no wavelength axis answers with an error.
+/// Any runner. If its variant has no wavelength axis, it returns an error.
 pub fn runner<'a>(
     runner: &'a dyn Runner,
     protocol: Protocol,
@@ -42,7 +42,7 @@ pub fn runner<'a>(
     }
 }
 
-/// The closed form of a grating, whose period lies along the surface's x.
+/// The closed form of a grating with its period along the surface's x axis.
 pub fn profile<'a>(
     profile: &'a ClosedForm,
     protocol: Protocol,
@@ -60,14 +60,12 @@ pub fn profile<'a>(
     }
 }
 
-/// The same estimator on the closed form of a grating, with the lobe that the variant gives an order; `None` for a surface
-/// without a closed form.
+/// Measures the closed form of a grating, with the lobe of the variant. `None` for a surface without a closed form.
 ///
-/// The closed form is that of a smooth profile. Samples at the left edges of pixels turn its cell by half a pixel, which a
-/// coherence window does not see; the sharp ends of replicas do where the profile goes through its seam without a jump
-/// (a sinusoid of 100 pixels: 0.02 nm, falling with the number of pixels). And `pq` interpolates from few bins by default:
-/// enough for the strength of an order, not for the slope that its neighbours give it, which moves a peak of a deep
-/// grating by nanometres.
+/// Two differences remain. The closed form is of a smooth profile, while samples at the left edges of pixels shift the cell by
+/// half a pixel. A coherence window does not show this shift; the sharp ends of replicas do if the profile has no jump at its
+/// seam (a sinusoid of 100 pixels: 0.02 nm, less with more pixels). And `pq` interpolates from few bins by default: enough for
+/// the strength of an order, but not for the slope from its neighbours, which shifts a peak of a deep grating by nanometres.
 pub fn yardstick(
     grating: &Grating,
     placement: Placement<'_>,
@@ -88,7 +86,7 @@ pub fn yardstick(
     measure(&protocol, extent_um, respond).map(Some)
 }
 
-/// The greatest distance, µm, over which points of the surface interfere at wavelengths up to `longest_nm`: the coherence
+/// The maximum distance, in µm, over which points of the surface interfere at wavelengths up to `longest_nm`: the coherence
 /// length, or for replicas the whole surface.
 pub fn extent_um(placement: Placement<'_>, longest_nm: f64) -> Result<f64> {
     let coherence_um = 4.0 * window_sigma_um(&placement.variant.optics, longest_nm);

@@ -1,8 +1,8 @@
-//! The largest response on the grid of angles, without evaluating all of it.
+//! Finds the largest response on the grid of angles, without evaluating the whole grid.
 //!
-//! `|P|²` holds no spatial frequency above `extent/λ` per unit of `sin θ`, so a lobe cannot hide between samples an eighth
-//! of `λ/extent` apart: the largest of them is within a few per cent of the maximum. The grid is therefore filled only
-//! between the neighbours of coarse maxima that come near the largest.
+//! `|P|²` has no spatial frequency above `extent/λ` per unit of `sin θ`. So no lobe is missed by samples an eighth of `λ/extent`
+//! apart: the largest of them is within a few per cent of the maximum. The grid is therefore evaluated only around coarse
+//! maxima that are near the largest.
 
 use std::collections::BTreeMap;
 
@@ -10,16 +10,17 @@ use diffraction_shaders::error::Result;
 
 use super::{GRID_DEG, Protocol};
 
-/// Coarse samples per `λ/extent`.
+/// Number of coarse samples per `λ/extent`.
 const PER_LOBE: f64 = 8.0;
-/// Coarse maxima below this share of the largest cannot hold the maximum. At the worst place, midway, an isolated lobe
-/// of a Gaussian window or of replicas is 2 % down.
+/// Coarse maxima below this share of the largest cannot contain the maximum. In the worst case, midway between samples, an
+/// isolated lobe of a Gaussian window or of replicas has lost 2 %.
 const NEAR_LARGEST: f64 = 0.9;
-/// What is weaker is rounding, not light: the exact field, 1 at its peak, is right to 1e-9.
+/// Minimum response of a peak. Below it is rounding, not light: the amplitude of the exact field, 1 at its peak, is right to
+/// 1e-9.
 const MIN_RESPONSE: f64 = 1e-18;
-/// Greatest grid index on either side: the horizon is left out.
+/// Maximum grid index on either side. The horizon is left out.
 const LAST: i32 = 8999;
-/// Where the first order is searched, in units of its expected distance from the mirror direction.
+/// Range in which the first order is searched, in units of its expected distance from the mirror direction.
 const SEARCH: [f64; 2] = [0.5, 1.5];
 
 /// The largest response near the first order.
@@ -27,27 +28,27 @@ const SEARCH: [f64; 2] = [0.5, 1.5];
 pub struct Peak {
     /// Signed viewing angle, degrees, between grid points.
     pub theta_deg: f64,
-    /// Response at the grid point next to it.
+    /// Response at the nearest grid point.
     pub response: f64,
     /// `λ/|sin θr - sin θi|`, nm.
     pub period_nm: f64,
 }
 
-/// Samples of one wavelength by grid index.
+/// Samples at one wavelength, by grid index.
 pub(super) type Samples = BTreeMap<i32, f64>;
 
-/// Grid index to signed angle, degrees.
+/// The signed angle of a grid index, degrees.
 pub(super) fn angle_deg(index: i32) -> f64 {
     f64::from(index) / (1.0 / GRID_DEG).round()
 }
 
-/// Grid points from one coarse sample to the next.
+/// Number of grid points from one coarse sample to the next.
 pub(super) fn stride(extent_um: f64, lambda_nm: f64) -> i32 {
     let step_deg = (lambda_nm * 1e-3 / (PER_LOBE * extent_um)).to_degrees();
     ((step_deg / GRID_DEG) as i32).clamp(1, 50)
 }
 
-/// Coarse samples, and every grid point around the maxima that count.
+/// Evaluates coarse samples, and every grid point around the maxima near the largest.
 pub(super) fn scan(
     protocol: &Protocol,
     lambda_nm: f64,
@@ -79,7 +80,7 @@ pub(super) fn scan(
     Ok(samples)
 }
 
-/// The largest maximum of samples whose neighbours on the grid are there too.
+/// The largest maximum among samples whose two neighbours on the grid are sampled as well.
 pub(super) fn peak(protocol: &Protocol, lambda_nm: f64, samples: &Samples) -> Option<Peak> {
     let maxima = ranges(protocol, lambda_nm).into_iter().flat_map(|r| maxima(samples, r));
     let whole = maxima.filter(|([a, b, c], _)| b - a == 1 && c - b == 1);
@@ -90,16 +91,16 @@ pub(super) fn peak(protocol: &Protocol, lambda_nm: f64, samples: &Samples) -> Op
     Some(Peak { theta_deg, response, period_nm: lambda_nm / distance })
 }
 
-/// Place of the vertex of a parabola through the logarithms of three equidistant responses, of which the middle one is
-/// the largest, in steps from it; exact for a Gaussian.
+/// Vertex of the parabola through the logarithms of three equidistant responses, in steps from the middle one, which is the
+/// largest. Exact for a Gaussian.
 fn vertex(responses: [f64; 3]) -> f64 {
     let [a, b, c] = responses.map(|r| r.max(f64::MIN_POSITIVE).ln());
     let curvature = a - 2.0 * b + c;
     if curvature < 0.0 { (0.5 * (a - c) / curvature).clamp(-0.5, 0.5) } else { 0.0 }
 }
 
-/// Neighbouring samples `[before, at, after]` within a range whose middle one is a maximum, with its response. A range's
-/// own ends are none: what rises towards them belongs to the mirror direction or to another order.
+/// Neighbouring samples `[before, at, after]` within a range whose middle one is a maximum, with its response. The ends of a
+/// range do not count: a rise towards them belongs to the mirror direction or to another order.
 fn maxima(samples: &Samples, (first, last): (i32, i32)) -> Vec<([i32; 3], f64)> {
     let inside: Vec<(i32, f64)> = samples.range(first..=last).map(|(i, r)| (*i, *r)).collect();
     let is_maximum =
@@ -108,7 +109,7 @@ fn maxima(samples: &Samples, (first, last): (i32, i32)) -> Vec<([i32; 3], f64)> 
     found.map(|w| ([w[0].0, w[1].0, w[2].0], w[1].1)).collect()
 }
 
-/// Grid indices, first and last, in which the first order is searched, on either side of the mirror direction.
+/// First and last grid index of the searched range, on each side of the mirror direction.
 fn ranges(protocol: &Protocol, lambda_nm: f64) -> Vec<(i32, i32)> {
     let sin_i = protocol.sin_theta_i();
     let distance = lambda_nm * 1e-3 / protocol.expected_um;
@@ -148,7 +149,7 @@ mod tests {
 
     #[test]
     fn the_search_is_where_the_first_order_is() {
-        // sin 75° - λ/d, λ/d = 0.22, from half to one and a half times; the other side is beyond the horizon
+        // sin 75° - λ/d, λ/d = 0.22, from 0.5 to 1.5 times; the other side is beyond the horizon
         let found = ranges(&protocol(2.5), 550.0);
         assert_eq!(found.len(), 1);
         let sin = |i: i32| angle_deg(i).to_radians().sin();
@@ -161,7 +162,7 @@ mod tests {
         assert!(ranges(&protocol(0.1), 550.0).is_empty());
     }
 
-    /// A slope, however high, is no peak; a lobe lower than the slope's end is.
+    /// A slope, however high, is not a peak. A lobe is a peak, even if it is lower than the end of the slope.
     #[test]
     fn the_end_of_the_range_is_no_peak() {
         let lobe = |i: i32| (-(f64::from(i - 100) / 4.0).powi(2)).exp();

@@ -1,4 +1,4 @@
-//! Windows of a scan, and what they have in common.
+//! Windows of a scan, and statistics over them.
 
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::surface::HeightField;
@@ -12,14 +12,14 @@ pub struct Crop {
     pub column: usize,
     /// First row.
     pub row: usize,
-    /// Columns.
+    /// Number of columns.
     pub columns: usize,
-    /// Rows.
+    /// Number of rows.
     pub rows: usize,
 }
 
 impl Crop {
-    /// The heights inside, as a patch of their own, centred on its own middle.
+    /// The heights inside, as a patch with its own centre.
     pub fn of(&self, height: &HeightField) -> Result<HeightField> {
         let Crop { column, row, columns, rows } = *self;
         let lines = height.heights_um().chunks_exact(height.columns()).skip(row).take(rows);
@@ -34,8 +34,8 @@ impl Crop {
     }
 }
 
-/// At least `count` square windows of a side in µm, evenly spread over the surface in as square a grid as its shape
-/// allows, row by row from the top left; they overlap where there is not room enough.
+/// At least `count` square windows with sides of `side_um`, evenly spread over the surface, row by row from the top left. Their
+/// grid is as square as the surface allows. They overlap if there is too little room.
 pub fn layout(
     height: &HeightField,
     count: usize,
@@ -48,7 +48,7 @@ pub fn layout(
     let pixels = [0, 1].map(|i| (side_um / pitch[i]).round() as usize);
     if (0..2).any(|i| pixels[i] < 2 || pixels[i] > all[i]) {
         let cause = format!("windows of {side_um} µm do not fit into {} × {} µm", size[0], size[1]);
-        return Err(Error::new(subject, cause).remedy("name a smaller side with --window-um"));
+        return Err(Error::new(subject, cause).remedy("set a smaller side with --window-um"));
     }
     let room = [0, 1].map(|i| all[i] - pixels[i]);
     let columns = match room {
@@ -70,10 +70,10 @@ pub fn layout(
     Ok((0..counts[0] * counts[1]).map(crop).collect())
 }
 
-/// Windows together, each weighted by its mean response at the peaks.
+/// Statistics over windows, each weighted by its mean response at the peaks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// Windows with a period.
+    /// Number of windows with a period.
     pub windows: usize,
     /// Weighted mean of the periods, nm.
     pub period_nm: f64,
@@ -85,7 +85,7 @@ pub struct Spread {
     pub weight: f64,
 }
 
-/// Takes windows together; `None` where none of them has a period.
+/// Statistics over windows; `None` if no window has a period.
 pub fn spread<'a>(windows: impl IntoIterator<Item = &'a Measurement>) -> Option<Spread> {
     let all: Vec<&Measurement> = windows.into_iter().filter(|m| m.points > 0).collect();
     let total: f64 = all.iter().map(|m| m.weight).sum();

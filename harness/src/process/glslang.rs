@@ -1,4 +1,4 @@
-//! What glslangValidator is told.
+//! The command lines of glslangValidator.
 
 use std::path::Path;
 use std::process::Command;
@@ -10,12 +10,12 @@ use super::accepted;
 
 /// The compiler of GLSL and HLSL.
 pub const GLSLANG: &str = "glslangValidator";
-/// The Debian package that brings it.
+/// The Debian package that contains it.
 pub const GLSLANG_PACKAGE: &str = "glslang-tools";
 
-/// Compiles an entry point of an HLSL file to SPIR-V for Vulkan; the error is what the compiler had to say.
+/// Compiles an entry point of an HLSL file to SPIR-V for Vulkan. The error is the compiler's message.
 ///
-/// Registers become bindings and spaces descriptor sets, number by number.
+/// Registers become bindings, spaces become descriptor sets, with the same numbers.
 pub fn hlsl_to_spirv(
     compiler: &Path,
     text: &Path,
@@ -26,14 +26,14 @@ pub fn hlsl_to_spirv(
     let mut command = Command::new(compiler);
     command.args(hlsl_options(entry, stage, &output.to_string_lossy())).arg(text);
     let said = accepted(&mut command, limit)?;
-    // only a warning, beside a shader that does nothing
+    // glslang only warns and writes a shader that does nothing
     if said.contains("Entry point not found") {
-        return Err(format!("{GLSLANG}: there is no entry point {entry}"));
+        return Err(format!("{GLSLANG}: found no entry point {entry}"));
     }
     Ok(())
 }
 
-/// The options of [`hlsl_to_spirv`], for whoever needs the file named `output` no further.
+/// The options of [`hlsl_to_spirv`], with the output file `output`.
 pub fn hlsl_options(entry: &str, stage: Stage, output: &str) -> Vec<String> {
     let stage = match stage {
         Stage::Vertex => "vert",

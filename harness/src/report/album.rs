@@ -1,4 +1,4 @@
-//! Pictures inside the page, each of them once.
+//! Pictures inside the page, each stored once.
 
 use std::collections::BTreeMap;
 
@@ -8,18 +8,18 @@ use maud::{Markup, html};
 
 use super::source::Folder;
 
-/// What is to be seen where a record names a picture.
+/// What the page shows in place of a picture of a record.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Picture {
-    /// The picture of this number.
+    /// The picture with this number.
     Drawn(usize),
-    /// None, since it cannot be read.
+    /// A note that the picture cannot be read.
     Missing,
-    /// None, since the page was asked to be without.
+    /// A note that pictures are left out on request.
     Left,
 }
 
-/// The pictures of a page. A map is shown in several places, so its bytes are in the style sheet and each place names its
+/// The pictures of a page. A map is shown in several places, so its bytes are in the style sheet and each place refers to its
 /// class.
 #[derive(Debug, Default)]
 pub(super) struct Album {
@@ -27,7 +27,7 @@ pub(super) struct Album {
 }
 
 impl Album {
-    /// Takes a picture in; the same bytes have the same number.
+    /// Adds a picture. The same bytes get the same number.
     pub(super) fn add(&mut self, folder: &Folder, place: &str) -> Picture {
         match folder.pictures.get(place) {
             Some(Ok(bytes)) => {
@@ -39,7 +39,7 @@ impl Album {
         }
     }
 
-    /// The style sheet of the pictures, in the order in which they came.
+    /// The style sheet of the pictures, in the order in which they were added.
     pub(super) fn css(&self) -> String {
         let mut ordered: Vec<(&usize, &Vec<u8>)> =
             self.numbers.iter().map(|(bytes, number)| (number, bytes)).collect();
@@ -61,7 +61,7 @@ pub(super) fn map(picture: &Picture, alt: &str) -> Markup {
     shown(picture, alt, "map")
 }
 
-/// A picture of a form of its own.
+/// A picture that is not a square map.
 pub(super) fn shown(picture: &Picture, alt: &str, class: &str) -> Markup {
     html! {
         @match picture {

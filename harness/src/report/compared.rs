@@ -1,4 +1,4 @@
-//! Per surface: maps of the exact reference, of each variant, and of their difference, with the numbers beside them.
+//! For each surface: maps of the exact reference, of each variant, and of their difference, with numbers.
 
 use maud::{Markup, html};
 
@@ -18,9 +18,9 @@ pub(super) fn section(results: &Results<'_>) -> Markup {
     let surfaces = unique(results.units.iter().map(|u| u.surface));
     html! {
         p {
-            "Each disc is the hemisphere of viewing directions under one light: the centre looks along the normal, the rim grazes the "
-            "surface. From the left: the exact reference, the variant, and the absolute difference of linear colours × 10. ΔE₀₀ is "
-            "CIEDE2000 over lit directions; max |Δ| and RMS are of tristimulus values, over the reference's greatest."
+            "Each disc shows all viewing directions under one light: the centre looks along the normal, the rim grazes the surface. "
+            "From left to right: the exact reference, the variant, and the absolute difference of linear colours × 10. ΔE₀₀ is "
+            "CIEDE2000 over lit directions. max |Δ| and RMS are of tristimulus values, relative to the reference's maximum."
         }
         ul.index {
             @for (i, surface) in surfaces.iter().enumerate() { li { a href={ "#surface-" (i + 1) } { (surface) } } }
@@ -64,22 +64,25 @@ fn overview(id: &str, surface: &str, units: &[&Unit<'_>]) -> Markup {
         .collect();
     let heads = [
         ("variant", ""),
-        ("mode", "what the variant sums over"),
-        ("ΔE₀₀ mean", "against the exact reference, the worst route"),
-        ("p95", "95th percentile of CIEDE2000 against the exact reference, the worst route"),
-        ("max", "greatest CIEDE2000"),
-        ("map p95", "95th percentile over the map's pixels at the exposure of its picture"),
-        ("FLIP", "mean over lit pixels"),
+        ("mode", "how the variant computes"),
+        ("ΔE₀₀ mean", "mean CIEDE2000 against the exact reference, worst route"),
+        ("p95", "95th percentile of CIEDE2000 against the exact reference, worst route"),
+        ("max", "maximum CIEDE2000"),
+        (
+            "map p95",
+            "95th percentile of CIEDE2000 over the map's pixels, at the exposure of its picture",
+        ),
+        ("FLIP", "mean FLIP over lit pixels"),
         ("model p95", PARTS[1].2),
         ("packing p95", PARTS[2].2),
         ("arithmetic max |Δ|", PARTS[3].2),
-        ("tolerance", "whether every comparison is within what is allowed"),
+        ("tolerance", "whether every comparison is within its tolerance"),
     ];
     let heads = heads.map(|(name, hint)| Head(name.into(), hint));
     table(id, &format!("Variants on {surface}, the worst of their routes"), &heads, &rows)
 }
 
-/// Where nothing is promised about colours, only drivers were judged, and the word says so.
+/// The verdict. If a variant has no tolerance for colours, only its drivers were judged, and the verdict says so.
 fn verdict(unit: &Unit<'_>) -> Cell {
     let promised = unit.of(Part::Total).any(|c| c.tolerance.is_some());
     match unit.passes() {
@@ -115,7 +118,7 @@ fn strip(unit: &Unit<'_>) -> Markup {
             }
             @if !others.is_empty() {
                 details {
-                    summary { (others.len()) " more, drawn since something disagreed" }
+                    summary { (others.len()) " more pictures of comparisons that disagreed" }
                     div.more { @for (c, pictures) in others { (maps(unit, c, pictures, &c.reference)) } }
                 }
             }
@@ -139,7 +142,7 @@ fn maps(unit: &Unit<'_>, c: &Compare, pictures: &[Picture; 3], reference: &str) 
     }
 }
 
-/// One line for each part of the error; where several routes have it, that of the worst.
+/// One line for each part of the error: of the worst route, if there are several.
 fn numbers(unit: &Unit<'_>) -> Markup {
     let rows: Vec<Row> = PARTS
         .iter()

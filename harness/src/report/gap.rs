@@ -1,8 +1,8 @@
-//! What to say where nothing was recorded.
+//! A note in place of a section without records.
 
 use maud::{Markup, html};
 
-/// A line instead of a section.
+/// The note.
 pub(super) fn nothing(what: &str, command: &str) -> Markup {
-    html! { p.nothing { "Nothing recorded: " (what) ". " code { (command) } " measures them." } }
+    html! { p.nothing { "Nothing recorded: " (what) ". Measure with " code { (command) } "." } }
 }

@@ -1,4 +1,5 @@
-//! Records of all folders put together: of results of the same thing the last one counts, at the place of the first.
+//! Merges the records of all folders. If there are several results of the same measurement, the last one counts, at the place
+//! of the first.
 
 use std::collections::BTreeMap;
 
@@ -8,20 +9,20 @@ use super::album::{Album, Picture};
 use super::source::Folder;
 use crate::results::{Bench, Compare, Control, Gap, Part, Record, Scaling, Testbench, Tune};
 
-/// What a page is made of.
+/// The results of a page.
 #[derive(Debug, Default)]
 pub(super) struct Results<'a> {
     /// Names of the folders.
     pub(super) folders: Vec<&'a str>,
-    /// Comparisons by what was drawn.
+    /// Comparisons, grouped by map.
     pub(super) units: Vec<Unit<'a>>,
     /// Deliberately wrong shaders.
     pub(super) controls: Vec<&'a Control>,
-    /// What was not taken.
+    /// Measurements that were not done.
     pub(super) gaps: Vec<&'a Gap>,
     /// Times.
     pub(super) benches: Vec<&'a Bench>,
-    /// Times against something.
+    /// Times against a varied number.
     pub(super) scalings: Vec<&'a Scaling>,
     /// Periods, with the picture of the response.
     pub(super) periods: Vec<(&'a Testbench, Option<Picture>)>,
@@ -29,45 +30,45 @@ pub(super) struct Results<'a> {
     pub(super) tunes: Vec<(&'a str, &'a Tune)>,
     /// The pictures.
     pub(super) album: Album,
-    /// Pictures that cannot be shown, and why.
+    /// Pictures that cannot be shown, with the reason.
     pub(super) missing: Vec<String>,
-    /// How many records a later one replaced.
+    /// Number of records that later ones replaced.
     pub(super) replaced: usize,
 }
 
-/// A variant on a surface under a light: everything that was compared of one map.
+/// A variant on a surface under a light: all comparisons of one map.
 #[derive(Debug)]
 pub(super) struct Unit<'a> {
-    /// Place of its strip in the page.
+    /// Anchor of its pictures in the page.
     pub(super) anchor: String,
     /// The surface's name.
     pub(super) surface: &'a str,
     /// The variant's name.
     pub(super) variant: &'a str,
-    /// Direction of the light, theta and phi in degrees.
+    /// Direction towards the light: theta and phi in degrees.
     pub(super) light: [f64; 2],
-    /// Pixels along a side.
+    /// Width and height, in pixels.
     pub(super) size: usize,
     /// The variant's canonical configuration.
     pub(super) settings: &'a Value,
-    /// The comparisons, with reference, map and difference where they were drawn.
+    /// The comparisons, with the pictures of reference, map and difference if they were drawn.
     pub(super) compared: Vec<(&'a Compare, Option<[Picture; 3]>)>,
 }
 
 impl<'a> Unit<'a> {
-    /// Comparisons of one part.
+    /// Comparisons of one part of the error.
     pub(super) fn of(&self, part: Part) -> impl Iterator<Item = &'a Compare> {
         self.compared.iter().map(|(compare, _)| *compare).filter(move |c| c.part == part)
     }
 
-    /// The comparison with the exact reference that stands for the map: one with pictures, else the twin's, else any.
+    /// The comparison with the exact reference that represents the map: one with pictures, else the twin's, else any.
     pub(super) fn total(&self) -> Option<&(&'a Compare, Option<[Picture; 3]>)> {
         let totals = || self.compared.iter().filter(|(c, _)| c.part == Part::Total);
         let drawn = totals().find(|(_, strip)| strip.is_some());
         drawn.or_else(|| totals().find(|(c, _)| c.route == "twin")).or_else(|| totals().next())
     }
 
-    /// The worst comparison of a part: drivers by greatest difference, approximations by colour.
+    /// The worst comparison of a part: of drivers by maximum difference, of approximations by colour.
     pub(super) fn worst(&self, part: Part) -> Option<&'a Compare> {
         let badness = |c: &Compare| match part {
             Part::Arithmetic | Part::Across => c.max_abs,
@@ -88,7 +89,7 @@ impl<'a> Unit<'a> {
 }
 
 impl<'a> Results<'a> {
-    /// Puts folders together.
+    /// Merges folders.
     pub(super) fn new(folders: &'a [Folder]) -> Results<'a> {
         let mut results = Results {
             folders: folders.iter().map(|f| f.name.as_str()).collect(),
@@ -138,9 +139,9 @@ impl<'a> Results<'a> {
 
     fn picture(&mut self, folder: &Folder, place: &str) -> Picture {
         if let Some(Err(why)) = folder.pictures.get(place) {
-            let told = format!("{}/{place}: {why}", folder.name);
-            if !self.missing.contains(&told) {
-                self.missing.push(told);
+            let reason = format!("{}/{place}: {why}", folder.name);
+            if !self.missing.contains(&reason) {
+                self.missing.push(reason);
             }
         }
         self.album.add(folder, place)
@@ -188,11 +189,11 @@ pub(super) fn unique<T: PartialEq>(values: impl IntoIterator<Item = T>) -> Vec<T
     seen
 }
 
-/// What a record is about: everything that was chosen, nothing that was measured.
+/// What a record measures: all its choices, without its results.
 fn key(folder: &str, record: &Record) -> String {
     match record {
         Record::Compare(c) => {
-            // the worst partner of a route may change from run to run
+            // without the reference: the worst partner of a route may change from run to run
             format!("{:?}", (&c.surface, &c.variant, &c.route, c.part, c.light, c.size))
         }
         Record::Control(c) => {
@@ -207,7 +208,7 @@ fn key(folder: &str, record: &Record) -> String {
             let place = (&s.surface, &s.variant, &s.backend, &s.adapter);
             format!("{:?}", ("scaling", place, &s.axis, s.value))
         }
-        // a search is a whole: candidates of one must not stand among those of another
+        // candidates of one search must not be mixed with those of another
         Record::Tune(t) => {
             let asked = (t.budget_de, &t.fits, t.max_table_mib);
             let place = (&t.surface, &t.variant, &t.backend, &t.adapter);

@@ -1,4 +1,4 @@
-//! Numbers as people read them.
+//! Numbers for people.
 
 /// Three significant digits: `0.0123`, `1230`, `2.60×10⁻⁶`.
 pub(super) fn figure(value: f64) -> String {
@@ -20,7 +20,7 @@ pub(super) fn figure(value: f64) -> String {
     }
 }
 
-/// A setting as it was given: no digits that were not there.
+/// A setting, with the digits that it was given with.
 pub(super) fn plain(value: f64) -> String {
     format!("{value}")
 }

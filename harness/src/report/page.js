@@ -8,7 +8,7 @@
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
   };
 
-  // the system's colours, then the other ones, then back
+  // cycle: the system's colours, the other ones, the same as the system's
   const theme = document.getElementById("theme");
   const root = document.documentElement;
   const dark = () => matchMedia("(prefers-color-scheme: dark)").matches;
@@ -24,7 +24,7 @@
   });
   name();
 
-  // a table opens in the order in which it was written; a head sorts, once more turns round; what has no number goes last
+  // a table starts in its written order; a click on a heading sorts, a second click reverses; cells without a number go last
   const words = new Intl.Collator("en", { numeric: true });
   const sort = (table, column, down) => {
     const body = table.tBodies[0];

@@ -1,4 +1,4 @@
-//! The shell of the page: style, script, navigation, and the records themselves.
+//! The frame of the page: style, script, navigation, and the records.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -8,10 +8,10 @@ use sha2::{Digest, Sha256};
 use super::source::Folder;
 use crate::results::line;
 
-/// How the page looks. Its colours are chosen by the reader's system or by the button in the page.
+/// The style. The reader's system or the button in the page selects light or dark colours.
 const STYLE: &str = include_str!("page.css");
 
-/// Sorting, saving and the choice of colours; the page can be read without it.
+/// The script for sorting, saving and the choice of colours. The page can be read without it.
 const SCRIPT: &str = include_str!("page.js");
 
 /// The whole file.
@@ -47,23 +47,23 @@ pub(super) fn shell(title: &str, links: &Markup, body: &Markup, pictures: &str) 
     page.into_string() + "\n"
 }
 
-/// What a browser may do with the page, whatever a record says: show the pictures inside it, and use the styles and run the
-/// script that have these hashes (Content Security Policy, level 3).
+/// What a browser may do with the page, whatever a record contains: show the pictures inside it, and use the style and the
+/// script with these hashes (Content Security Policy, level 3).
 fn policy(pictures: &str) -> String {
     let hash = |text: &str| format!("'sha256-{}'", STANDARD.encode(Sha256::digest(text)));
     let (style, pictures, script) = (hash(STYLE), hash(pictures), hash(SCRIPT));
     format!("default-src 'none'; img-src data:; style-src {style} {pictures}; script-src {script}")
 }
 
-/// The records, in the page as they were read, and a button that saves them.
+/// The records, unchanged, and a button that saves them.
 pub(super) fn data(folders: &[Folder]) -> Markup {
     let count: usize = folders.iter().map(|f| f.records.len()).sum();
     let text: String = folders.iter().flat_map(|f| &f.records).map(line).collect();
-    // inside a script element nothing is escaped, so no tag may begin there; JSON knows another way to write this
+    // text in a script element is not escaped, so no tag may begin there; JSON can write this character in another way
     let text = text.replace('<', "\\u003c");
     html! {
         p {
-            "This page holds all " (count) " records it was made from, one JSON object per line; every table can be saved as CSV. "
+            "This page contains all its " (count) " records, one JSON object per line. Every table can be saved as CSV. "
             button #save type="button" hidden { "Save records.jsonl" }
         }
         script #records type="application/x-ndjson" { (PreEscaped(text)) }

@@ -1,4 +1,4 @@
-//! Error against time, for each adapter and surface.
+//! Plots of error against time, for each adapter and surface.
 
 use maud::{Markup, html};
 
@@ -16,7 +16,7 @@ pub(super) fn section(results: &Results<'_>) -> Markup {
     }
     let places = unique(results.benches.iter().map(|b| place(b)));
     html! {
-        p { "Down is more exact, left is faster. The line joins the variants that no other beats in both." }
+        p { "Lower is more exact, further left is faster. The line joins the front: variants for which no other is both faster and more exact." }
         div.plots {
             @for (i, at) in places.iter().enumerate() {
                 @let benches: Vec<&Bench> = results.benches.iter().filter(|b| place(b) == *at).copied().collect();
@@ -26,7 +26,7 @@ pub(super) fn section(results: &Results<'_>) -> Markup {
     }
 }
 
-/// Where times can be compared: backend, adapter, surface, light, size.
+/// What two times must share to be compared: backend, adapter, surface, light, size.
 fn place(b: &Bench) -> (&str, &str, &str, [f64; 2], [usize; 2]) {
     (&b.backend, &b.adapter, &b.surface, b.light, [b.size, b.height.unwrap_or(b.size)])
 }
@@ -34,7 +34,7 @@ fn place(b: &Bench) -> (&str, &str, &str, [f64; 2], [usize; 2]) {
 /// A variant with its time and error.
 struct Timed<'a> {
     bench: &'a Bench,
-    /// 95th percentile of CIEDE2000, and its place in the page.
+    /// 95th percentile of CIEDE2000, and its anchor in the page.
     error: Option<(f64, String)>,
     anchor: String,
     /// Its number in plot and table.
@@ -58,8 +58,8 @@ fn one(results: &Results<'_>, number: usize, benches: &[&Bench]) -> Markup {
     let data = format!("times-{number}");
     let caption = html! {
         b { (title) } ", light " (number::light(first.light)) ", " (first.size) " × " (first.height.unwrap_or(first.size))
-        " pixels: ΔE₀₀ p95 against the exact reference, and the median time of a frame with its 95 % interval. Numbers are those of the table."
-        @if without > 0 { " " (without) " variants have no comparison here and are in the table only." }
+        " pixels: ΔE₀₀ p95 against the exact reference, and the median time of a frame with its 95 % interval. The numbers are those in the first column of the table."
+        @if without > 0 { " " (without) " variants without a comparison here are in the table only." }
     };
     html! {
         div.study {
@@ -77,7 +77,7 @@ fn one(results: &Results<'_>, number: usize, benches: &[&Bench]) -> Markup {
     }
 }
 
-/// The error of what was timed: under the same light where it was compared there, else under the worst.
+/// The error of a timed variant: under the same light if it was compared there, else under the worst light.
 fn error(results: &Results<'_>, bench: &Bench) -> Option<(f64, String)> {
     let of = || {
         results
@@ -134,7 +134,7 @@ fn chart(title: &str, timed: &[Timed<'_>]) -> Plot {
     }
 }
 
-/// The variants on the front, from the fastest.
+/// The variants on the front, fastest first.
 fn best(timed: &[Timed<'_>]) -> Markup {
     let places = timed.iter().filter_map(|t| Some([t.bench.median_ms, t.error.as_ref()?.0]));
     let corners = front(&places.collect::<Vec<_>>());
@@ -143,14 +143,14 @@ fn best(timed: &[Timed<'_>]) -> Markup {
     };
     let mut on: Vec<&Timed<'_>> = timed.iter().filter(is_on).collect();
     on.sort_by(|a, b| a.bench.median_ms.total_cmp(&b.bench.median_ms));
-    // a corner of the steps may be no variant's place, but then it is beaten by the corner after it
+    // a corner of the steps that is not a variant's point is worse than the corner after it
     on.dedup_by(|later, earlier| {
         let error = |t: &Timed<'_>| t.error.as_ref().map_or(f64::INFINITY, |(error, _)| *error);
         error(later) >= error(earlier)
     });
     html! {
         div {
-            h4 { "Beaten by no other" }
+            h4 { "On the front" }
             ol.best {
                 @for t in on {
                     li value=(t.number) {

@@ -1,4 +1,4 @@
-//! Periods of surfaces as variants see them.
+//! Periods of surfaces as variants show them.
 
 use maud::{Markup, html};
 
@@ -10,7 +10,7 @@ use super::plot::{Plot, PlotAxis, Point, Scale, Series, draw, letter};
 use super::table::{self, Cell, Head, Row, heads, table};
 use crate::results::Testbench;
 
-/// Mean and standard deviation in nm that the texts publish, by their surface and mode.
+/// Mean and standard deviation in nm that the thesis publishes, by surface and mode.
 const PUBLISHED: [(&str, &str, f64, f64); 7] = [
     ("blazed", "full", 2499.997, 0.377),
     ("blazed", "adaptive", 2499.997, 0.377),
@@ -21,7 +21,7 @@ const PUBLISHED: [(&str, &str, f64, f64); 7] = [
     ("xenopeltis", "full", 1552.27, 0.45),
 ];
 
-/// Angle of incidence and true period, of the grating, that the texts' figures belong to.
+/// Angle of incidence in degrees and true period of the grating in nm, for the published numbers.
 const PUBLISHED_AT: (f64, f64) = (75.0, 2500.0);
 
 /// The section.
@@ -31,16 +31,16 @@ pub(super) fn section(results: &Results<'_>) -> Markup {
             (nothing("no periods", "cargo xtask testbench --json"))
         } @else {
             p {
-                "For every wavelength the angle of the strongest response gives a period by the grating equation, first order; mean and "
-                "standard deviation are over wavelengths. The yardstick of a grating is the same estimator on its closed form, since the "
-                "efficiency's envelope pulls the peaks a little away from the grating equation, and rightly so."
+                "For each wavelength, the angle of the strongest response gives a period by the grating equation, first order. Mean and "
+                "standard deviation are over wavelengths. Gratings are compared with the same estimator on their closed form, since the "
+                "efficiency of an order shifts its peak a little away from the grating equation, rightly so."
             }
             (whole(results))
             (windows(results))
             (not_applicable(results))
             (responses(results))
         }
-        h3 { "What the texts publish" }
+        h3 { "Published periods" }
         (published())
     }
 }
@@ -94,15 +94,15 @@ fn whole(results: &Results<'_>) -> Markup {
         ("surface", ""),
         ("route", "what computed the response"),
         ("θi", "angle of incidence"),
-        ("period, nm", "mean over wavelengths"),
+        ("period, nm", "mean period over wavelengths"),
         ("sd, nm", "standard deviation over wavelengths"),
         ("− closed form", "difference from the same estimator on the grating's closed form"),
         ("− exact", "difference from the same estimator on the exact reference"),
-        ("given, nm", "the grating's period, or the period around which was searched"),
-        ("− given", "difference from the grating equation with that period"),
+        ("given, nm", "the grating's period, or the expected period"),
+        ("− given", "difference from the given period"),
         ("closed form, nm", "mean / sd of the same estimator on the closed form"),
-        ("published, nm", "mean / sd in the texts"),
-        ("wavelengths", "with a peak; e: first order evanescent, f: no maximum"),
+        ("published, nm", "mean / sd in the thesis"),
+        ("wavelengths", "number with a peak; e: first order evanescent, f: no maximum"),
     ];
     let heads = heads.map(|(name, hint)| Head(name.into(), hint));
     table("periods-whole", "Periods of whole surfaces", &heads, &rows)
@@ -127,7 +127,7 @@ fn left_out(t: &Testbench) -> String {
     part(t.evanescent, "e") + &part(t.flat, "f")
 }
 
-/// The published figures of a surface of this name, by the variant's mode, at their angle; of a grating of their period.
+/// The published numbers for a surface of this name, by the variant's mode, at their angle and for a grating of their period.
 fn published_for(results: &Results<'_>, t: &Testbench) -> Option<(f64, f64)> {
     let known =
         results.units.iter().find(|u| u.variant == t.variant).and_then(|u| u.setting("mode"));
@@ -197,13 +197,13 @@ fn windows(results: &Results<'_>) -> Markup {
     html! {
         h3 { "Windows of scans" }
         @if !together.is_empty() {
-            (table("windows", "Many windows of a scan, weighted by their response", &heads([
+            (table("windows", "Means over windows of a scan, weighted by their response", &heads([
                 "variant", "surface", "θi", "windows", "period, nm", "spread between windows, nm", "sd over wavelengths, nm", "published, nm",
             ]), &together))
         }
         @for (i, surface) in unique(single.iter().map(|t| t.surface.as_str())).into_iter().enumerate() {
             @let own: Vec<&Testbench> = single.iter().filter(|t| t.surface == surface).copied().collect();
-            @let caption = html! { "Periods of the windows of " b { (surface) } ", one mark each." };
+            @let caption = html! { "Periods of the windows of " b { (surface) } ", one mark for each." };
             div.pair {
                 (table::figure(&draw(&scatter(surface, &own)), &caption, data))
                 @if i == 0 {
@@ -258,7 +258,7 @@ fn not_applicable(results: &Results<'_>) -> Markup {
     html! {
         @if !rows.is_empty() {
             h3 { "Not applicable" }
-            (table("not-applicable", "Variants that have no period here, and why", &heads(["variant", "surface", "why"]), &rows))
+            (table("not-applicable", "Variants without a period here", &heads(["variant", "surface", "reason"]), &rows))
         }
     }
 }
@@ -275,7 +275,7 @@ fn responses(results: &Results<'_>) -> Markup {
                     @let data = if t.window.is_some() { "windows-each" } else { "periods-whole" };
                     @let caption = html! {
                         b { (what) } @if let Some([c, r, w, h]) = t.window { ", window " (w) " × " (h) " at " (c) ", " (r) }
-                        ": strength over wavelength and viewing angle, with the curve of the grating equation."
+                        ": response over wavelength and viewing angle, with the curve of the grating equation."
                     };
                     (table::figure(&shown(picture, &format!("Response: {what}"), "response"), &caption, data))
                 }
@@ -295,10 +295,10 @@ fn published() -> Markup {
         .collect();
     html! {
         p.note {
-            "Source: the evaluation in the thesis that this work began with, θi 75°, φi 0°, its standard deviation printed there as "
-            "variance; the blazed grating is 2500 nm. The skins' figures come from one crop each, and all from w = +1 and a grid of "
-            "0.01°: with the right w the Elaphe period moves between 1044 and 1183 nm with the crop. Beside them stands what was "
-            "measured here; nothing is tuned towards them."
+            "Source: the evaluation in the thesis that this work began with, θi 75°, φi 0°. Its standard deviation is printed there as "
+            "variance. The blazed grating has 2500 nm. The numbers of the skins come from one crop each, and all numbers from w = +1 "
+            "and a grid of 0.01°: with the right w, the Elaphe period is between 1044 and 1183 nm, depending on the crop. The values "
+            "measured here are independent of them."
         }
         (table("published", "Published periods", &heads(["surface", "mode", "mean, nm", "sd, nm"]), &rows))
     }

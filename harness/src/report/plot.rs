@@ -1,7 +1,7 @@
-//! Plots as SVG inside the page, in the page's own colours and type.
+//! Plots as SVG inside the page, in the page's colours and font.
 //!
-//! The drawing is narrow on purpose: its type stays readable on a telephone. Series differ by colour, by the form of their
-//! marks and by a letter in the legend.
+//! The plot is narrow on purpose: its text stays readable on a phone. Series differ in colour, in the shape of their marks and
+//! in a letter in the legend.
 
 mod axis;
 pub(super) mod labels;
@@ -10,51 +10,51 @@ use maud::{Markup, html};
 
 pub(super) use axis::{Fitted, PlotAxis, Scale, fit};
 
-/// Width and height of the drawing, in its own units.
+/// Width and height of the plot, in its own units.
 const SIZE: [f64; 2] = [440.0, 320.0];
 
 /// Margins: left, top, right, bottom.
 const MARGIN: [f64; 4] = [64.0, 14.0, 18.0, 46.0];
 
-/// What is drawn.
+/// A plot.
 pub(super) struct Plot {
-    /// What is seen, for those who do not see it.
+    /// A description for screen readers.
     pub(super) title: String,
-    /// The axis to the right.
+    /// The horizontal axis.
     pub(super) x: PlotAxis,
-    /// The axis upwards.
+    /// The vertical axis.
     pub(super) y: PlotAxis,
-    /// What is on it.
+    /// The series of points.
     pub(super) series: Vec<Series>,
-    /// Corners of a line that steps through the points that no other beats in both directions.
+    /// Corners of the step line through the front: points for which no other is smaller in both directions.
     pub(super) front: Vec<[f64; 2]>,
 }
 
 /// Points that belong together.
 pub(super) struct Series {
-    /// Its name in the legend.
+    /// Name in the legend.
     pub(super) name: String,
-    /// Whether its points are joined.
+    /// Whether its points are joined by a line.
     pub(super) joined: bool,
-    /// Its points.
+    /// The points.
     pub(super) points: Vec<Point>,
 }
 
 /// A point.
 pub(super) struct Point {
-    /// Its place.
+    /// Its coordinates.
     pub(super) at: [f64; 2],
-    /// How far its place along x is certain.
+    /// Uncertainty along x: lower and upper end.
     pub(super) spread: Option<[f64; 2]>,
-    /// What stands beside it; may be empty.
+    /// The label beside it; may be empty.
     pub(super) label: String,
-    /// What is told of it when it is pointed at.
+    /// The text shown when the pointer is over it.
     pub(super) note: String,
-    /// The anchor of its data; may be empty.
+    /// Anchor of its data; may be empty.
     pub(super) link: String,
 }
 
-/// Draws a plot, its legend below.
+/// Draws a plot with its legend below.
 pub(super) fn draw(plot: &Plot) -> Markup {
     let all = || plot.series.iter().flat_map(|s| &s.points);
     let x = fit(
@@ -113,7 +113,7 @@ pub(super) fn draw(plot: &Plot) -> Markup {
     }
 }
 
-/// How many marks and colours there are.
+/// Number of marks and colours.
 const MARKS: usize = 8;
 
 fn legend(series: &[Series]) -> Markup {
@@ -141,7 +141,7 @@ pub(super) fn letter(number: usize) -> String {
     }
 }
 
-/// A mark; its form belongs to the series.
+/// A mark in the shape of the series.
 pub(super) fn mark(series: usize, [x, y]: [f64; 2]) -> Markup {
     let path = match series % MARKS {
         0 => return html! { circle.mark cx=(r(x)) cy=(r(y)) r="4.2" {} },
@@ -160,12 +160,12 @@ fn points(places: impl Iterator<Item = [f64; 2]>) -> String {
     places.map(|[x, y]| format!("{},{}", r(x), r(y))).collect::<Vec<_>>().join(" ")
 }
 
-/// A tenth of a unit is finer than any screen.
+/// Rounds to a tenth of a unit, finer than any screen.
 pub(super) fn r(value: f64) -> f64 {
     (value * 10.0).round() / 10.0
 }
 
-/// Corners of the front of points, of which small is good in both directions, from the left: steps, no points beaten.
+/// Corners of the step line through the front, from the left. Smaller is better in both directions.
 pub(super) fn front(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));

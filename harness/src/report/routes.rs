@@ -1,4 +1,4 @@
-//! Routes against each other and against the twin.
+//! Comparisons of routes with each other and with the twin.
 
 use maud::{Markup, html};
 
@@ -19,8 +19,8 @@ pub(super) fn section(results: &Results<'_>) -> Markup {
     }
     html! {
         p {
-            "The same shader reaches drivers by several routes. Numbers are the greatest difference of a tristimulus value, over the "
-            "reference's greatest, the worst over surfaces, variants and lights; ✗ marks what is beyond its tolerance."
+            "The same shader reaches drivers by several routes. The numbers are maximum differences of tristimulus values, relative to "
+            "the reference's maximum, worst over surfaces, variants and lights. ✗ marks differences over their tolerance."
         }
         (matrix(results, &routes))
         h3 { "Each variant" }
@@ -52,11 +52,11 @@ fn matrix(results: &Results<'_>, routes: &[&str]) -> Markup {
         .collect();
     html! {
         (table("matrix", "Routes against the twin (64 bits) and against each other", &names, &rows))
-        p.note { "Of each map a route is compared with the one route that is farthest from it; a dash: never that one." }
+        p.note { "For each map, a route is compared only with the route that differs most from it. A dash: this pair was never compared." }
     }
 }
 
-/// The greatest difference, failed if any of them failed.
+/// The maximum difference, marked as failed if any of them failed.
 fn judged(found: Vec<&Compare>) -> Cell {
     let worst = found.iter().map(|c| c.max_abs).reduce(f64::max);
     worst.map_or_else(Cell::none, |worst| Cell::judged(worst, found.iter().all(|c| c.pass)))
@@ -90,7 +90,7 @@ fn variants(results: &Results<'_>, routes: &[&str]) -> Markup {
     let rows: Vec<Row> = results.units.iter().filter(is_driven).map(row).collect();
     table(
         "arithmetic",
-        "Greatest difference of each variant from its twin, and between two routes",
+        "Maximum difference of each variant from its twin, and between two routes",
         &names,
         &rows,
     )

@@ -1,4 +1,4 @@
-//! Time against what was varied.
+//! Plots of time against a varied number.
 
 use maud::{Markup, html};
 
@@ -12,12 +12,12 @@ use crate::results::Scaling;
 /// The section.
 pub(super) fn section(results: &Results<'_>) -> Markup {
     if results.scalings.is_empty() {
-        return nothing("no time against anything that was varied", "cargo xtask bench --scaling");
+        return nothing("no times against a varied number", "cargo xtask bench --scaling");
     }
     let places = unique(results.scalings.iter().map(|s| place(s)));
     html! {
-        p { "Everything but the number on the axis stays as it was. The exponent is the slope of a straight line through the logarithms: "
-            "1 is time in proportion." }
+        p { "Only the number on the horizontal axis changes. The exponent is the slope of a straight line through the logarithms: "
+        "with 1, time is proportional to the number." }
         div.plots {
             @for (i, at) in places.iter().enumerate() {
                 @let points: Vec<&Scaling> = results.scalings.iter().filter(|s| place(s) == *at).copied().collect();
@@ -76,7 +76,7 @@ fn one(number: usize, points: &[&Scaling]) -> Markup {
         div.study {
             h3 { (title) }
             div.pair {
-            (table::figure(&draw(&plot), &html! { "Median time of a frame against " (unit) ", both logarithmic. " (exponents(&plot)) }, &data))
+            (table::figure(&draw(&plot), &html! { "Median time of a frame against " (unit) ", both on logarithmic scales. " (exponents(&plot)) }, &data))
             (table(&data, &title, &heads(["variant", &first.axis, "median, ms", "MAD, ms"]), &rows))
             }
         }
@@ -118,7 +118,7 @@ fn exponents(plot: &Plot) -> Markup {
     html! { @if !fits.is_empty() { "Exponents: " (fits.join("; ")) "." } }
 }
 
-/// Slope of the straight line of least squares through the logarithms.
+/// Slope of the least-squares line through the logarithms.
 fn exponent(points: &[[f64; 2]]) -> Option<f64> {
     let logs: Vec<[f64; 2]> =
         points.iter().filter(|p| p[0] > 0.0 && p[1] > 0.0).map(|p| p.map(f64::ln)).collect();

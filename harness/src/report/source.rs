@@ -1,4 +1,4 @@
-//! A folder of results as it was read.
+//! Reads a folder of results.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -14,20 +14,20 @@ const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 /// Records of a folder, with the pictures that they name.
 #[derive(Clone, Debug, Default)]
 pub struct Folder {
-    /// What the page calls it.
+    /// Its name in the page.
     pub name: String,
     /// The records, in the order of the file.
     pub records: Vec<Record>,
-    /// Pictures by their places, or why there is none; a place that is not listed was left out on purpose.
+    /// Pictures by their paths, or why they cannot be read. A path that is not listed was left out on purpose.
     pub pictures: BTreeMap<String, std::result::Result<Vec<u8>, String>>,
 }
 
-/// Reads `records.jsonl` of a folder and, where they are wanted, the pictures that it names.
+/// Reads `records.jsonl` of a folder and, if wanted, the pictures that it names.
 pub fn read(folder: &Path, pictures: bool) -> Result<Folder> {
     let path = folder.join(results::FILE);
     if !path.is_file() {
         return Err(Error::new(folder.display(), format!("has no {}", results::FILE))
-            .remedy("name a folder that compare, bench or testbench wrote with --out"));
+            .remedy("give a folder that compare, bench, testbench or tune wrote with --out"));
     }
     let records = results::read(&path)?;
     let mut found = BTreeMap::new();
@@ -51,11 +51,11 @@ fn places(record: &Record) -> Vec<&str> {
     }
 }
 
-/// A picture under the folder; a record must not bring any other file into the page.
+/// Reads a picture under the folder. A record must not bring any other file into the page.
 fn picture(folder: &Path, place: &str) -> std::result::Result<Vec<u8>, String> {
     let inside = Path::new(place).components().all(|part| matches!(part, Component::Normal(_)));
     if !inside || place.is_empty() {
-        return Err("lies outside the folder".into());
+        return Err("is outside the folder".into());
     }
     let bytes = fs::read(folder.join(place)).map_err(|e| e.to_string())?;
     let known = match place.rsplit_once('.') {
@@ -63,5 +63,5 @@ fn picture(folder: &Path, place: &str) -> std::result::Result<Vec<u8>, String> {
         Some((_, "svg")) => std::str::from_utf8(&bytes).is_ok_and(|text| text.contains("<svg")),
         _ => false,
     };
-    if known { Ok(bytes) } else { Err("is neither a PNG nor an SVG picture".into()) }
+    if known { Ok(bytes) } else { Err("is not a PNG or SVG picture".into()) }
 }

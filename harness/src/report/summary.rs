@@ -1,4 +1,4 @@
-//! What was run, what passed, what was caught, what is missing, what is worst.
+//! The summary: what was measured, what passed, which controls were caught, what is missing, what is worst.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use super::number::{self, figure};
 use super::table::{Cell, Row, heads, table};
 use crate::results::{Compare, Part};
 
-/// How many comparisons are listed as the nearest to their tolerance.
+/// Number of listed comparisons that are nearest to their tolerance.
 const NEAREST: usize = 12;
 
 /// The section.
@@ -21,12 +21,12 @@ pub(super) fn section(results: &Results<'_>) -> Markup {
         (verdicts(results))
         h3 { "Negative controls" }
         (controls(results))
-        h3 { "Nearest to or beyond what is allowed" }
+        h3 { "Nearest to their tolerance, or over it" }
         (worst(results))
-        h3 { "Not taken" }
+        h3 { "Not measured" }
         (gaps(results))
         @if !results.missing.is_empty() {
-            h3 { "Pictures that are missing" }
+            h3 { "Missing pictures" }
             ul.missing { @for missing in &results.missing { li { (missing) } } }
         }
     }
@@ -47,7 +47,7 @@ fn facts(results: &Results<'_>) -> Markup {
     let controls = results.controls.len();
     html! {
         div.tiles {
-            (tile(count, "comparisons", (failed == 0 && count > 0).then_some("all allowed"), (failed > 0).then(|| format!("{failed} beyond tolerance"))))
+            (tile(count, "comparisons", (failed == 0 && count > 0).then_some("all within tolerance"), (failed > 0).then(|| format!("{failed} over tolerance"))))
             (tile(controls, "negative controls", (caught == controls && controls > 0).then_some("all caught"), (caught < controls).then(|| format!("{} missed", controls - caught))))
             (tile(results.benches.len(), "times", None, None))
             (tile(results.periods.len(), "periods", None, None))
@@ -61,7 +61,7 @@ fn facts(results: &Results<'_>) -> Markup {
             (fact("Lights", &lights))
             (fact("Maps, pixels", &sizes))
             @if results.replaced > 0 {
-                (fact("Replaced", &[format!("{} results by later ones of the same thing", results.replaced)]))
+                (fact("Replaced", &[format!("{} results by later ones of the same measurement", results.replaced)]))
             }
         }
     }
@@ -88,17 +88,21 @@ fn fact(name: &str, values: &[impl AsRef<str>]) -> Markup {
     }
 }
 
-/// What each part of the error means.
+/// The parts of the error, each with its name and meaning.
 pub(super) const PARTS: [(Part, &str, &str); 5] = [
-    (Part::Total, "total", "colours by a route against the exact reference"),
+    (Part::Total, "total", "the colours by a route against the exact reference"),
     (
         Part::Model,
         "model",
-        "the variant's approximation in 64 bits, tables not rounded, against the exact reference",
+        "the variant's approximation: 64 bits, unrounded tables, against the exact reference",
     ),
-    (Part::Packing, "packing", "what rounding the tables adds, in 64 bits"),
-    (Part::Arithmetic, "arithmetic", "what a driver's 32 bits add on the same tables"),
-    (Part::Across, "across", "a route against the other route that is farthest from it"),
+    (
+        Part::Packing,
+        "packing",
+        "the rounding of the tables: 64 bits, rounded against unrounded tables",
+    ),
+    (Part::Arithmetic, "arithmetic", "a driver's 32 bits against 64 bits on the same tables"),
+    (Part::Across, "across", "a route against the route that differs most from it"),
 ];
 
 fn verdicts(results: &Results<'_>) -> Markup {
@@ -126,8 +130,15 @@ fn verdicts(results: &Results<'_>) -> Markup {
             })
         })
         .collect();
-    let names =
-        ["error", "meaning", "comparisons", "judged", "beyond", "worst ΔE₀₀ p95", "worst max |Δ|"];
+    let names = [
+        "error",
+        "meaning",
+        "comparisons",
+        "judged",
+        "over tolerance",
+        "worst ΔE₀₀ p95",
+        "worst max |Δ|",
+    ];
     table("verdicts", "Comparisons by part of the error", &heads(names), &rows)
 }
 
@@ -162,14 +173,14 @@ fn controls(results: &Results<'_>) -> Markup {
         })
         .collect();
     html! {
-        p { "Shaders made wrong on purpose; each must fail the comparison that the right one passes. The number is the greatest "
-            "difference from the right colours, as a share of the greatest colour." }
+        p { "Shaders made wrong on purpose. Each must fail the comparison that the right shader passes. The number is the maximum "
+        "difference from the right colours, relative to the maximum colour." }
         (table("controls", "Negative controls by route", &names, &rows))
-        p.note { "A dash: this route has not run that control." }
+        p.note { "A dash: this route did not run this control." }
     }
 }
 
-/// How much of its tolerance a comparison uses; 1 is all of it.
+/// The share of its tolerance that a comparison uses; 1 is all of it.
 fn used(c: &Compare) -> Option<f64> {
     let tolerance = c.tolerance?;
     let share = |value: f64, limit: Option<f64>| limit.map(|limit| value / limit);
@@ -232,19 +243,14 @@ fn worst(results: &Results<'_>) -> Markup {
         "max |Δ|",
         "% of the tolerance",
     ];
-    table(
-        "worst",
-        "Share of the tolerance that is used, the worst route of each",
-        &heads(names),
-        &rows,
-    )
+    table("worst", "Used share of the tolerance, worst route of each", &heads(names), &rows)
 }
 
 fn gaps(results: &Results<'_>) -> Markup {
     if results.gaps.is_empty() {
-        return html! { p.nothing { "Everything that was asked for was taken." } };
+        return html! { p.nothing { "Everything was measured." } };
     }
-    // one reason holds for many, and is told once: for every route, surface and variant that it concerns
+    // one reason may hold for many routes, surfaces and variants: it is printed once
     let mut alike: BTreeMap<(bool, &str), [Vec<&str>; 3]> = BTreeMap::new();
     for gap in &results.gaps {
         let concerned = alike.entry((!gap.failed, &gap.reason)).or_default();
@@ -259,14 +265,14 @@ fn gaps(results: &Results<'_>) -> Markup {
             let [routes, surfaces, variants] = concerned.map(|all| Cell::prose(all.join(", ")));
             let kind = match taken {
                 false => Cell::verdict(false, "", "failed"),
-                true => Cell::text("not taken"),
+                true => Cell::text("not measured"),
             };
             (None, vec![kind, Cell::prose(reason), routes, surfaces, variants])
         })
         .collect();
     table(
         "gaps",
-        "Routes, variants and adapters that were not taken, or not to their end",
+        "Routes, variants and adapters that were not measured, or not to the end",
         &heads(["kind", "reason", "routes", "surfaces", "variants"]),
         &rows,
     )

@@ -1,4 +1,4 @@
-//! Sweeps: variants of a surface that differ in one setting, side by side.
+//! Sweeps: variants of a surface that differ in one setting only, side by side.
 
 mod group;
 
@@ -24,7 +24,7 @@ pub(super) fn section(results: &Results<'_>) -> Markup {
     }
     let surfaces = unique(groups.iter().map(|g| g.surface));
     html! {
-        p { "Wherever variants differ in one setting, everything else alike, their maps stand in its order. Of each setting the longest sweep is open; others, and those of two steps, are folded." }
+        p { "Maps of variants that differ in one setting only, in the order of that setting. For each setting the longest sweep is open. Other sweeps, and those with two steps, are folded." }
         @for surface in surfaces {
             @let own: Vec<(usize, &Group<'_>)> =
                 groups.iter().enumerate().filter(|(_, g)| g.surface == surface).collect();
@@ -41,7 +41,7 @@ pub(super) fn section(results: &Results<'_>) -> Markup {
     }
 }
 
-/// Whether a sweep is the longest of its setting, and longer than two steps.
+/// Whether a sweep is the longest of its setting, with more than two steps.
 fn is_open(number: usize, group: &Group<'_>, own: &[(usize, &Group<'_>)]) -> bool {
     let alike = own.iter().filter(|(_, other)| other.key == group.key);
     let longest =
@@ -49,7 +49,7 @@ fn is_open(number: usize, group: &Group<'_>, own: &[(usize, &Group<'_>)]) -> boo
     group.members.len() > 2 && longest.is_some_and(|(first, _)| *first == number)
 }
 
-/// What a setting is called, with its unit.
+/// Name of a setting, with its unit.
 fn called(key: &str) -> &str {
     match key {
         "step_nm" => "wavelength step, nm",
@@ -76,11 +76,11 @@ fn gallery(number: usize, group: &Group<'_>) -> Markup {
     };
     let caption = html! {
         b { (called(&group.key)) } ": each variant's map" @if shared.is_none() { ", its exact reference" }
-        " and the difference × 10, with ΔE₀₀ p95 against the exact reference beneath."
+        " and the difference × 10. Below them: ΔE₀₀ p95 against the exact reference."
     };
     html! {
         div.sweep id=(id) {
-            h4 { (called(&group.key)) span.dim { " · else as " (group.like) } }
+            h4 { (called(&group.key)) span.dim { " · otherwise like " (group.like) } }
             figure {
                 div.gallery tabindex="0" role="region" aria-label=(title) {
                     @if let Some(exact) = &shared {
@@ -158,7 +158,7 @@ fn chart(title: &str, group: &Group<'_>) -> Plot {
     }
 }
 
-/// A name that finds room under a tick.
+/// A name short enough for a tick.
 fn short(name: &str) -> String {
     match name.char_indices().nth(11) {
         Some((at, _)) => format!("{}…", &name[..at]),

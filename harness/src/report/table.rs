@@ -1,14 +1,14 @@
-//! Tables that can be sorted, and figures beside them.
+//! Sortable tables, and figures with a link to their table.
 
 use maud::{Markup, html};
 
 use super::number;
 
-/// A cell: what is shown and what it is sorted by.
+/// A cell: its content and its sort key.
 #[derive(Clone, Debug)]
 pub(super) struct Cell {
     shown: Markup,
-    /// The number behind what is shown; none: sorted as text.
+    /// The number to sort by; `None`: sorted as text.
     value: Option<f64>,
     class: &'static str,
 }
@@ -19,22 +19,22 @@ impl Cell {
         Cell { shown: html! { (text.as_ref()) }, value: None, class: "" }
     }
 
-    /// Sentences, which may take several lines.
+    /// Text that may take several lines.
     pub(super) fn prose(text: impl AsRef<str>) -> Cell {
         Cell { class: "prose", ..Cell::text(text) }
     }
 
-    /// Anything, sorted by its text.
+    /// Any markup, sorted by its text.
     pub(super) fn markup(shown: Markup) -> Cell {
         Cell { shown, value: None, class: "" }
     }
 
-    /// A number with three digits.
+    /// A number with three significant digits.
     pub(super) fn number(value: f64) -> Cell {
         Cell::shown(value, number::figure(value))
     }
 
-    /// A number shown in a form of its own.
+    /// A number with its own text.
     pub(super) fn shown(value: f64, shown: impl AsRef<str>) -> Cell {
         Cell { shown: html! { (shown.as_ref()) }, value: Some(value), class: "" }
     }
@@ -44,12 +44,12 @@ impl Cell {
         value.map_or_else(Cell::none, Cell::number)
     }
 
-    /// Nothing.
+    /// An empty cell, shown as a dash.
     pub(super) fn none() -> Cell {
         Cell { shown: html! { span.dim { "–" } }, value: None, class: "" }
     }
 
-    /// A number that was judged; a failure shows by a sign, a frame and weight, not by colour alone.
+    /// A number with a verdict. A failure is marked by a sign, a frame and bold type, not by colour alone.
     pub(super) fn judged(value: f64, pass: bool) -> Cell {
         let shown = number::figure(value);
         match pass {
@@ -62,7 +62,7 @@ impl Cell {
         }
     }
 
-    /// How many failed; none is good.
+    /// The number of failures; 0 is good.
     pub(super) fn failures(count: usize) -> Cell {
         let value = Some(count as f64);
         match count {
@@ -76,7 +76,7 @@ impl Cell {
         Cell::shown(count as f64, count.to_string())
     }
 
-    /// What is shown, outside of a table.
+    /// The content, for use outside a table.
     pub(super) fn words(&self) -> Markup {
         html! { span class=(self.class) { (self.shown) } }
     }
@@ -88,20 +88,20 @@ impl Cell {
     }
 }
 
-/// A column's head, and what it means.
+/// A column's heading and its meaning.
 #[derive(Clone, Debug)]
 pub(super) struct Head(pub(super) String, pub(super) &'static str);
 
-/// Heads without explanation.
+/// Headings without a meaning.
 pub(super) fn heads<const N: usize>(names: [&str; N]) -> Vec<Head> {
     names.map(|name| Head(name.to_owned(), "")).to_vec()
 }
 
-/// A row with its anchor, if it has one.
+/// An optional anchor and the cells of a row.
 pub(super) type Row = (Option<String>, Vec<Cell>);
 
-/// A table in a box of its own, so that a wide one scrolls and the page does not. The first cell of a row is its head;
-/// columns of numbers stand to the right.
+/// A table in a box, so that a wide table scrolls and the page does not. The first cell of a row is its heading. Columns of
+/// numbers are aligned to the right.
 pub(super) fn table(id: &str, caption: &str, heads: &[Head], rows: &[Row]) -> Markup {
     let numeric = |column: usize| {
         rows.iter().any(|(_, cells)| cells.get(column).is_some_and(|cell| cell.value.is_some()))
@@ -140,7 +140,7 @@ pub(super) fn table(id: &str, caption: &str, heads: &[Head], rows: &[Row]) -> Ma
     }
 }
 
-/// A figure with its caption and a link to the table of its data.
+/// A figure with its caption and a link to its data.
 pub(super) fn figure(content: &Markup, caption: &Markup, data: &str) -> Markup {
     html! {
         figure {

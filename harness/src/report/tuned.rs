@@ -1,4 +1,4 @@
-//! Searches for the cheapest variant: the front, the winner with its preset, and why the others lost.
+//! Searches for the cheapest variant: the front, the winner with its preset, and why other candidates lost.
 
 mod picture;
 
@@ -22,8 +22,8 @@ pub(super) fn section(results: &Results<'_>) -> Markup {
     }
     let runs = unique(results.tunes.iter().map(|(folder, tune)| run(folder, tune)));
     html! {
-        p { "Every search asks for the cheapest variant whose 95th percentile of CIEDE2000 against the exact colours is within a "
-            "budget, under every light, of all directions and of the map alone. Errors are those of a twin in 64 bits on rounded tables." }
+        p { "Each search finds the cheapest variant whose 95th percentile of CIEDE2000 against the exact colours is within a budget: "
+        "under every light, over all directions and over the map alone. Errors are computed in 64 bits on rounded tables." }
         @for (i, at) in runs.iter().enumerate() {
             @let tunes: Vec<&Tune> =
                 results.tunes.iter().filter(|(folder, t)| run(folder, t) == *at).map(|(_, t)| *t).collect();
@@ -34,12 +34,12 @@ pub(super) fn section(results: &Results<'_>) -> Markup {
 
 type Asked<'a> = (&'a str, &'a str, f64, &'a str, &'a str, Option<&'a str>, Option<f64>);
 
-/// What was asked for; a search in another folder is another one.
+/// The parameters of a search. Searches in different folders are different searches.
 fn run<'a>(folder: &'a str, t: &'a Tune) -> Asked<'a> {
     (folder, &t.surface, t.budget_de, &t.backend, &t.adapter, t.fits.as_deref(), t.max_table_mib)
 }
 
-/// A candidate whose error was measured, with its number in plot and table.
+/// A candidate with a measured error, and its number in plot and table.
 struct Numbered<'a> {
     number: usize,
     anchor: String,
@@ -63,8 +63,9 @@ fn one(number: usize, tunes: &[&Tune]) -> Markup {
     let winner = tunes.iter().find(|t| t.verdict == Verdict::Winner);
     let data = format!("tuned-{number}");
     let caption = html! {
-        b { (title) } ", lights " (lights.join("; ")) ", " (first.size) " × " (first.size) " pixels: the worst light's ΔE₀₀ p95, and the "
-        "time of a pixel. The star is the winner, the line joins what no other beats in both. Numbers are those of the table."
+        b { (title) } ", lights " (lights.join("; ")) ", " (first.size) " × " (first.size) " pixels: ΔE₀₀ p95 under the worst light, and the "
+        "time of a pixel. The star is the winner. The line joins the front: candidates for which no other is both faster and more exact. "
+        "The numbers are those in the first column of the table."
     };
     let asked = [
         first.fits.as_ref().map(|profile| format!("tables that {profile} guarantees")),
@@ -73,14 +74,14 @@ fn one(number: usize, tunes: &[&Tune]) -> Markup {
     html! {
         div.study {
             h3 { (title) ", ΔE₀₀ p95 at most " (number::plain(first.budget_de)) }
-            @for text in asked.iter().flatten() { p.sub { "Asked for: " (text) "." } }
+            @for text in asked.iter().flatten() { p.sub { "Required: " (text) "." } }
             div.pair {
                 @if measured.iter().any(|m| m.tune.place().is_some()) {
                     (table::figure(&draw(&chart(&title, &measured)), &caption, &data))
                 }
                 @match winner {
                     Some(winner) => { (won(winner)) },
-                    None => p.nothing { "Nothing is within the budget." },
+                    None => p.nothing { "No candidate is within the budget." },
                 }
             }
             (numbers(&data, &title, &measured))
@@ -133,7 +134,7 @@ fn chart(title: &str, measured: &[Numbered<'_>]) -> Plot {
     }
 }
 
-/// What a mark stands for: the mode, and its reconstruction where that is no sum over bins.
+/// The meaning of a mark: the mode, and its reconstruction, unless that is a sum over bins.
 fn mode(tune: &Tune) -> String {
     if tune.verdict == Verdict::Baseline {
         return tune.variant.clone();
@@ -187,7 +188,7 @@ fn numbers(id: &str, title: &str, measured: &[Numbered<'_>]) -> Markup {
     table(id, &format!("Measured candidates: {title}"), &heads(names), &rows)
 }
 
-/// The others by what became of them and why.
+/// The other candidates, by verdict and reason.
 fn lost(id: &str, tunes: &[&Tune]) -> Markup {
     let mut groups: BTreeMap<(Verdict, &str), Vec<&str>> = BTreeMap::new();
     for tune in tunes.iter().filter(|t| t.errors.is_empty()) {
@@ -209,7 +210,7 @@ fn lost(id: &str, tunes: &[&Tune]) -> Markup {
         @if !rows.is_empty() {
             details {
                 summary { "Why the other candidates lost" }
-                (table(id, "Candidates that were not measured to the end", &heads(["verdict", "why", "how many", "candidates"]), &rows))
+                (table(id, "Candidates that were not measured to the end", &heads(["verdict", "reason", "count", "candidates"]), &rows))
             }
         }
     }

@@ -6,13 +6,13 @@ use glam::{DVec3, dcamera};
 
 use super::mesh::Mesh;
 
-/// Vertical field of view of a camera that sees the whole of a mesh, degrees.
+/// Vertical field of view of a camera that shows a whole mesh, degrees.
 const VIEW_DEG: f64 = 30.0;
 
 /// A perspective camera on a sphere around a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orbit {
-    /// What it looks at.
+    /// The point that it looks at.
     pub target: DVec3,
     /// Distance from the target at zoom 1.
     pub distance: f64,
@@ -22,12 +22,12 @@ pub struct Orbit {
     pub elevation_deg: f64,
     /// Vertical field of view, degrees.
     pub view_deg: f64,
-    /// The distance is divided by it.
+    /// Zoom: the distance is divided by this.
     pub zoom: f64,
 }
 
 impl Orbit {
-    /// A camera on `+z` that sees the whole of a mesh in a picture of that shape (width over height).
+    /// A camera on `+z` that shows a whole mesh in a picture of this shape (width over height).
     pub fn around(mesh: &Mesh, shape: f64) -> Orbit {
         let (centre, half) = mesh.bounds();
         let slope = (0.5 * VIEW_DEG.to_radians()).tan();
@@ -42,7 +42,7 @@ impl Orbit {
         }
     }
 
-    /// The same, far enough away for every azimuth.
+    /// Like [`Orbit::around`], far enough away for every azimuth.
     pub fn all_round(mesh: &Mesh, shape: f64) -> Orbit {
         let (_, half) = mesh.bounds();
         let across = half.x.hypot(half.z);
@@ -51,14 +51,14 @@ impl Orbit {
         Orbit { distance, ..Orbit::around(mesh, shape) }
     }
 
-    /// Where it stands.
+    /// Position of the camera.
     pub fn eye(&self) -> DVec3 {
         let ((sin_a, cos_a), (sin_e, cos_e)) =
             (self.azimuth_deg.to_radians().sin_cos(), self.elevation_deg.to_radians().sin_cos());
         self.target + self.distance / self.zoom * DVec3::new(sin_a * cos_e, sin_e, cos_a * cos_e)
     }
 
-    /// The uniform block for a picture of that many pixels and a light.
+    /// The uniform block for a picture of this size and a light.
     pub fn params(
         &self,
         mesh: &Mesh,
@@ -67,16 +67,16 @@ impl Orbit {
     ) -> Result<MeshParams> {
         let fail = |cause: String| Err(Error::new("camera", cause));
         if width == 0 || height == 0 {
-            return fail(format!("a picture of {width} × {height} pixels, which is none"));
+            return fail(format!("a picture of {width} × {height} pixels is empty"));
         }
         if !(self.zoom > 0.0 && self.zoom.is_finite()) {
-            return fail(format!("zoom {}, which is not above 0", self.zoom));
+            return fail(format!("zoom {} must be above 0", self.zoom));
         }
         if !(self.distance > 0.0 && self.distance.is_finite()) {
-            return fail(format!("distance {}, which is not above 0", self.distance));
+            return fail(format!("distance {} must be above 0", self.distance));
         }
         if self.elevation_deg.abs() >= 90.0 {
-            return fail(format!("elevation {}°, which is not below 90°", self.elevation_deg));
+            return fail(format!("elevation {}° must be between -90° and 90°", self.elevation_deg));
         }
         let eye = self.eye();
         let (centre, half) = mesh.bounds();

@@ -1,8 +1,8 @@
-//! A scene on a driver: a variant on the skin of a mesh, blended with the body's colour.
+//! Draws a scene on a driver: a variant as the skin of a mesh, blended with the body's colour.
 //!
-//! The blending is the texts' Algorithm 3.4 as it is meant: `(1 - w_d)·(s·ρ + (1 - R)·c·n·l) + w_d·c`, where `ρ` is what the
-//! package's shader returns, `s` its diffuser scale, `R` the Fresnel reflectance and `c` the body's colour. (Printed is
-//! `1 - min(1, R/R0)` in place of `1 - R`, which is 0 everywhere, since no reflectance is below that at normal incidence.)
+//! The blending is the thesis's Algorithm 3.4 as intended: `(1 - w_d)·(s·ρ + (1 - R)·c·n·l) + w_d·c`, where `ρ` is the result of
+//! the package's shader, `s` its diffuser scale, `R` the Fresnel reflectance and `c` the body's colour. (The thesis prints
+//! `1 - min(1, R/R0)` in place of `1 - R`. That is 0 everywhere, since no reflectance is below the one at normal incidence.)
 
 mod truth;
 
@@ -23,7 +23,7 @@ use crate::scene::{Light, MAX_LIGHTS, Mesh};
 
 pub use truth::{Truth, truth};
 
-/// What the harness adds to a variant's text.
+/// The WGSL that the harness appends to a variant's shader.
 pub const SHADE: &str = include_str!("drawing/shade.wgsl");
 
 /// Bindings of the templates and of [`SHADE`].
@@ -35,12 +35,12 @@ const BODY_SAMPLER: u32 = 22;
 const SHADE_NUMBERS: usize = 8 + 8 * MAX_LIGHTS;
 const PARAMS_NUMBERS: usize = 56;
 
-/// Levels of widened lobes; the last stands for lobes 32 times as wide.
+/// Number of levels of widened lobes. In the last, lobes are 32 times as wide.
 const LEVELS: u32 = 6;
 
 const PICTURE: Targets = Targets { pictures: 1, multisampled: true };
 
-/// What is drawn besides the mesh.
+/// Lights and blending of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
     /// One to four directional lights.
@@ -49,7 +49,7 @@ pub struct Look {
     pub texture_weight: f64,
 }
 
-/// A linear picture, `[row][column]` from the top: sRGB primaries, 1 is a white diffuser that faces a light; alpha is coverage.
+/// A linear picture, `[row][column]` from the top: sRGB primaries, 1 is a white diffuser that faces a light. Alpha is coverage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hdr {
     /// Columns.
@@ -65,15 +65,15 @@ pub struct Drawing<'a> {
     gpu: &'a Gpu,
     mesh: Mesh,
     buffers: MeshBuffers,
-    /// The variant with the body's colour, and where lobes are widened those of shorter coherence, each with its diffuser scale.
+    /// The variant with the body's colour, and for widened lobes variants of shorter coherence, each with its diffuser scale.
     levels: Vec<(MeshPipeline, f64)>,
     /// `(λ σf)²` of the variant at 550 nm.
     lobe: f64,
 }
 
 impl<'a> Drawing<'a> {
-    /// Computes the tables and compiles the passes. `widen`: lobes are widened by the footprint of pixels, which an ensemble
-    /// allows: a lobe twice as wide is one of half the coherence length.
+    /// Computes the tables and compiles the passes. `widen`: lobes are widened by the footprint of pixels. Only an ensemble allows
+    /// that: half the coherence length doubles the width of a lobe.
     pub fn new(
         gpu: &'a Gpu,
         placement: Placement<'a>,
@@ -83,9 +83,10 @@ impl<'a> Drawing<'a> {
         let variant = placement.variant;
         let ensemble = variant.optics.coherence == Coherence::Ensemble;
         if widen && !ensemble {
-            let cause = "adds amplitudes, whose mean over a pixel is no wider lobe";
-            return Err(Error::new(&variant.name, cause)
-                .remedy("take a variant with coherence = \"ensemble\", or supersample"));
+            let cause = "adds amplitudes, so its lobes cannot be widened to the size of a pixel";
+            return Err(Error::new(&variant.name, cause).remedy(
+                "choose a variant with coherence = \"ensemble\", or --filter supersample",
+            ));
         }
         let buffers = gpu.mesh(&mesh.vertices, &mesh.triangles)?;
         let mut levels = Vec::new();
@@ -94,7 +95,7 @@ impl<'a> Drawing<'a> {
             wider.optics.coherence_um /= f64::from(1 << level);
             let prepared = Prepared::new(Placement { variant: &wider, ..placement })?;
             let scale = prepared.form.diffuser_scale(&wider.optics).ok_or_else(|| {
-                let cause = "claims no radiance, so that it cannot be blended with a body";
+                let cause = "has no radiance scale, so it cannot be blended with a body";
                 Error::new(&variant.name, cause)
             })?;
             levels.push((pass(gpu, &prepared, &mesh, level > 0)?, scale));
@@ -104,19 +105,22 @@ impl<'a> Drawing<'a> {
         Ok(Drawing { gpu, mesh, buffers, levels, lobe })
     }
 
-    /// What is drawn.
+    /// The drawn mesh.
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
     }
 
-    /// Draws a picture with four samples to a pixel.
+    /// Draws a picture with four samples per pixel.
     pub fn draw(&self, params: &MeshParams, look: &Look, size: [u32; 2]) -> Result<Hdr> {
         let fail = |cause: String| Err(Error::new(&self.mesh.name, cause));
         if look.lights.is_empty() || look.lights.len() > MAX_LIGHTS {
-            return fail(format!("{} lights; from 1 to {MAX_LIGHTS} can shine", look.lights.len()));
+            return fail(format!(
+                "{} lights, but a picture has 1 to {MAX_LIGHTS}",
+                look.lights.len()
+            ));
         }
         if let Some(light) = look.lights.iter().find(|l| l.direction.try_normalize().is_none()) {
-            return fail(format!("a light from {}, which is no direction", light.direction));
+            return fail(format!("the light {} is not a direction", light.direction));
         }
         let block = params_bytes(params);
         let shades: Vec<[f32; SHADE_NUMBERS]> =
@@ -152,7 +156,7 @@ impl<'a> Drawing<'a> {
     }
 }
 
-/// What the package's own entry `mesh` draws, one sample to a pixel: linear RGB of ρ, alpha 0 where nothing is.
+/// Draws by the package's own entry point `mesh`, with one sample per pixel: linear RGB of ρ; alpha is 0 outside the mesh.
 pub fn relative_radiance(
     gpu: &Gpu,
     prepared: &Prepared<'_>,
@@ -180,7 +184,7 @@ pub fn relative_radiance(
     Ok(pictures.into_iter().flatten().collect())
 }
 
-/// The directions that the entry `mesh` uses in each pixel, and the distance from the viewer; `None` where nothing is.
+/// The directions that the entry point `mesh` uses in each pixel, and the distance from the viewer; `None` outside the mesh.
 pub fn directions(
     gpu: &Gpu,
     prepared: &Prepared<'_>,
@@ -214,13 +218,13 @@ pub fn directions(
     Ok(pictures[0].iter().zip(&pictures[1]).map(used).collect())
 }
 
-/// The text of a variant with the harness's shading behind it.
+/// The shader of a variant with the harness's shading appended.
 fn text(prepared: &Prepared<'_>) -> Result<String> {
     let module = prepared.module(prepared.spectrum.width)?;
     Ok(format!("{}\n{SHADE}", module.text()))
 }
 
-/// The pass of a level: the first one draws the body too, the others add.
+/// The pass of a level. The first one draws the body, too; the others add to it.
 fn pass(gpu: &Gpu, prepared: &Prepared<'_>, mesh: &Mesh, add: bool) -> Result<MeshPipeline> {
     let colours = Colours { map: &mesh.colour, binding: BODY_COLOUR, sampler: BODY_SAMPLER };
     let program = MeshProgram {

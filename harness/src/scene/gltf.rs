@@ -1,4 +1,4 @@
-//! glTF 2.0, text or binary.
+//! Reads glTF 2.0, text or binary.
 
 use std::path::Path;
 
@@ -11,25 +11,25 @@ use gltf::{Accessor, Document, Primitive};
 use super::raw::Raw;
 use crate::drivers::ColourMap;
 
-/// Attribute of the orientation field, radians; the reader takes the underscore of such names off.
+/// Attribute of the orientation field, in radians. The reader removes the underscore of such names.
 const ORIENTATION: &str = "ORIENTATION";
 
-/// All triangles of the default scene in one mesh, in the world of the file. Colour is the first material's base colour, and
-/// the orientation field the vertices' attribute `_ORIENTATION`. Bones, morphs and further materials are left out.
+/// All triangles of the default scene in one mesh, in the file's world. The colour is the first material's base colour, the
+/// orientation field is the vertices' attribute `_ORIENTATION`. Bones, morphs and further materials are ignored.
 pub(super) fn read(path: &Path) -> Result<Raw> {
     let name = path.display().to_string();
     let fail = |what: &str, error: gltf::Error| {
-        Error::new(&name, what).source(error).remedy("export it anew")
+        Error::new(&name, what).source(error).remedy("export it again")
     };
     let bytes =
         std::fs::read(path).map_err(|error| Error::new(&name, "cannot be read").source(error))?;
     let gltf::Gltf { document, blob } = gltf::Gltf::from_slice(&bytes)
-        .map_err(|error| fail("is no glTF 2.0 file that can be read", error))?;
+        .map_err(|error| fail("cannot be read as glTF 2.0", error))?;
     let base = path.parent().unwrap_or(Path::new("."));
     let buffers = gltf::import_buffers(&document, Some(base), blob)
         .map_err(|error| fail("its buffers cannot be read", error))?;
     bounded(&document, &buffers)
-        .map_err(|cause| Error::new(&name, cause).remedy("export it anew"))?;
+        .map_err(|cause| Error::new(&name, cause).remedy("export it again"))?;
     let mut raw = Raw {
         positions: Vec::new(),
         normals: Some(Vec::new()),
@@ -41,7 +41,7 @@ pub(super) fn read(path: &Path) -> Result<Raw> {
         notes: Vec::new(),
     };
     let scene = document.default_scene().or_else(|| document.scenes().next());
-    let scene = scene.ok_or_else(|| Error::new(&name, "holds no scene"))?;
+    let scene = scene.ok_or_else(|| Error::new(&name, "has no scene"))?;
     let mut nodes: Vec<(gltf::Node<'_>, DMat4)> =
         scene.nodes().map(|node| (node, DMat4::IDENTITY)).collect();
     let mut coloured = false;
@@ -53,13 +53,13 @@ pub(super) fn read(path: &Path) -> Result<Raw> {
         for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
             if primitive.mode() != Mode::Triangles {
                 raw.notes.push(format!(
-                    "{name}: {:?} left out, only triangles are drawn",
+                    "{name}: {:?} left out: only triangles are drawn",
                     primitive.mode()
                 ));
                 continue;
             }
             append(&mut raw, &primitive, &buffers, world)
-                .map_err(|cause| Error::new(&name, cause).remedy("export it anew"))?;
+                .map_err(|cause| Error::new(&name, cause).remedy("export it again"))?;
             if !coloured {
                 coloured = true;
                 raw.colour = colour(&primitive, base, &buffers, &name, &mut raw.notes);
@@ -69,7 +69,7 @@ pub(super) fn read(path: &Path) -> Result<Raw> {
     Ok(raw)
 }
 
-/// Adds one primitive; lists that it lacks are filled with what is no number, which is mended later.
+/// Appends one primitive. Missing lists are filled with NaN, which is repaired later.
 fn append(
     raw: &mut Raw,
     primitive: &Primitive<'_>,
@@ -92,7 +92,7 @@ fn append(
             && a.dimensions() == Dimensions::Scalar
     };
     if primitive.indices().is_some_and(|accessor| !integer(&accessor)) {
-        return Err("its indices are no integers".into());
+        return Err("its indices are not integers".into());
     }
     let bytes = |buffer: gltf::Buffer<'_>| buffers.get(buffer.index()).map(|b| &b.0[..]);
     let reader = primitive.reader(bytes);
@@ -120,16 +120,18 @@ fn append(
         None => (0..count as u32).collect(),
     };
     if let Some(bad) = indices.iter().find(|i| **i as usize >= count) {
-        return Err(format!("a triangle names vertex {bad} of {count}"));
+        return Err(format!(
+            "a triangle has the vertex index {bad}, but there are {count} vertices"
+        ));
     }
     let corner = |i: u32| first as u32 + i;
-    // where space is mirrored, the front stays the front
+    // if the transform mirrors space, front faces must stay front faces
     let turn = |t: &[u32]| if mirrored { [t[0], t[2], t[1]] } else { [t[0], t[1], t[2]] };
     raw.triangles.extend(indices.chunks_exact(3).map(turn).map(|t| t.map(corner)));
     Ok(())
 }
 
-/// Appends and brings the list to `length`.
+/// Appends values and fills the list up to `length`.
 fn fill<T: Clone>(
     list: &mut Option<Vec<T>>,
     items: impl Iterator<Item = T>,
@@ -141,13 +143,13 @@ fn fill<T: Clone>(
     list.resize(length, missing);
 }
 
-/// Every accessor lies in its buffer: the reader takes that for granted.
+/// Checks that every accessor is inside its buffer, which the reader assumes.
 fn bounded(document: &Document, buffers: &[gltf::buffer::Data]) -> Result<(), String> {
     for view in document.views() {
         let end = view.offset().checked_add(view.length());
         let held = buffers.get(view.buffer().index()).map_or(0, |buffer| buffer.0.len());
         if end.is_none_or(|end| end > held) {
-            return Err(format!("buffer view {} ends behind its buffer", view.index()));
+            return Err(format!("buffer view {} ends beyond its buffer", view.index()));
         }
     }
     for accessor in document.accessors() {
@@ -160,13 +162,13 @@ fn bounded(document: &Document, buffers: &[gltf::buffer::Data]) -> Result<(), St
         let last = stride.checked_mul(accessor.count() - 1);
         let end = last.and_then(|l| l.checked_add(accessor.size())?.checked_add(accessor.offset()));
         if end.is_none_or(|end| end > view.length()) {
-            return Err(format!("accessor {index} ends behind its buffer view"));
+            return Err(format!("accessor {index} ends beyond its buffer view"));
         }
     }
     Ok(())
 }
 
-/// The base colour's picture, else its factor.
+/// The base colour's texture, else its factor.
 fn colour(
     primitive: &Primitive<'_>,
     base: &Path,
@@ -188,7 +190,7 @@ fn colour(
             ColourMap::decode(name, &data[view.offset()..view.offset() + view.length()])
         }
         gltf::image::Source::Uri { uri, .. } => {
-            // pictures inside of the file have long names
+            // textures inside the file have long names
             let short: String = uri.chars().take(80).collect();
             let cause = format!("its texture \"{short}\" cannot be read");
             gltf::image::Data::from_source(source.source(), Some(base), buffers)
@@ -197,7 +199,7 @@ fn colour(
         }
     };
     picture.unwrap_or_else(|error| {
-        notes.push(format!("{error}; the material's plain colour taken"));
+        notes.push(format!("{error}; using the material's plain colour"));
         plain
     })
 }
@@ -207,9 +209,8 @@ fn convert(name: &str, data: &gltf::image::Data) -> Result<ColourMap> {
         gltf::image::Format::R8G8B8 => 3,
         gltf::image::Format::R8G8B8A8 => 4,
         other => {
-            return Err(
-                Error::new(name, format!("its texture is {other:?}")).remedy("8-bit RGB or RGBA")
-            );
+            return Err(Error::new(name, format!("its texture has the format {other:?}"))
+                .remedy("convert it to 8-bit RGB or RGBA"));
         }
     };
     let texels = data.pixels.chunks_exact(channels).map(|p| [p[0], p[1], p[2], 255]).collect();

@@ -1,31 +1,31 @@
-//! Meshes that can be drawn.
+//! Meshes for drawing.
 
 use diffraction_shaders::variant::mesh::{OrientationMap, Vertex};
 use glam::{DMat4, DVec3};
 
 use crate::drivers::ColourMap;
 
-/// Triangles with tangent frames, a body's colour and an orientation field.
+/// Triangles with tangent frames, the body's colour and an orientation field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
-    /// Names it in errors.
+    /// Name, for errors.
     pub name: String,
     /// The vertices.
     pub vertices: Vec<Vertex>,
-    /// Indices of the corners.
+    /// Vertex indices of the corners.
     pub triangles: Vec<[u32; 3]>,
-    /// From the mesh to the world.
+    /// Transform from the mesh to the world.
     pub model: DMat4,
     /// Colour of the body.
     pub colour: ColourMap,
-    /// Angles that are added to those of the vertices.
+    /// Angles added to those of the vertices.
     pub orientation: OrientationMap,
-    /// What was mended or left out when it was read, for the user.
+    /// Notes for the user about what was repaired or left out when the file was read.
     pub notes: Vec<String>,
 }
 
 impl Mesh {
-    /// A mesh that needs no mending, grey, at its place.
+    /// A grey mesh of valid vertices, not transformed.
     pub fn new(name: &str, vertices: Vec<Vertex>, triangles: Vec<[u32; 3]>) -> Mesh {
         Mesh {
             name: name.to_owned(),
@@ -38,7 +38,7 @@ impl Mesh {
         }
     }
 
-    /// Centre and half of the box around it in the world.
+    /// Centre and half size of its bounding box in the world.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         let places = self.vertices.iter().map(|v| self.model.transform_point3(v.position));
         let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -50,9 +50,9 @@ impl Mesh {
         }
     }
 
-    /// Whether a point of the world lies inside, for a mesh that is closed: a ray to `+x` leaves it an odd number of times.
+    /// Whether a point of the world is inside a closed mesh: a ray towards `+x` crosses it an odd number of times.
     pub fn holds(&self, point: DVec3) -> bool {
-        // a direction that no modelled edge lies along
+        // a direction that is not along a modelled edge
         let ray = DVec3::new(0.883, 0.317, 0.347);
         let at = |i: u32| self.model.transform_point3(self.vertices[i as usize].position) - point;
         let hit = |t: &&[u32; 3]| {

@@ -1,4 +1,4 @@
-//! Wavefront OBJ.
+//! Reads Wavefront OBJ.
 
 use std::path::Path;
 
@@ -8,11 +8,10 @@ use glam::{DVec2, DVec3};
 use super::raw::Raw;
 use crate::drivers::ColourMap;
 
-/// All objects of a file in one mesh; the colour is the first material's picture or plain colour.
+/// All objects of a file in one mesh. The colour is the first material's texture or plain colour.
 pub(super) fn read(path: &Path) -> Result<Raw> {
     let name = path.display().to_string();
-    let fail =
-        |error: tobj::LoadError| Error::new(&name, "is no OBJ file that can be read").source(error);
+    let fail = |error: tobj::LoadError| Error::new(&name, "cannot be read as OBJ").source(error);
     let options = tobj::LoadOptions { triangulate: true, single_index: true, ..Default::default() };
     let (models, materials) = tobj::load_obj(path, &options).map_err(fail)?;
     let mut raw = Raw {
@@ -33,7 +32,7 @@ pub(super) fn read(path: &Path) -> Result<Raw> {
         normals.extend(vectors(&mesh.normals));
         normals.resize(raw.positions.len(), DVec3::ZERO);
         uvs.extend(mesh.texcoords.chunks_exact(2).map(|t| {
-            // OBJ counts v from the bottom
+            // OBJ has v = 0 at the bottom
             DVec2::new(f64::from(t[0]), 1.0 - f64::from(t[1]))
         }));
         uvs.resize(raw.positions.len(), DVec2::NAN);
@@ -50,7 +49,7 @@ pub(super) fn read(path: &Path) -> Result<Raw> {
             }
         }
         Err(error) => {
-            raw.notes.push(format!("{name}: its materials cannot be read: {error}; grey taken"))
+            raw.notes.push(format!("{name}: its materials cannot be read: {error}; using grey"))
         }
     }
     Ok(raw)
@@ -68,7 +67,7 @@ fn colour(path: &Path, material: &tobj::Material, notes: &mut Vec<String>) -> Co
     let bytes =
         std::fs::read(&file).map_err(|error| Error::new(&name, "cannot be read").source(error));
     bytes.and_then(|bytes| ColourMap::decode(&name, &bytes)).unwrap_or_else(|error| {
-        notes.push(format!("{error}; the material's plain colour taken"));
+        notes.push(format!("{error}; using the material's plain colour"));
         plain
     })
 }

@@ -1,15 +1,15 @@
-//! The colours of a snake in the manner of a corn snake (Pantherophis guttatus): saddles with dark edges on orange.
+//! The colours of a snake like a corn snake (Pantherophis guttatus): saddles with dark edges on orange.
 
 use crate::drivers::ColourMap;
 
-/// Red saddles, their edges, the ground between them, and the belly, linear sRGB.
+/// Colours of the saddles, their edges, the ground between them, and the belly, linear sRGB.
 const SADDLE: [f64; 3] = [0.36, 0.05, 0.018];
 const EDGE: [f64; 3] = [0.035, 0.015, 0.01];
 const GROUND: [f64; 3] = [0.55, 0.21, 0.055];
 const BELLY: [f64; 3] = [0.62, 0.52, 0.38];
 
-/// A picture whose columns run from head to tail and whose rows around the body, from one side of the belly over the back to
-/// the other. `length` is the body's, in girths.
+/// A picture. Columns run from head to tail, rows around the body: from one side of the belly over the back to the other side.
+/// `length` is the body's length, in girths.
 pub fn corn_snake(width: u32, height: u32, length: f64) -> ColourMap {
     let texel = |i: u32| {
         let along = (f64::from(i % width) + 0.5) / f64::from(width) * length;
@@ -23,7 +23,7 @@ pub fn corn_snake(width: u32, height: u32, length: f64) -> ColourMap {
     ColourMap { width, height, texels: (0..width * height).map(texel).collect() }
 }
 
-/// Linear colour at a place: `along` in girths, `around` from -1 to 1.
+/// Linear colour at a position: `along` in girths, `around` from -1 to 1.
 fn colour(along: f64, around: f64) -> [f64; 3] {
     let pitch = 0.52;
     let saddle = blotch(along, around, pitch, 0.0, [0.33, 0.36]);
@@ -39,7 +39,8 @@ fn colour(along: f64, around: f64) -> [f64; 3] {
     mix(back, belly, smooth((around.abs() - 0.74) / 0.05)).map(|c| (c * mottled).clamp(0.0, 1.0))
 }
 
-/// Below 0 inside of a row of ellipses with uneven outlines; halves of their axes in girths and in halves of a turn.
+/// A row of ellipses with uneven outlines: below 0 inside of them. `half` and `wide` are their half axes, in girths and in half
+/// turns.
 fn blotch(along: f64, around: f64, pitch: f64, offset: f64, [half, wide]: [f64; 2]) -> f64 {
     let place = along / pitch + offset;
     let number = place.round();

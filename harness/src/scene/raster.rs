@@ -1,4 +1,4 @@
-//! What each pixel of a picture sees, in f64: a judge of the drivers that shares no code with them.
+//! An f64 rasteriser, which finds the visible point of each pixel. It tests the drivers and shares no code with them.
 
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::variant::mesh::{MeshParams, MeshVertex, mesh_vert};
@@ -7,20 +7,21 @@ use rayon::prelude::*;
 
 use super::mesh::Mesh;
 
-/// The visible point of a pixel's centre.
+/// The visible point at a pixel's centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
     /// Index of the triangle.
     pub triangle: usize,
-    /// Least weight of a corner: 0 on an edge of the triangle.
+    /// Minimum of the corners' weights: 0 on an edge of the triangle.
     pub inside: f64,
-    /// What the vertex stage hands over there; `position` in clip space.
+    /// The interpolated output of the vertex stage there; `position` is in clip space.
     pub at: MeshVertex,
 }
 
-/// The visible points of a picture of that many pixels, `[row][column]` from the top; `None` where nothing is.
+/// The visible points of a picture of this size, `[row][column]` from the top; `None` outside the mesh.
 ///
-/// Time: pixels of all triangles' boxes. Triangles that reach behind the camera are an error: nothing is clipped here.
+/// The time is proportional to the pixels of all triangles' bounding boxes. Triangles that reach behind the camera are an error,
+/// since nothing is clipped.
 pub fn visible(
     mesh: &Mesh,
     params: &MeshParams,
@@ -30,7 +31,7 @@ pub fn visible(
         mesh.vertices.par_iter().map(|vertex| mesh_vert(params, vertex)).collect();
     let used = mesh.triangles.iter().flatten();
     if used.clone().any(|i| corners[*i as usize].position.w <= 0.0) {
-        let cause = "reaches behind the camera, and the exact picture clips nothing";
+        let cause = "reaches behind the camera, which the f64 picture does not support";
         return Err(Error::new(&mesh.name, cause).remedy("move the camera out"));
     }
     let pixel = |i: u32| {
@@ -75,7 +76,7 @@ pub fn visible(
     Ok(seen)
 }
 
-/// Interpolation over a triangle in perspective: weights on the screen, over `w`.
+/// Perspective-correct interpolation over a triangle: screen weights divided by `w`.
 fn blend(corners: [&MeshVertex; 3], screen: DVec3) -> MeshVertex {
     let ws = DVec3::from(corners.map(|c| c.position.w));
     let weights = screen / ws / (screen / ws).element_sum();

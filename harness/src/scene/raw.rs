@@ -1,4 +1,4 @@
-//! What a file of a mesh holds, checked and mended.
+//! The content of a mesh file, checked and repaired.
 
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::variant::mesh::Vertex;
@@ -8,12 +8,12 @@ use super::mesh::Mesh;
 use super::tangents;
 use crate::drivers::ColourMap;
 
-/// What a file holds, before it is checked. Lists are as long as `positions`.
+/// The content of a file, before it is checked. Lists are as long as `positions`.
 pub(super) struct Raw {
     pub positions: Vec<DVec3>,
     pub normals: Option<Vec<DVec3>>,
     pub tangents: Option<Vec<DVec4>>,
-    /// (0, 0) is the first texel's corner.
+    /// (0, 0) is the corner of the first texel.
     pub uvs: Option<Vec<DVec2>>,
     pub angles: Option<Vec<f64>>,
     pub triangles: Vec<[u32; 3]>,
@@ -22,15 +22,17 @@ pub(super) struct Raw {
 }
 
 impl Raw {
-    /// Refuses what has no meaning, replaces what is missing or no number, and says so.
+    /// Refuses content without a meaning, replaces missing or invalid numbers, and adds notes about that.
     pub(super) fn mend(mut self, name: &str) -> Result<Mesh> {
         let fail = |cause: String| Err(Error::new(name, cause));
         if let Some(at) = self.positions.iter().position(|p| !p.is_finite()) {
-            return fail(format!("vertex {at} has no place: {}", self.positions[at]));
+            return fail(format!("vertex {at} has no valid position: {}", self.positions[at]));
         }
         let count = self.positions.len();
         if let Some(bad) = self.triangles.iter().flatten().find(|i| **i as usize >= count) {
-            return fail(format!("a triangle names vertex {bad} of {count}"));
+            return fail(format!(
+                "a triangle has the vertex index {bad}, but there are {count} vertices"
+            ));
         }
         let before = self.triangles.len();
         let positions = &self.positions;
@@ -43,16 +45,16 @@ impl Raw {
         };
         note(before - self.triangles.len(), "triangles without area left out");
         if self.triangles.is_empty() {
-            return fail("holds no triangle with an area".into());
+            return fail("has no triangle with an area".into());
         }
         let normals = self.mended_normals(&mut note);
         let mut uvs = self.uvs.take().unwrap_or_else(|| vec![DVec2::NAN; count]);
         let bad = uvs.iter_mut().filter(|uv| !uv.is_finite());
         let bad = bad.map(|uv| *uv = DVec2::ZERO).count();
-        note(bad, "vertices have no texture coordinates; taken as 0");
+        note(bad, "vertices have no valid texture coordinates; using 0");
         let mut angles = self.angles.take().unwrap_or_else(|| vec![0.0; count]);
         let lost = angles.iter_mut().filter(|a| !a.is_finite()).map(|a| *a = 0.0).count();
-        note(lost, "orientation angles are no numbers; taken as 0");
+        note(lost, "orientation angles are not numbers; using 0");
         let given = self.tangents.take().unwrap_or_default();
         let is_frame =
             |t: &DVec4| t.is_finite() && t.truncate().length_squared() > 0.0 && t.w != 0.0;
@@ -74,14 +76,14 @@ impl Raw {
             let frameless = tangents::generate(&mut mesh)?;
             note(
                 frameless,
-                "corners got no tangent from their texture coordinates; an arbitrary one taken",
+                "corners got no tangent from their texture coordinates; using an arbitrary one",
             );
         }
         mesh.notes = notes;
         Ok(mesh)
     }
 
-    /// Those given; where one is missing, zero or no number, the mean of the triangles around, by area.
+    /// The normals of the file. A missing, zero or invalid one is replaced by the mean of the adjacent triangles, weighted by area.
     fn mended_normals(&mut self, note: &mut impl FnMut(usize, &str)) -> Vec<DVec3> {
         let mut sums = vec![DVec3::ZERO; self.positions.len()];
         for t in &self.triangles {
@@ -96,12 +98,12 @@ impl Raw {
             given.unwrap_or_else(|| sum.normalize_or_zero())
         });
         let normals = normals.collect();
-        note(missing, "normals are missing or no numbers; taken from the triangles around");
+        note(missing, "normals are missing or invalid; computed from the adjacent triangles");
         normals
     }
 }
 
-/// Normal of a triangle, as long as twice its area.
+/// Normal of a triangle. Its length is twice the area.
 fn normal_of(positions: &[DVec3], triangle: &[u32; 3]) -> DVec3 {
     let [a, b, c] = triangle.map(|i| positions[i as usize]);
     (b - a).cross(c - a)

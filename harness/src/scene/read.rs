@@ -1,4 +1,4 @@
-//! Meshes from files.
+//! Reads meshes from files.
 
 use std::path::Path;
 
@@ -14,8 +14,8 @@ pub fn read(path: &Path) -> Result<Mesh> {
         "gltf" | "glb" => gltf::read(path)?,
         "obj" => obj::read(path)?,
         _ => {
-            let cause = "its name ends in none of .gltf, .glb, .obj";
-            return Err(Error::new(path.display(), cause).remedy("convert it"));
+            let cause = "the name must end in .gltf, .glb or .obj";
+            return Err(Error::new(path.display(), cause).remedy("convert the file"));
         }
     };
     raw.mend(&path.display().to_string())

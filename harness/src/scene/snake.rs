@@ -1,4 +1,4 @@
-//! A snake, so that pictures need no foreign asset: a tube along a meander, covered with overlapping keeled scales.
+//! A snake, so that pictures need no external asset: a tube along a meander, covered with overlapping keeled scales.
 
 use std::f64::consts::TAU;
 
@@ -9,40 +9,41 @@ use rayon::prelude::*;
 use super::mesh::Mesh;
 use super::pattern::corn_snake;
 
-/// What the snake looks like; lengths in girths of its middle are those of the pattern.
+/// The shape of the snake. The pattern measures lengths in girths of the middle of the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Snake {
-    /// Rings of vertices from head to tail.
+    /// Number of rings of vertices from head to tail.
     pub rings: u32,
-    /// Vertices of a ring.
+    /// Number of vertices in a ring.
     pub sides: u32,
-    /// Rows of scales around the body; staggered, so that an odd number counts as one less.
+    /// Number of rows of scales around the body. Rows are staggered, so an odd number counts as one less.
     pub scale_rows: u32,
-    /// Height of a scale's free end over the next one, in radii of the body.
+    /// Height of a scale's free end above the next scale, in radii of the body.
     pub relief: f64,
-    /// Greatest angle of the orientation field across a scale, degrees: its microstructure fans out.
+    /// Maximum angle of the orientation field across a scale, degrees: its microstructure fans out.
     pub fan_deg: f64,
 }
 
 impl Snake {
-    /// About a quarter of a million vertices, some ten across a scale.
+    /// A snake of about 250,000 vertices, about ten across a scale.
     pub fn standard() -> Snake {
         Snake { rings: 1100, sides: 216, scale_rows: 24, relief: 0.06, fan_deg: 12.0 }
     }
 }
 
-/// Length of the body and its greatest radius.
+/// Length of the body, and its maximum radius.
 const LENGTH: f64 = 11.0;
 const RADIUS: f64 = 0.36;
-/// Steepest heading of the meander, radians, and its number of bends.
+/// Maximum heading of the meander, radians, and its number of bends.
 const SWING: f64 = 1.75;
 const BENDS: f64 = 1.55;
-/// Cells side by side in a ribbon of triangles.
+/// Number of cells side by side in a ribbon of triangles.
 const RIBBON: u32 = 8;
 /// Length of a scale over its width.
 const SLENDER: f64 = 1.5;
 
-/// The snake on the plane `z = 0`, its back to `+z`. Tangents point to the tail; columns of its texture run from head to tail.
+/// The snake on the plane `z = 0` with its back towards `+z`. Tangents point to the tail. Columns of the texture run from head
+/// to tail.
 pub fn snake(snake: &Snake) -> Mesh {
     let Snake { rings, sides, .. } = *snake;
     let spine = spine(snake);
@@ -61,7 +62,7 @@ pub fn snake(snake: &Snake) -> Mesh {
         let (ring, side) = (i / columns, i % columns);
         let around = side as f64 / f64::from(sides);
         let at = |ring: usize, side: usize| places[ring * columns + side];
-        // the seam's two columns see the same neighbours
+        // both columns at the seam have the same neighbours
         let (before, after) = (
             if side == 0 { sides as usize - 1 } else { side - 1 },
             if side == sides as usize { 1 } else { side + 1 },
@@ -84,7 +85,7 @@ pub fn snake(snake: &Snake) -> Mesh {
         let at = |x: u32, y: u32| (ring + x) * (sides + 1) + side + y;
         [[at(0, 0), at(1, 1), at(1, 0)], [at(0, 0), at(0, 1), at(1, 1)]]
     };
-    // ribbons, so that a driver that remembers few vertices computes most of them once
+    // in ribbons, a driver with a small vertex cache computes most vertices once
     let ribbon = |first: u32| {
         let last = (first + RIBBON).min(sides);
         (0..rings).flat_map(move |ring| (first..last).map(move |side| (ring, side)))
@@ -95,17 +96,17 @@ pub fn snake(snake: &Snake) -> Mesh {
     mesh
 }
 
-/// A place on the spine.
+/// A point on the spine.
 struct Spot {
     centre: DVec3,
     forward: DVec3,
     radius: f64,
-    /// Scales from the head to here.
+    /// Number of scales from the head to here.
     scales: f64,
 }
 
 impl Spot {
-    /// A point of the skin: `around` from 0 on the belly over 0.5 on the back, `out` in radii.
+    /// A point of the skin: `around` is 0 on the belly, 0.5 on the back; `out` is in radii.
     fn surface(&self, around: f64, out: f64) -> DVec3 {
         let (sin, cos) = (TAU * (around - 0.5)).sin_cos();
         let beside = DVec3::Z.cross(self.forward);
@@ -115,7 +116,7 @@ impl Spot {
     }
 }
 
-/// A meander whose heading is a sine of the length (Langbein & Leopold 1966), from head to tail.
+/// The spine from head to tail: a meander whose heading is a sine of the length (Langbein & Leopold 1966).
 fn spine(snake: &Snake) -> Vec<Spot> {
     let rings = snake.rings;
     let rows = f64::from(snake.scale_rows);
@@ -129,14 +130,14 @@ fn spine(snake: &Snake) -> Vec<Spot> {
         let radius = RADIUS * girth(share);
         let spot = Spot { centre: centre + 0.6 * radius * DVec3::Z, forward, radius, scales };
         centre += step * forward;
-        // scales keep their shape while the body is thick and do not shrink without end
+        // scales keep their shape where the body is thick, and have a minimum size
         scales += step / (SLENDER * TAU * radius.max(0.12 * RADIUS) / rows);
         spot
     };
     (0..=rings).map(spot).collect()
 }
 
-/// Radius over the greatest one: a head with a blunt snout, a neck, a body, a pointed tail.
+/// Radius divided by the maximum radius: a head with a blunt snout, a neck, a body, a pointed tail.
 fn girth(share: f64) -> f64 {
     let ease = |from: f64, to: f64| {
         let t = ((share - from) / (to - from)).clamp(0.0, 1.0);
@@ -149,10 +150,10 @@ fn girth(share: f64) -> f64 {
     (snout * body * tail).max(1e-3)
 }
 
-/// Height of the scales over the skin at a place, 0 to 1, and the distance from the keel, -0.5 to 0.5 of a scale's width.
+/// Height of the scales above the skin at a point, 0 to 1, and the distance from the keel, -0.5 to 0.5 of a scale's width.
 ///
-/// Scales lie in rows that are staggered by half a scale, each a tilted plate with its free end towards the tail; the highest
-/// plate at a place is the one that shows.
+/// Scales lie in rows, staggered by half a scale. Each is a tilted plate with its free end towards the tail. The highest plate
+/// at a point is the visible one.
 fn scale(snake: &Snake, along: f64, around: f64) -> (f64, f64) {
     let rows = f64::from(snake.scale_rows & !1);
     let column = around * rows;
@@ -169,7 +170,7 @@ fn scale(snake: &Snake, along: f64, around: f64) -> (f64, f64) {
             if outline > 1.0 {
                 continue;
             }
-            // flatter across than the body, so that a scale lights up as a whole
+            // less curved across than the body, so that a whole scale lights up at once
             let plate = 0.5 + 0.6 * behind + 0.25 * beside * beside;
             let keel = 0.1 * (-(beside / 0.07).powi(2)).exp() * (1.0 - (behind / 0.8).powi(2));
             let height = (plate + keel) * (1.0 - outline.powi(6));

@@ -7,9 +7,9 @@ use glam::{DVec2, DVec3};
 
 use super::mesh::Mesh;
 
-/// A sphere of radius 1 about the origin, its poles on `y`: `columns` meridians and half as many parallels.
+/// A sphere of radius 1 about the origin with its poles on `y`: `columns` meridians and half as many parallels.
 ///
-/// Tangents point east, so that the bitangent points north; texture coordinates run east and north to south.
+/// Tangents point east, so bitangents point north. Texture coordinates run from west to east and from north to south.
 pub fn sphere(columns: u32) -> Mesh {
     let rows = (columns / 2).max(2);
     let columns = columns.max(3);

@@ -1,4 +1,4 @@
-//! Tangents where a file brings none: MikkTSpace (M. Mikkelsen, 2008).
+//! Generates tangents for files without tangents: MikkTSpace (M. Mikkelsen, 2008).
 
 use std::collections::BTreeMap;
 
@@ -8,10 +8,10 @@ use glam::{DVec3, DVec4};
 
 use super::mesh::Mesh;
 
-/// Gives every corner of every triangle its tangent; vertices whose corners disagree are split. Returns how many corners
-/// got none from the texture coordinates: those follow the axis that their normal is farthest from.
+/// Gives every corner of every triangle a tangent. Vertices whose corners disagree are split. Returns the number of corners
+/// without a tangent from the texture coordinates: these get the axis that is farthest from their normal.
 ///
-/// The bitangent points up in the picture, against `v`, as glTF has it: so the algorithm gets `1 - v`.
+/// As in glTF, the bitangent points up in the texture, against `v`, so the algorithm gets `1 - v`.
 pub(super) fn generate(mesh: &mut Mesh) -> Result<usize> {
     let mut corners = Corners { mesh, tangents: vec![None; 3 * mesh.triangles.len()] };
     generate_tangents(&mut corners)

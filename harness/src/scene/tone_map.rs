@@ -1,11 +1,11 @@
-//! Linear pictures as files. The tone map is part of what a picture means, so it is stated here.
+//! Writes linear pictures to files. The tone map is part of a picture's meaning, so it is stated here.
 
 use diffraction_shaders::encode::{self, Floats, Picture};
 use diffraction_shaders::error::Result;
 use diffraction_shaders::optics::colour::srgb_encode;
 use exr::image::FlatSamples;
 
-/// From which brightness on the tone map bends.
+/// Brightness above which the tone map bends.
 const KNEE: f64 = 0.6;
 
 /// Exposes, tone-maps and encodes linear RGB with coverage over black.
@@ -18,8 +18,8 @@ pub fn display(width: u32, height: u32, pixels: &[[f32; 4]], exposure: f64) -> P
     Picture { width, height, texels: pixels.iter().map(texel).collect() }
 }
 
-/// Brings linear colours into [0, 1] and keeps their hue: negative components become 0; where the greatest component `m`
-/// exceeds 0.6, all are scaled so that it becomes `1 - 0.4·exp(-(m - 0.6)/0.4)`.
+/// Maps linear colours into [0, 1] and keeps their hue. Negative components become 0. If the largest component `m` exceeds 0.6,
+/// all are scaled so that it becomes `1 - 0.4·exp(-(m - 0.6)/0.4)`.
 pub fn tone_map(rgb: [f64; 3]) -> [f64; 3] {
     let rgb = rgb.map(|c| if c > 0.0 { c } else { 0.0 });
     let most = rgb.iter().copied().fold(0.0, f64::max);
@@ -31,7 +31,7 @@ pub fn tone_map(rgb: [f64; 3]) -> [f64; 3] {
     rgb.map(|c| (c / most).min(1.0) * bent)
 }
 
-/// The mean of `factor × factor` pixels each.
+/// Reduces a picture: each pixel is the mean of `factor × factor` pixels.
 pub fn reduced(width: u32, pixels: &[[f32; 4]], factor: u32) -> Vec<[f32; 4]> {
     let (width, factor) = (width as usize, factor as usize);
     let (columns, rows) = (width / factor, pixels.len() / width / factor);
@@ -44,7 +44,7 @@ pub fn reduced(width: u32, pixels: &[[f32; 4]], factor: u32) -> Vec<[f32; 4]> {
     (0..columns * rows).map(mean).collect()
 }
 
-/// Pictures of one height side by side, `gap` black columns between.
+/// Pictures of the same height side by side, with `gap` black columns between them.
 pub fn strip(pictures: &[Picture], gap: u32) -> Picture {
     let height = pictures.iter().map(|p| p.height).max().unwrap_or(0);
     let gaps = gap * (pictures.len() as u32).saturating_sub(1);
@@ -61,7 +61,7 @@ pub fn strip(pictures: &[Picture], gap: u32) -> Picture {
     Picture { width, height, texels }
 }
 
-/// Pictures of one width one above the other, `gap` black rows between.
+/// Pictures of the same width one above the other, with `gap` black rows between them.
 pub fn stacked(pictures: &[Picture], gap: u32) -> Picture {
     let width = pictures.iter().map(|p| p.width).max().unwrap_or(0);
     let between = vec![[0, 0, 0, 255]; (width * gap) as usize];
@@ -78,7 +78,7 @@ pub fn stacked(pictures: &[Picture], gap: u32) -> Picture {
     Picture { width, height: (texels.len() / width.max(1) as usize) as u32, texels }
 }
 
-/// A 32-bit float EXR file of the linear colours and the coverage.
+/// A 32-bit float EXR file of linear colours and coverage.
 pub fn exr(width: u32, height: u32, pixels: &[[f32; 4]]) -> Result<Vec<u8>> {
     let channel = |c: usize| FlatSamples::F32(pixels.iter().map(|p| p[c]).collect());
     encode::exr(Floats {

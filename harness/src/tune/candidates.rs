@@ -1,4 +1,4 @@
-//! What may win: the variants of the plan, and a grid over what can be built.
+//! The candidates: the variants of the plan, and a grid over all that can be built.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,8 +16,8 @@ use super::grid::{GRIDS, name, product};
 use super::preset::of_grid;
 use super::{Candidate, Lost, preset, prune};
 
-/// All candidates for a surface, the plan's own first, and those that cannot take part. The wavelengths of visible light
-/// must be resolved by its pitch.
+/// All candidates for a surface, the plan's own first, and those that cannot take part. The pitch of the surface must resolve
+/// the wavelengths of visible light.
 pub fn candidates(plan: &Plan, height: &HeightField) -> (Vec<Candidate>, Vec<Lost>) {
     let own = plan.variants.iter().map(|v| (preset(v, &plan.optics), Ok(v.clone())));
     let names: BTreeSet<&str> = plan.variants.iter().map(|v| v.name.as_str()).collect();
@@ -29,7 +29,7 @@ pub fn candidates(plan: &Plan, height: &HeightField) -> (Vec<Candidate>, Vec<Los
         (text, read)
     });
     let all: Vec<_> = own.chain(tried).collect();
-    // the functions of a basis on a large surface take a while
+    // in parallel, since the functions of a basis on a large surface are slow
     let laid: Vec<Result<Candidate, Lost>> =
         all.into_par_iter().map(|(text, read)| lay(plan, height, text, read)).collect();
     let (mut kept, mut lost) = (Vec::new(), Vec::new());
@@ -59,7 +59,7 @@ pub fn candidates(plan: &Plan, height: &HeightField) -> (Vec<Candidate>, Vec<Los
     (kept, lost)
 }
 
-/// Names and keys of the grid's presets, numbers of terms filled in.
+/// Names and keys of the grid's presets, with numbers of terms filled in.
 fn texts(height: &HeightField) -> Vec<(String, Vec<(&'static str, String)>)> {
     let bases = [Basis::Optimal, Basis::Chebyshev, Basis::Taylor];
     let laid = bases.map(|basis| (basis.as_str(), Expansion::new(basis, 1, height, MIN_NM)));
@@ -85,7 +85,7 @@ fn texts(height: &HeightField) -> Vec<(String, Vec<(&'static str, String)>)> {
 /// The shortest wavelength of the grid, nm.
 const MIN_NM: f64 = 380.0;
 
-/// The number of terms for an error, as TOML; a word stays.
+/// The number of terms for an error, as TOML. A word stays as it is.
 fn terms(error: &str, expansion: &Expansion) -> String {
     match error.parse::<f64>() {
         Ok(error) => expansion.clone().with_error(error).terms.to_string(),
@@ -106,7 +106,8 @@ fn lay(
     };
     let name = variant.name.clone();
     if differs_in_optics(&variant, plan) {
-        let why = "[optics] says what is right; give it these values to tune for them".to_owned();
+        let why =
+            "[optics] defines the right colours; change it to tune for other optics".to_owned();
         return Err(lose(name, preset, Verdict::Optics, why));
     }
     match Form::new(&variant, height) {
@@ -122,13 +123,13 @@ fn lay(
     }
 }
 
-/// What a variant's mode does not read of the optics may differ: it is at its default.
+/// Whether optics that the variant's mode reads differ from the plan's. Optics that it does not read are at their defaults.
 fn differs_in_optics(variant: &Variant, plan: &Plan) -> bool {
     let same = Variant { optics: plan.optics.clone(), ..variant.clone() };
     same.canonical() != variant.canonical()
 }
 
-/// Numbers of a configuration that counts and bounds are about.
+/// Keys of the configuration with numbers, which determine counts and bounds.
 const NUMBERS: [&str; 5] = ["terms", "term_error", "window_radius", "step_nm", "periods"];
 
 fn kind(variant: &Variant) -> String {
@@ -138,7 +139,7 @@ fn kind(variant: &Variant) -> String {
     settings.into_iter().map(|(key, value)| format!("{key}={value} ")).collect()
 }
 
-/// The configuration with the counts that were left to the tool.
+/// The configuration with the counts that `"auto"` resolves to.
 fn effective(candidate: &Candidate) -> String {
     let Candidate { variant, on, .. } = candidate;
     let counted = Variant {
@@ -149,7 +150,7 @@ fn effective(candidate: &Candidate) -> String {
     counted.hash()
 }
 
-/// Errors of one text in words that do not name it, so that those of many texts can be told once.
+/// Errors of a preset in words without its name, so that the same error of many presets is printed once.
 fn plain(errors: &[Error], name: &str) -> String {
     let one = |error: &Error| {
         let message = error.message();

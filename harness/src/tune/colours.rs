@@ -1,4 +1,4 @@
-//! Errors of candidates: their twins, on tables rounded as a shader reads them, against the exact colours.
+//! Errors of candidates: their twins on rounded tables against the exact colours.
 
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::field::comparison_directions::on_orders;
@@ -17,31 +17,31 @@ use crate::results::LightError;
 
 use super::search::Found;
 
-/// Pixels along a side of the maps that colours are compared on.
+/// Width and height in pixels of the maps for colour differences.
 pub const MAP: usize = 64;
-/// Directions that are drawn on strong orders and around the mirror direction, for each light.
+/// Number of random directions on strong orders and around the mirror direction, for each light.
 pub const DRAWN: usize = 2048;
-/// Seed of the drawn directions; the same as that of `compare`.
+/// Seed of the random directions, as in `compare`.
 const SEED: u64 = 1;
-/// One in so many directions of the first light is taken at a first look.
+/// A first look takes every `LOOK`-th direction of the first light.
 const LOOK: usize = 8;
-/// A candidate whose 95th percentile is this many times the budget, at a first look or under a light, is not measured
-/// further.
+/// A candidate whose 95th percentile exceeds this many times the budget, at a first look or under one light, is not measured to
+/// the end.
 const FAR: f64 = 2.0;
 
-/// The exact colours of a surface under some lights.
+/// The exact colours of a surface under several lights.
 #[derive(Clone, Debug)]
 pub struct Truth {
     lights: Vec<Lit>,
 }
 
-/// Under one light.
+/// The exact colours under one light.
 #[derive(Clone, Debug)]
 struct Lit {
     light: [f64; 2],
-    /// The pixels of the map, then drawn ones.
+    /// The pixels of the map, then the random directions.
     directions: Vec<Directions>,
-    /// How many are the map's.
+    /// Number of directions that are pixels of the map.
     map: usize,
     colours: Vec<[f64; 3]>,
     exposure: f64,
@@ -50,7 +50,7 @@ struct Lit {
 }
 
 impl Truth {
-    /// Computes the exact colours; `lights` are theta and phi in degrees. Tells the share of the work that is done.
+    /// Computes the exact colours. `lights` are theta and phi in degrees. `progress` gets the share of the finished work.
     pub fn new(
         height: &HeightField,
         rotate_deg: f64,
@@ -58,7 +58,7 @@ impl Truth {
         lights: &[[f64; 2]],
         progress: &(dyn Fn(usize) + Sync),
     ) -> Result<Truth> {
-        // of the variant only the optics count
+        // only the optics of the variant are used
         let variant = Variant::texts(optics);
         let exact = Exact(Placement { height, rotate_deg, variant: &variant });
         let lit = |light: &[f64; 2]| {
@@ -80,12 +80,12 @@ impl Truth {
         Ok(Truth { lights: lights.iter().map(lit).collect::<Result<_>>()? })
     }
 
-    /// Directions that [`Truth::new`] computes for each light.
+    /// Number of directions that [`Truth::new`] computes for each light.
     pub fn directions() -> usize {
         view_directions(MAP).len() + DRAWN
     }
 
-    /// A first look under the first light, and errors under all of them where that is not far over the budget.
+    /// Takes a first look under the first light. If that is not far over the budget, computes the errors under all lights.
     pub fn measure(&self, subject: Placement<'_>, budget_de: f64) -> Found {
         let measured = TwinRunner::new(subject, true).and_then(|twin| {
             let mut errors = Vec::new();
@@ -107,7 +107,7 @@ impl Truth {
         measured.unwrap_or_else(|error| Found::Failed(error.to_string()))
     }
 
-    /// The errors under all lights, however large.
+    /// Computes the errors under all lights, however large.
     pub fn of(&self, subject: Placement<'_>) -> Result<Vec<LightError>> {
         let twin = TwinRunner::new(subject, true)?;
         self.lights.iter().map(|lit| lit.error(&subject.variant.name, &twin)).collect()

@@ -1,20 +1,20 @@
-//! What is tried: keys of a preset with their values, as TOML.
+//! The grid of candidates: keys of a preset with their values, as TOML.
 
-/// Keys of a preset and the values that each may have; the candidates are their product, the first key varies slowest.
+/// Keys of a preset and the values of each. The candidates are their product; the first key varies slowest.
 pub(super) type Grid = &'static [Choices];
 
 /// A key and its values, as TOML.
 pub(super) type Choices = (&'static str, &'static [&'static str]);
 
-/// All grids. Words that this version does not know are tried all the same: its parser refuses them, and says so.
+/// All grids. Words that this version does not know are tried as well: its parser refuses them with a reason.
 pub(super) const GRIDS: [Grid; 5] = [
-    // one lookup, or a few
+    // one or a few lookups
     &[
         ("mode", &["\"baked\""]),
         ("sampling", &["\"filter\"", "\"load\""]),
         ("table", &["\"f16\"", "\"f32\"", "\"rgb9e5\""]),
     ],
-    // the bins that a direction's wavelengths meet
+    // the bins near the path of a direction's wavelengths
     &[("mode", &["\"adaptive\""]), BASIS, TERMS, TABLE],
     // the window applied in space
     &[
@@ -28,7 +28,7 @@ pub(super) const GRIDS: [Grid; 5] = [
     ],
     // the window as a sum over bins
     &[FULL, BASIS, TERMS, ("window_radius", &["0", "1", "2", "\"auto\""]), STEPS, TABLE],
-    // replicas of the patch; their lines have another shape than the window's, so few are worth a look
+    // replicas of the patch: their lobes differ from the window's, so few are worth trying
     &[
         ("mode", &["\"pq\""]),
         ("basis", &["\"optimal\""]),
@@ -43,18 +43,18 @@ const FULL: Choices = ("mode", &["\"full\""]);
 const BASIS: Choices = ("basis", &["\"optimal\"", "\"chebyshev\"", "\"taylor\""]);
 const TABLE: Choices = ("table", &["\"f16\"", "\"f32\""]);
 
-/// Steps of the wavelength, nm; a preset has them inside a table.
+/// Steps of the wavelength, nm. In a preset they are in the table `wavelengths`.
 const STEPS: Choices = ("wavelengths", &["10", "5", "2.5", "1.25"]);
 
-/// Numbers of terms that leave these errors of the phase function on the surface, and what `"auto"` chooses.
+/// Errors of the phase function on the surface, to be replaced by numbers of terms; and `"auto"`.
 const TERMS: Choices = ("terms", &["0.3", "0.1", "0.03", "0.01", "\"auto\""]);
 
-/// The whole range of visible light, by a step, as TOML.
+/// The whole visible range with a step, as TOML.
 pub(super) fn wavelengths(step_nm: &str) -> String {
     format!("{{ min_nm = 380, max_nm = 780, step_nm = {step_nm} }}")
 }
 
-/// The product of a grid: keys with values, each value as the grid has it.
+/// The product of a grid: lists of keys with values.
 pub(super) fn product(grid: Grid) -> Vec<Vec<(&'static str, &'static str)>> {
     grid.iter().fold(vec![Vec::new()], |rows, (key, values)| {
         let with = |row: &Vec<_>| {
@@ -65,7 +65,7 @@ pub(super) fn product(grid: Grid) -> Vec<Vec<(&'static str, &'static str)>> {
     })
 }
 
-/// A name for a candidate: its words and numbers, defaults left out.
+/// A name for a candidate: its words and numbers, without defaults.
 pub(super) fn name(keys: &[(&str, String)]) -> String {
     let part = |(key, value): &(&str, String)| {
         let word = value.trim_matches('"').replace('.', "p");

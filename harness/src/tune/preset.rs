@@ -1,12 +1,12 @@
-//! A variant as the preset of a plan.
+//! Writes a variant as a preset of a plan.
 
 use diffraction_shaders::plan::{Mode, Optics, Variant};
 use serde_json::{Map, Value, json};
 
 use super::grid;
 
-/// The text of a `[[preset]]` that means this variant in a plan with those `[optics]`. What the variant's mode does not
-/// read is not in it.
+/// The text of a `[[preset]]` that gives this variant in a plan with these `[optics]`. Keys that the variant's mode does not read
+/// are left out.
 pub fn preset(variant: &Variant, optics: &Optics) -> String {
     let settings: Map<String, Value> =
         serde_json::from_str(&variant.canonical()).unwrap_or_default();
@@ -15,14 +15,14 @@ pub fn preset(variant: &Variant, optics: &Optics) -> String {
     for (key, value) in &settings {
         match key.as_str() {
             "min_nm" | "max_nm" | "step_nm" => {}
-            // as the plan has it
+            // the plan has this value already
             key if plain.get(key) == Some(value) => {}
-            // strings, numbers, truth values and lists of numbers are the same in JSON and in TOML
+            // strings, numbers, booleans and lists of numbers are the same in JSON and in TOML
             key => keys.push((key, value.to_string())),
         }
     }
     if variant.mode == Mode::Pq {
-        // what this mode does not read may still contradict it, where the plan says so for all
+        // a key that this mode does not read may still contradict it, if the plan sets it for all
         let neutral = [("coherence", "single"), ("coherence_scaling", "fixed")];
         let said = neutral.into_iter().filter(|(key, word)| plain[*key] != json!(word));
         keys.extend(said.map(|(key, word)| (key, format!("\"{word}\""))));
@@ -38,19 +38,19 @@ pub fn preset(variant: &Variant, optics: &Optics) -> String {
     text(&short(variant), &keys)
 }
 
-/// Longest name of a preset.
-const LONGEST: usize = 64;
+/// Maximum length of a preset's name.
+const MAX_NAME: usize = 64;
 
-/// The variant's name; the beginning of one that is too long for a preset, and of the hash.
+/// The variant's name. If it is too long for a preset: its beginning, and the beginning of the hash.
 fn short(variant: &Variant) -> String {
-    if variant.name.len() <= LONGEST {
+    if variant.name.len() <= MAX_NAME {
         return variant.name.clone();
     }
-    let begin: String = variant.name.chars().take(LONGEST - 9).collect();
+    let begin: String = variant.name.chars().take(MAX_NAME - 9).collect();
     format!("{begin}-{}", &variant.hash()[..8])
 }
 
-/// Keys that come first; others follow.
+/// Keys that come first. Others follow.
 const ORDER: [&str; 9] = [
     "mode",
     "basis",
@@ -63,7 +63,7 @@ const ORDER: [&str; 9] = [
     "table",
 ];
 
-/// The text of a preset of the grid; of `wavelengths` the value is the step.
+/// The text of a preset of the grid. The value of `wavelengths` is the step.
 pub(super) fn of_grid(name: &str, keys: &[(&str, String)]) -> String {
     let whole = |(key, value): &(&'_ str, String)| match *key {
         "wavelengths" => grid::wavelengths(value),

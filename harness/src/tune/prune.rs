@@ -1,4 +1,4 @@
-//! What can be said before anything is computed: bounds, sizes, counts.
+//! Removes candidates before anything is computed, by bounds, sizes and counts.
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
@@ -13,24 +13,24 @@ use crate::results::{Bounds, Verdict};
 
 use super::{Candidate, Lost};
 
-/// What a candidate must keep.
+/// The limits that a candidate must keep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// Greatest 95th percentile of CIEDE2000.
+    /// Maximum 95th percentile of CIEDE2000.
     pub budget_de: f64,
-    /// The profile that must hold its tables.
+    /// The profile whose limits the tables must fit.
     pub fits: Option<Profile>,
-    /// Most MiB of tables.
+    /// Maximum MiB of tables.
     pub max_table_mib: Option<f64>,
 }
 
-/// Bounds above these, for a budget of 1, are not measured. A bound is of the worst place; the colours of most are better
-/// by a factor of three to ten, so each limit is about five times what was seen to leave a 95th percentile of 1.
+/// Maximum bounds of a candidate for a budget of 1. A bound is for the worst place; most colours are better by a factor of
+/// three to ten. So each limit is about five times the bound that was seen to give a 95th percentile of 1.
 const FAR: Bounds = Bounds { phase: 0.5, tail: 0.1, step: 0.5 };
-/// Bounds grow with the budget, but a small one is no reason to measure nothing at all.
+/// The limits scale with the budget, but not below this one, so that a small budget does not exclude everything.
 const MIN_BUDGET: f64 = 0.1;
 
-/// Splits candidates into those that are worth measuring and those that are not.
+/// Splits candidates into those worth measuring and the others.
 pub fn prune(
     candidates: Vec<Candidate>,
     limits: &Limits,
@@ -54,7 +54,7 @@ pub fn prune(
     (kept.collect(), lost)
 }
 
-/// What is known of a variant's error; 0 for what its form does not have.
+/// A-priori bounds of a variant's error. 0 if its form has no such error.
 pub fn bounds(variant: &Variant, form: &Form) -> Bounds {
     let settings: serde_json::Value =
         serde_json::from_str(&variant.canonical()).unwrap_or_default();
@@ -66,8 +66,9 @@ pub fn bounds(variant: &Variant, form: &Form) -> Bounds {
     }
 }
 
-/// Sum of a Gaussian lobe at equal steps against its integral: Poisson's formula has `2 exp(-2π² (σ/step)²)` as its first
-/// term. Along `f = (u, v)/λ` the light of a lobe has a deviation of `σf λ²/(√2 |(u, v)|)`; here 500 nm, `|(u, v)| = 1`.
+/// Difference between the sum of a Gaussian lobe at equal steps and its integral: the first term of Poisson's formula is
+/// `2 exp(-2π² (σ/step)²)`. Along `f = (u, v)/λ` the light of a lobe has the deviation `σf λ²/(√2 |(u, v)|)`; here at 500 nm and
+/// `|(u, v)| = 1`.
 fn aliasing(variant: &Variant) -> f64 {
     const LAMBDA_NM: f64 = 500.0;
     let sigma_um = optics::window_sigma_um(&variant.optics, LAMBDA_NM);
@@ -100,15 +101,18 @@ fn unfit(candidate: &Candidate, limits: &Limits, rotate_deg: f64) -> Option<(Ver
 
 fn too_far(candidate: &Candidate, limits: &Limits) -> Option<(Verdict, String)> {
     let scale = limits.budget_de.max(MIN_BUDGET);
-    let names = ["the series leaves", "the window leaves out", "the wavelength's steps miss"];
-    let what = ["of the phase function", "of a lobe", "of a lobe"];
+    let names = [
+        "error of the phase function",
+        "share of a lobe outside the window",
+        "share of a lobe missed by the wavelength's steps",
+    ];
     let all = candidate.bounds.all().into_iter().zip(FAR.all());
     let (at, (bound, _)) = all.enumerate().find(|(_, (bound, far))| *bound > far * scale)?;
-    Some((Verdict::Bound, format!("{} up to {bound:.2} {}", names[at], what[at])))
+    Some((Verdict::Bound, format!("{}: up to {bound:.2}", names[at])))
 }
 
-/// A candidate of the same kind that costs no more, has bounds no larger, and is better in one of them; of equals the
-/// first is left.
+/// A candidate of the same kind that is at most as costly, has bounds at most as large, and is better in one of these. Among
+/// equal candidates the first remains.
 fn dominator(all: &[Candidate], at: usize) -> Option<usize> {
     let one = &all[at];
     let beats = |(i, other): &(usize, &Candidate)| {

@@ -1,9 +1,10 @@
-//! Whose colours are computed: few of many, in an order that does not depend on the machine.
+//! Decides whose colours are computed: few of many, in an order that does not depend on the machine.
 //!
-//! Candidates of one form differ in counts only, so their costs and bounds can be compared: one within the budget makes
-//! those that cost no less needless, and one over it those that are no more accurate by any bound. A form begins with its
-//! most expensive candidate, by which it is given up as a whole if that fails, and goes on in the middle of what is left.
-//! Between forms only a large difference in texels decides, since a texel costs more in some than in others.
+//! Candidates of one form differ in counts only, so their costs and bounds can be compared. A candidate within the budget
+//! excludes all that cost at least as much. A candidate over the budget excludes all that are at most as accurate by every
+//! bound. The search begins a form with its most expensive candidate: if that is over the budget, the whole form is dropped.
+//! Then it continues in the middle of the rest. Between forms only a large difference in texels decides, since texels of
+//! different forms cost different times.
 
 use std::collections::BTreeSet;
 
@@ -11,36 +12,36 @@ use crate::results::{LightError, Verdict};
 
 use super::Candidate;
 
-/// Candidates that read this many times the texels of one within the budget are not measured: the time of a texel differs
-/// between forms by a factor of three.
+/// Candidates that read more than this many times the texels of one within the budget are not measured: the time of a texel
+/// differs between forms by a factor of three.
 const COSTLY: f64 = 6.0;
-/// Below so many texels the rest of a pixel takes longer than they.
+/// Number of texels below which the rest of a pixel takes longer than the texels.
 const FEW: f64 = 10.0;
 
-/// What measuring a candidate gave.
+/// The result of measuring a candidate.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Found {
     /// Errors under each light.
     Errors(Vec<LightError>),
-    /// A 95th percentile too large to go on, and the light under which it was seen.
+    /// A 95th percentile too large to continue, and the light under which it was found.
     Far(f64, [f64; 2]),
-    /// It could not be computed.
+    /// An error.
     Failed(String),
 }
 
-/// What a search knows of a candidate.
+/// The state of a candidate in a search.
 #[derive(Clone, Debug, PartialEq)]
 pub enum State {
     /// Errors under each light.
     Measured(Vec<LightError>),
-    /// A 95th percentile too large to go on, and the light under which it was seen.
+    /// A 95th percentile too large to continue, and the light under which it was found.
     Far(f64, [f64; 2]),
-    /// Not measured, and why.
+    /// Not measured, with the reason.
     Lost(Verdict, String),
 }
 
 impl State {
-    /// The greatest 95th percentile of what was measured to the end.
+    /// The maximum 95th percentile, if it was measured to the end.
     pub fn worst_p95(&self) -> Option<f64> {
         match self {
             State::Measured(errors) => errors.iter().map(LightError::worst_p95).reduce(f64::max),
@@ -49,15 +50,15 @@ impl State {
     }
 }
 
-/// Measures as few candidates as tell which of every form is the cheapest within the budget; states in the order of the
-/// candidates. An error of `measure` ends the search.
+/// Measures as few candidates as needed to find the cheapest one of every form within the budget. Returns the states in the order
+/// of the candidates. An error of `measure` ends the search.
 pub fn search<E>(
     candidates: &[Candidate],
     budget_de: f64,
     measure: &mut dyn FnMut(&Candidate) -> Result<Found, E>,
 ) -> Result<Vec<State>, E> {
     let mut states: Vec<Option<State>> = vec![None; candidates.len()];
-    // the fewest texels of any within the budget, and whose they are
+    // the minimum number of texels among candidates within the budget, and that candidate
     let mut best: Option<usize> = None;
     for form in kinds(candidates) {
         let mut first = true;
@@ -83,7 +84,7 @@ pub fn search<E>(
                 Found::Failed(why) => State::Lost(Verdict::Failed, why),
             };
             let within = state.worst_p95().is_some_and(|p95| p95 <= budget_de);
-            // what failed says nothing of others
+            // a failure says nothing about other candidates
             let judged = !matches!(state, State::Lost(Verdict::Failed, _));
             states[at] = Some(state);
             if within {
@@ -98,7 +99,7 @@ pub fn search<E>(
                     let pairs = candidates[i].bounds.all().into_iter();
                     pairs.zip(candidates[at].bounds.all()).all(|(a, b)| a >= b)
                 };
-                let why = format!("{name} misses the budget");
+                let why = format!("{name} is over the budget");
                 lose(&mut states, &form, hopeless, Verdict::Implied, &why);
             }
         }
@@ -106,15 +107,15 @@ pub fn search<E>(
     Ok(states.into_iter().map(|state| state.unwrap_or_else(unreached)).collect())
 }
 
-/// Which candidates are worth timing, the fewest texels first: those within the budget, and a few that just miss it and read
-/// less than any of them, so that the front of time and error goes on beyond the budget.
+/// The candidates worth timing, fewest texels first: those within the budget, and a few that are slightly over it and read fewer
+/// texels, so that the front of time and error continues beyond the budget.
 pub fn to_time(candidates: &[Candidate], states: &[State], budget_de: f64) -> Vec<usize> {
     let measured: Vec<(usize, f64)> =
         states.iter().enumerate().filter_map(|(i, state)| Some((i, state.worst_p95()?))).collect();
     let mut within: Vec<usize> =
         measured.iter().filter(|(_, p95)| *p95 <= budget_de).map(|(i, _)| *i).collect();
     by_cost(candidates, &mut within);
-    // of every kind one, since a texel of one kind may take longer than one of another
+    // one of every kind, since the time of a texel differs between kinds
     let mut seen = BTreeSet::new();
     let (firsts, rest): (Vec<usize>, Vec<usize>) =
         within.iter().partition(|i| seen.insert(candidates[**i].kind.as_str()));
@@ -131,12 +132,12 @@ pub fn to_time(candidates: &[Candidate], states: &[State], budget_de: f64) -> Ve
     within
 }
 
-/// Most candidates within the budget that are timed.
+/// Maximum number of timed candidates within the budget.
 const MAX_WITHIN: usize = 12;
-/// Most of those that miss it.
+/// Maximum number of timed candidates over the budget.
 const MAX_NEAR: usize = 3;
 
-/// Candidates by their kind, cheapest first; the kind with the cheapest first.
+/// Candidates by kind, cheapest first. The kind with the cheapest candidate is first.
 fn kinds(candidates: &[Candidate]) -> Vec<Vec<usize>> {
     let mut all: Vec<usize> = (0..candidates.len()).collect();
     by_cost(candidates, &mut all);
@@ -159,7 +160,7 @@ fn costs_no_less(one: &Candidate, other: &Candidate) -> bool {
     one.fetches() >= other.fetches() && one.table_bytes() >= other.table_bytes()
 }
 
-/// Settles those of a form that are not settled and that a rule is about.
+/// Settles the unsettled candidates of a form that a rule excludes.
 fn lose(
     states: &mut [Option<State>],
     form: &[usize],
@@ -172,7 +173,8 @@ fn lose(
     }
 }
 
-/// Every candidate has a form, and a form ends when all of its candidates are settled.
+/// The state of a candidate that the search did not reach. This cannot happen: every candidate has a form, and a form ends when
+/// all its candidates are settled.
 fn unreached() -> State {
     State::Lost(Verdict::Failed, "was not reached".to_owned())
 }

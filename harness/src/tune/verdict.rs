@@ -12,50 +12,50 @@ use super::prune::Limits;
 use super::search::State;
 use super::{Candidate, Lost, preset};
 
-/// Where and how a search ran.
+/// The parameters of a search.
 #[derive(Clone, Debug)]
 pub struct Run<'a> {
     /// The surface's name.
     pub surface: &'a str,
     /// The plan.
     pub plan: &'a Plan,
-    /// What had to be kept.
+    /// The limits.
     pub limits: Limits,
-    /// The lights, theta and phi in degrees.
+    /// Directions towards the lights: theta and phi in degrees.
     pub lights: &'a [[f64; 2]],
-    /// Interface and name of the adapter.
+    /// Graphics interface and name of the adapter.
     pub adapter: [&'a str; 2],
-    /// Pixels along a side of the map that was timed.
+    /// Width and height of the timed map, in pixels.
     pub size: usize,
 }
 
-/// What was found out about candidates.
+/// The results of a search.
 #[derive(Clone, Debug)]
 pub struct Results {
-    /// Those that were searched through.
+    /// The candidates of the search.
     pub candidates: Vec<Candidate>,
     /// Their states.
     pub states: Vec<State>,
-    /// Those that took no part.
+    /// Candidates that did not take part.
     pub lost: Vec<Lost>,
-    /// Times by the places of candidates, or what went wrong.
+    /// Times, or what went wrong, by the indices of candidates.
     pub times: BTreeMap<usize, Result<Time, String>>,
     /// The built-in preset `texts`.
     pub baseline: Baseline,
 }
 
-/// What is known of the baseline.
+/// The results of the baseline.
 #[derive(Clone, Debug)]
 pub struct Baseline {
     /// Errors under each light.
     pub errors: Vec<LightError>,
-    /// Its time, where any was measured.
+    /// Its time, if it was measured.
     pub time: Option<Time>,
-    /// What it costs.
+    /// Its cost.
     pub cost: Cost,
 }
 
-/// Picks the numbers that matter from a measured time; none without a ratio.
+/// The time of a candidate from a measurement; `None` without a ratio.
 pub fn time(bench: &Bench) -> Option<Time> {
     Some(Time {
         median_ms: bench.median_ms,
@@ -68,7 +68,7 @@ pub fn time(bench: &Bench) -> Option<Time> {
     })
 }
 
-/// A record for each: winner, other measured ones by error, the baseline, then all that was not measured.
+/// A record for each candidate: the winner, the other measured ones by error, the baseline, then all that were not measured.
 pub fn settle(run: &Run<'_>, results: &Results) -> Vec<Tune> {
     let Results { candidates, states, times, .. } = results;
     let mut records: Vec<Tune> = candidates
@@ -107,8 +107,8 @@ pub fn settle(run: &Run<'_>, results: &Results) -> Vec<Tune> {
     records
 }
 
-/// Of those within the budget that have a time the fastest. Those that cannot be told from it, by their paces or else by
-/// their ratios, tie with it; of these the error decides, then the tables' bytes, then the name.
+/// The fastest timed candidate within the budget. Candidates whose pace, or else ratio, does not differ significantly from it
+/// are ties. Among ties the smaller error wins, then the smaller tables, then the name.
 pub fn winner(records: &[Tune]) -> Option<usize> {
     let timed: Vec<(usize, Time)> = records
         .iter()
@@ -129,7 +129,7 @@ pub fn winner(records: &[Tune]) -> Option<usize> {
     Some(*place)
 }
 
-/// Those that no other beats: none is as good in both and better in one.
+/// The front: points for which no other is at least as good in both numbers and better in one.
 pub fn front(places: &[Option<[f64; 2]>]) -> Vec<usize> {
     let beaten = |[x, y]: [f64; 2]| {
         places.iter().flatten().any(|[a, b]| *a <= x && *b <= y && (*a < x || *b < y))

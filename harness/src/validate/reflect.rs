@@ -1,7 +1,6 @@
-//! The manifest against what spirv-cross finds in the SPIR-V beside it.
+//! Compares the manifest with what spirv-cross finds in the SPIR-V beside it.
 //!
-//! The manifest is written from naga's reflection; spirv-cross knows nothing of naga, so that both would have to err in
-//! the same way.
+//! The manifest is written from naga's reflection. spirv-cross shares no code with naga, so an error would have to be in both.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -16,13 +15,13 @@ use crate::process::{accepted, on_path};
 
 use super::{Reads, TIME_LIMIT, Tool};
 
-/// Compares entry points, sets, bindings, dimensions and uniform offsets of SPIR-V with `manifest.json` beside it.
+/// Compares entry points, sets, bindings, dimensions and uniform offsets of SPIR-V with the `manifest.json` beside it.
 pub struct Reflection {
     program: Option<PathBuf>,
 }
 
 impl Reflection {
-    /// spirv-cross is looked for on the PATH.
+    /// Looks for spirv-cross on the PATH.
     #[must_use]
     #[expect(clippy::new_without_default, reason = "it looks at the machine")]
     pub fn new() -> Reflection {
@@ -54,7 +53,7 @@ impl Tool for Reflection {
             .map_err(|error| format!("manifest.json beside it cannot be read: {error}"))?;
         let manifest = json("manifest.json", &manifest)?;
         let reflected = accepted(Command::new(program).arg(&file).arg("--reflect"), TIME_LIMIT);
-        let reflected = json("the answer of spirv-cross", &reflected?)?;
+        let reflected = json("the output of spirv-cross", &reflected?)?;
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         let differences = differences(&manifest, &name, &reflected);
         if differences.is_empty() { Ok(()) } else { Err(differences.join("\n")) }
@@ -62,10 +61,10 @@ impl Tool for Reflection {
 }
 
 fn json(what: &str, text: &str) -> Result<Value, String> {
-    serde_json::from_str(text).map_err(|error| format!("{what} is not JSON: {error}"))
+    serde_json::from_str(text).map_err(|error| format!("{what} is not valid JSON: {error}"))
 }
 
-/// All that the manifest says otherwise than the reflection, one line each.
+/// All differences between the manifest and the reflection, one line each.
 fn differences(manifest: &Value, file: &str, reflected: &Value) -> Vec<String> {
     let mut files = array(&manifest["targets"], "spirv").iter();
     let Some(entry) = files.find(|entry| entry["file"] == file) else {
@@ -113,7 +112,7 @@ fn disagreements(
     }
 }
 
-/// `name set.binding what` of every resource of a file, and what its uniform blocks hold.
+/// `name set.binding what` of every resource of a file, and the members of its uniform blocks.
 fn said_resources(manifest: &Value, entry: &Value) -> BTreeSet<String> {
     let mut said = BTreeSet::new();
     for named in array(entry, "bindings") {
@@ -121,7 +120,7 @@ fn said_resources(manifest: &Value, entry: &Value) -> BTreeSet<String> {
         let name = text(&named["emitted_name"]);
         let binding = array(manifest, "bindings").iter().find(|b| b["name"] == *source);
         let binding = binding.unwrap_or(&Value::Null);
-        // what is written, in the file's own entry and in the general list, has to be one and the same
+        // the file's own entry and the general list must agree
         let numbers = format!("{}.{}", binding["group"], binding["binding"]);
         let what = match text(&binding["kind"]) {
             "texture" => format!("texture {}", text(&binding["dimension"])),
@@ -178,7 +177,7 @@ fn read_resources(reflected: &Value) -> BTreeSet<String> {
     read
 }
 
-/// Members of a block; naga wraps a structure into a block of one member, which is left out.
+/// Members of a block. naga wraps a structure into a block with one member, which is unwrapped here.
 fn members<'a>(reflected: &'a Value, ty: &str) -> Vec<(&'a str, u64, &'static str)> {
     let outer = array(&reflected["types"][ty], "members");
     let inner = match outer {

@@ -1,4 +1,4 @@
-//! The least shaders around function forms, since validators read whole shaders.
+//! Minimal shaders around function forms, since validators only read whole shaders.
 
 use std::{
     fs,
@@ -9,26 +9,26 @@ use diffraction_shaders::shader::module::function_names;
 use diffraction_shaders::variant::{DIRECTIONAL, FUNCTIONS, Function as _};
 use tempfile::TempDir;
 
-/// Begin of the names of shells.
+/// Prefix of the names of shells.
 pub const NAME: &str = "shell";
 
-/// What a validator gets in place of a file.
+/// The files that a validator gets in place of a file.
 pub struct Inputs {
     /// One or more whole shaders.
     pub files: Vec<Input>,
-    /// Holds the shells; removed with this value.
+    /// The folder of the shells, removed with this value.
     _folder: Option<TempDir>,
 }
 
 /// A whole shader.
 pub struct Input {
-    /// Its file name, which tells the language.
+    /// Its file name, whose extension gives the language.
     pub name: String,
-    /// Its absolute path, so that no file name is taken for an option.
+    /// Its absolute path: a relative one might look like an option.
     pub file: PathBuf,
 }
 
-/// The file itself, or shells around the function form that it holds; an error if it breaks the rules of such forms.
+/// The file itself, or shells around its function form. An error if it breaks the rules of function forms.
 pub fn inputs(file: &Path) -> Result<Inputs, String> {
     let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let language =
@@ -56,7 +56,7 @@ fn shells(language: &str, text: &str) -> Result<Vec<(String, String)>, String> {
         _ => &["register", "SV_"],
     };
     if let Some(word) = forbidden.iter().find(|word| text.contains(**word)) {
-        return Err(format!("a function form has no `{word}`"));
+        return Err(format!("a function form must not contain `{word}`"));
     }
     match language {
         "wgsl" => Ok(vec![(format!("{NAME}.wgsl"), wgsl(text)?)]),
@@ -86,7 +86,7 @@ fn shells(language: &str, text: &str) -> Result<Vec<(String, String)>, String> {
     }
 }
 
-/// The sum of all functions, called with that direction twice.
+/// The sum of all functions, each called with this direction twice.
 fn calls(text: &str, begin: &str, direction: &str) -> Result<String, String> {
     let declared = function_names(&FUNCTIONS)
         .into_iter()
@@ -95,12 +95,12 @@ fn calls(text: &str, begin: &str, direction: &str) -> Result<String, String> {
         declared.map(|name| format!("{name}({direction}, {direction})")).collect();
     let first = DIRECTIONAL.name();
     if !calls.iter().any(|call| call.starts_with(first)) {
-        return Err(format!("there is no function `{first}`"));
+        return Err(format!("has no function `{first}`"));
     }
     Ok(calls.join(" + "))
 }
 
-/// Textures and the sampler are parameters in WGSL: the shell binds one for each.
+/// A shell for WGSL. Textures and the sampler are parameters, so the shell binds one for each.
 fn wgsl(text: &str) -> Result<String, String> {
     let first = DIRECTIONAL.name();
     if !text.starts_with(&format!("fn {first}(")) {
@@ -114,10 +114,10 @@ fn wgsl(text: &str) -> Result<String, String> {
         let Some(parameters) = lines.find_map(|l| l.strip_prefix(&format!("fn {name}("))) else {
             continue;
         };
-        let parameters = parameters.split_once(") -> ").ok_or("a signature over several lines")?.0;
+        let parameters = parameters.split_once(") -> ").ok_or("a signature spans several lines")?.0;
         let mut arguments = Vec::new();
         for parameter in parameters.split(", ") {
-            let (name, ty) = parameter.split_once(": ").ok_or("a parameter without a type")?;
+            let (name, ty) = parameter.split_once(": ").ok_or("a parameter has no type")?;
             if !(ty.starts_with("texture") || ty == "sampler") {
                 arguments.push(format!("{ty}(0.0, 0.6, 0.8)"));
                 continue;
@@ -150,12 +150,15 @@ mod tests {
             refused("wgsl", "// late\nfn diffraction(wi: vec3f) -> vec3f {\n}\n"),
             "the text does not begin with `fn diffraction(`"
         );
-        assert_eq!(refused("wgsl", "@group(0)"), "a function form has no `@group`");
-        assert_eq!(refused("glsl", "#version 450\n"), "a function form has no `#version`");
-        assert_eq!(refused("glsl", "float f();\n"), "there is no function `diffraction`");
+        assert_eq!(refused("wgsl", "@group(0)"), "a function form must not contain `@group`");
+        assert_eq!(
+            refused("glsl", "#version 450\n"),
+            "a function form must not contain `#version`"
+        );
+        assert_eq!(refused("glsl", "float f();\n"), "has no function `diffraction`");
         assert_eq!(
             refused("hlsl", "Texture2D t : register(t0);"),
-            "a function form has no `register`"
+            "a function form must not contain `register`"
         );
     }
 }

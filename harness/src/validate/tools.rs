@@ -1,4 +1,4 @@
-//! naga in this process, and the command-line validators.
+//! The validators: naga in this process, and command-line tools.
 
 use std::{
     fs,
@@ -24,13 +24,13 @@ use super::{
 pub fn tools() -> Vec<Box<dyn Tool>> {
     vec![
         Box::new(Naga),
-        // Vulkan's rules are stricter than those of SPIR-V alone
+        // Vulkan's rules are stricter than SPIR-V's own
         Box::new(External::new("spirv-val", Some("spirv-tools"), Reads::Spirv, |_| {
             vec![words(&["--target-env", "vulkan1.0"])]
         })),
         Box::new(External::new(GLSLANG, Some(GLSLANG_PACKAGE), Reads::GlslHlsl, |name| {
             if name.ends_with(".hlsl") {
-                // reads HLSL only to write SPIR-V
+                // glslangValidator reads HLSL only if it writes SPIR-V
                 let nowhere = if cfg!(windows) { "NUL" } else { "/dev/null" };
                 return hlsl_entries(name)
                     .into_iter()
@@ -44,12 +44,12 @@ pub fn tools() -> Vec<Box<dyn Tool>> {
             vec![words(&["--version", "450"]), words(&["--version", "300", "--es"])]
         })),
         Box::new(Reflection::new()),
-        // without a format it guesses one from the name of an output file, of which there is none
+        // without a format, tint would guess one from the name of an output file, but there is no output file
         Box::new(External::new("tint", None, Reads::Wgsl, |_| vec![words(&["--format", "wgsl"])])),
     ]
 }
 
-/// Reads WGSL again in this process.
+/// naga in this process, which reads WGSL again.
 pub struct Naga;
 
 impl Tool for Naga {
@@ -81,19 +81,19 @@ impl Tool for Naga {
     }
 }
 
-/// A validator on the command line: it gets options and the file, and says by its exit code what it thinks.
+/// A command-line validator. It gets options and the file, and its exit code is the verdict.
 pub struct External {
     name: &'static str,
     package: Option<&'static str>,
     program: Option<PathBuf>,
     reads: Reads,
-    /// Options of each run over a file of that name.
+    /// Options of each run for a file of this name.
     options: fn(&str) -> Vec<Vec<String>>,
     time_limit: Duration,
 }
 
 impl External {
-    /// A tool that is looked for on the PATH.
+    /// Looks for a tool on the PATH.
     pub fn new(
         name: &'static str,
         package: Option<&'static str>,
@@ -103,7 +103,7 @@ impl External {
         External { name, package, program: on_path(name), reads, options, time_limit: TIME_LIMIT }
     }
 
-    /// Gives it less, or more, time for one file.
+    /// Sets the maximum time for one file.
     #[must_use]
     pub fn time_limit(mut self, limit: Duration) -> External {
         self.time_limit = limit;
@@ -126,14 +126,14 @@ impl Tool for External {
 
     fn version(&self) -> Option<String> {
         let mut command = self.command()?;
-        // spirv-cross tells its revision, tint nothing at all
+        // spirv-cross has --revision; tint reports no version
         let question = if self.name == "spirv-cross" { "--revision" } else { "--version" };
         let answer = run(command.arg(question), self.time_limit).ok();
-        let told = answer.filter(|(status, _)| status.success()).and_then(|(_, text)| {
+        let version = answer.filter(|(status, _)| status.success()).and_then(|(_, text)| {
             let line = text.lines().map(str::trim).find(|line| !line.is_empty())?;
             Some(line.to_owned())
         });
-        Some(told.unwrap_or_else(|| "unknown version".to_owned()))
+        Some(version.unwrap_or_else(|| "unknown version".to_owned()))
     }
 
     fn reads(&self, name: &str) -> bool {
@@ -151,13 +151,13 @@ impl Tool for External {
     }
 }
 
-/// SPIR-V that glslangValidator makes of HLSL, read by spirv-val: the way from HLSL to Vulkan.
+/// The way from HLSL to Vulkan: glslangValidator compiles HLSL to SPIR-V, which spirv-val checks.
 pub struct HlslSpirv {
     programs: Option<(PathBuf, PathBuf)>,
 }
 
 impl HlslSpirv {
-    /// Both programs are looked for on the PATH.
+    /// Looks for both programs on the PATH.
     #[must_use]
     #[expect(clippy::new_without_default, reason = "it looks at the machine")]
     pub fn new() -> HlslSpirv {
@@ -202,7 +202,7 @@ impl Tool for HlslSpirv {
     }
 }
 
-/// Entry points of a HLSL file: those that every whole shader has, or the one of a shell.
+/// Entry points of an HLSL file: those of every whole shader, or the one of a shell.
 fn hlsl_entries(name: &str) -> Vec<(String, Stage)> {
     if name.starts_with(shell::NAME) {
         return vec![("main".to_owned(), Stage::Fragment)];

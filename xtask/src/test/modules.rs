@@ -1,4 +1,4 @@
-//! Libraries of the gallery by npm and of the Python example by pip, in the versions that are written down.
+//! Installs the gallery's libraries by npm and those of the Python example by pip, in the recorded versions.
 
 use std::{
     ffi::OsStr,
@@ -11,22 +11,22 @@ use anyhow::Context as _;
 
 use super::setup::Outcome;
 
-/// Where the gallery lies, and its versions in it.
+/// Folder of the gallery, and its list of versions.
 const GALLERY: &str = "gallery";
 const LOCK: &str = "package-lock.json";
-/// What the Python example needs, and where it is put.
+/// List of the Python example's libraries, and the folder to install them into.
 const REQUIREMENTS: &str = "examples/moderngl/requirements.txt";
 const PYTHON: &str = "target/python";
-/// Beside what was installed: the list that it was installed by.
+/// Name of the copy of the list in the folder of installed libraries.
 const STAMP: &str = "installed.txt";
 
-/// Installs what is missing or was installed by another list.
+/// Installs libraries that are missing or were installed by another list.
 pub fn run(root: &Path) -> anyhow::Result<Outcome> {
     let gallery = root.join(GALLERY);
     let node_modules = gallery.join("node_modules");
     let npm = || call(&gallery, "npm", ["ci", "--no-fund", "--no-audit"]);
     if !unless_done(&gallery.join(LOCK), &node_modules, npm)? {
-        eprintln!("{GALLERY}: npm ci failed: mend that, or pass --no-setup");
+        eprintln!("{GALLERY}: npm ci failed; fix that, or pass --no-setup");
         return Ok(Outcome::Missing);
     }
     let python = root.join(PYTHON);
@@ -38,14 +38,14 @@ pub fn run(root: &Path) -> anyhow::Result<Outcome> {
     };
     if !unless_done(&root.join(REQUIREMENTS), &python, pip)? {
         eprintln!(
-            "{REQUIREMENTS}: cannot be installed into {PYTHON}: mend that, or pass --no-setup"
+            "{REQUIREMENTS}: cannot be installed into {PYTHON}; fix that, or pass --no-setup"
         );
         return Ok(Outcome::Missing);
     }
     Ok(Outcome::Ready)
 }
 
-/// Runs `install` unless it was done by the same list; says whether the folder is as the list wants it.
+/// Runs `install`, unless the same list was installed before. Returns whether the folder now matches the list.
 fn unless_done(
     list: &Path,
     folder: &Path,
@@ -63,7 +63,7 @@ fn unless_done(
     Ok(installed)
 }
 
-/// Runs a program, its report with the other diagnostics; says whether it succeeded.
+/// Runs a program with its output on stderr. Returns whether it succeeded.
 fn call<const N: usize>(
     folder: &Path,
     program: impl AsRef<OsStr>,

@@ -1,4 +1,4 @@
-//! The Debian packages that the tests need, installed where that takes no password; then what npm and pip bring.
+//! Installs the Debian packages that the tests need, if that needs no password; then the libraries of npm and pip.
 
 use super::modules;
 use std::{
@@ -10,13 +10,13 @@ use std::{
 /// Whether the tests can run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
-    /// Everything is there.
+    /// Everything is installed.
     Ready,
-    /// Something is missing; what to do was printed.
+    /// Something is missing. The remedy was printed.
     Missing,
 }
 
-/// Looks for every package and installs those that are missing. `root` is the workspace.
+/// Installs missing packages. `root` is the workspace.
 pub fn run(root: &Path) -> anyhow::Result<Outcome> {
     match packages() {
         Outcome::Ready => modules::run(root),
@@ -34,7 +34,7 @@ fn packages() -> Outcome {
         format!("sudo apt-get update && sudo apt-get install -y --no-install-recommends {list}");
     if find("apt-get").is_none() {
         eprintln!(
-            "the tests need what Debian calls {list}; install it by your system's means, or pass --no-setup"
+            "the tests need these Debian packages, or your system's equivalents: {list}; install them, or pass --no-setup"
         );
         return Outcome::Missing;
     }
@@ -43,30 +43,30 @@ fn packages() -> Outcome {
         return Outcome::Missing;
     };
     eprintln!("== setup: apt-get install {list}");
-    // an old list of packages may still do
+    // if this fails, an old list of packages may suffice
     apt(prefix, &["update", "-q"]);
     let mut arguments = vec!["install", "-q", "-y", "--no-install-recommends"];
     arguments.extend(&missing);
     let installed = apt(prefix, &arguments);
     let left = self::missing(&Machine::look());
     if !installed || !left.is_empty() {
-        eprintln!("{list}: not installed (run\n  {advice}\nor pass --no-setup)");
+        eprintln!("{list}: could not be installed; run\n  {advice}\nor pass --no-setup");
         return Outcome::Missing;
     }
     Outcome::Ready
 }
 
-/// By what a package is known to be there, whoever installed it.
+/// How to find out that a package is installed, whoever installed it.
 enum Sign {
-    /// A program on the path.
+    /// A program on the PATH.
     Program(&'static str),
-    /// A library that the loader knows, by the beginning of its file's name.
+    /// A library that the loader knows, by the beginning of its file name.
     Library(&'static str),
     /// A file of Mesa's GL drivers; later versions have a library instead.
     Dri,
     /// A module of Python that runs.
     Module(&'static str),
-    /// The description of a Vulkan driver, by the beginning of its file's name.
+    /// The description of a Vulkan driver, by the beginning of its file name.
     VulkanDriver(&'static str),
 }
 
@@ -75,23 +75,23 @@ const PACKAGES: [(&str, Sign); 13] = [
     ("libvulkan1", Sign::Library("libvulkan.so.1")),
     ("libegl1", Sign::Library("libEGL.so.1")),
     ("libgles2", Sign::Library("libGLESv2.so.2")),
-    // what Python's OpenGL looks for
+    // Python's OpenGL loads this
     ("libgl1", Sign::Library("libGL.so.1")),
     // llvmpipe itself, which libegl1 does not depend on in Debian 12
     ("libgl1-mesa-dri", Sign::Dri),
     ("spirv-tools", Sign::Program("spirv-val")),
     ("glslang-tools", Sign::Program("glslangValidator")),
     ("spirv-cross", Sign::Program("spirv-cross")),
-    // a browser, and SwiftShader, a second driver of Vulkan, which it brings
+    // a browser, which contains SwiftShader, a second Vulkan driver
     ("chromium", Sign::Program("chromium")),
-    // the gallery is built by node, its libraries come by npm
+    // node builds the gallery, npm installs its libraries
     ("nodejs", Sign::Program("node")),
     ("npm", Sign::Program("npm")),
-    // a folder of its own for what pip brings
+    // a separate folder for pip's libraries
     ("python3-venv", Sign::Module("ensurepip")),
 ];
 
-/// What was found on this machine.
+/// The signs found on this machine.
 struct Machine {
     programs: Vec<&'static str>,
     libraries: String,
@@ -152,7 +152,7 @@ fn missing(machine: &Machine) -> Vec<&'static str> {
         .collect()
 }
 
-/// What to put before apt-get, if it can be run at all without a password.
+/// The prefix of the apt-get command; `None` if it would need a password.
 fn privilege() -> Option<&'static [&'static str]> {
     if output("id", &["-u"])?.trim() == "0" {
         return Some(&[]);
@@ -162,7 +162,7 @@ fn privilege() -> Option<&'static [&'static str]> {
 
 fn apt(prefix: &[&str], arguments: &[&str]) -> bool {
     let line = [prefix, &["env", "DEBIAN_FRONTEND=noninteractive", "apt-get"], arguments].concat();
-    // its report belongs with the other diagnostics
+    // its output goes to stderr, as all diagnostics do
     let status = Command::new(line[0])
         .args(&line[1..])
         .stdin(Stdio::null())
@@ -171,7 +171,7 @@ fn apt(prefix: &[&str], arguments: &[&str]) -> bool {
     status.is_ok_and(|status| status.success())
 }
 
-/// What a program prints, if it can be run and succeeds.
+/// The output of a program, if it succeeds.
 fn output(program: &str, arguments: &[&str]) -> Option<String> {
     let output = Command::new(program).args(arguments).stdin(Stdio::null()).output().ok()?;
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())

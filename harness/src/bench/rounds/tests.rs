@@ -1,4 +1,4 @@
-//! Everything here runs on a clock that only scripted frames move.
+//! All tests here run on a mock clock that only scripted frames move.
 
 use std::cell::Cell;
 
@@ -15,16 +15,16 @@ impl Clock for Mock {
         Duration::from_secs_f64(self.0.get() * 1e-3)
     }
 
-    /// Two threads at work.
+    /// As if two threads worked.
     fn cpu(&self) -> Duration {
         2 * self.wall()
     }
 }
 
-/// Of a driver's stamps to the wall, by the number of the draw.
+/// Ratio of a driver's stamps to the wall clock, by the number of the draw.
 type Stamps = fn(usize) -> f64;
 
-/// A frame that takes as long as `script` says: of the number of the draw, and of the time in ms.
+/// A frame whose time in ms is given by `script` from the number of the draw and the current time.
 struct Scripted<'a, F> {
     clock: &'a Mock,
     draws: Cell<usize>,
@@ -47,7 +47,7 @@ impl<F: Fn(usize, f64) -> Option<f64>> Executor for Scripted<'_, F> {
     }
 }
 
-/// Measures two scripts; also returns how many frames each drew.
+/// Measures two scripts. Also returns the number of frames that each drew.
 fn pair<A, B>(a: A, b: B, stamps: Option<Stamps>, rules: &Rules) -> (Measured, [usize; 2])
 where
     A: Fn(usize, f64) -> Option<f64>,
@@ -123,7 +123,7 @@ fn a_slow_first_frame_counts_neither_as_time_nor_as_length() {
 
 #[test]
 fn rounds_go_on_until_the_interval_is_narrow_or_the_time_is_spent() {
-    // steady: the fewest rounds suffice
+    // steady: the minimum number of rounds suffices
     let (measured, frames) = pair(|_, _| Some(100.0), |_, _| Some(50.0), None, &rules(1000));
     assert_eq!(ok(&measured, 1).rounds, (0..MIN_VALUES).collect::<Vec<_>>());
     assert_eq!(frames, [MIN_VALUES + 2; 2], "two frames to warm up");
@@ -136,7 +136,7 @@ fn rounds_go_on_until_the_interval_is_narrow_or_the_time_is_spent() {
     let strict = Rules { precision: -1.0, max_rounds: 1000, ..rules(3) };
     let (measured, _) = pair(|_, _| Some(100.0), noisy, None, &strict);
     assert!((38..=41).contains(&ok(&measured, 1).rounds.len()), "{:?}", ok(&measured, 1).rounds);
-    // nothing left, and still the fewest rounds
+    // no budget, but still the minimum number of rounds
     let (measured, _) = pair(|_, _| Some(100.0), noisy, None, &rules(0));
     assert_eq!(ok(&measured, 1).rounds.len(), MIN_VALUES);
 }
@@ -148,7 +148,7 @@ fn stamps_are_believed_only_where_they_agree() {
         (Some(|_| 0.97), Timing::Stamps, 0.97),
         // other work came between the stamps and the wall, once
         (Some(|draw| if draw == 1 { 0.5 } else { 1.0 }), Timing::Stamps, 1.0),
-        // a driver that makes them up
+        // a driver that invents its time stamps
         (Some(|_| 0.0002), Timing::Wall, 1.0),
         (Some(|_| 1.2), Timing::Wall, 1.0),
         (None, Timing::Wall, 1.0),

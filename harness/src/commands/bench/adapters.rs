@@ -1,4 +1,4 @@
-//! The adapters that the flags mean.
+//! The adapters that the options select.
 
 use anyhow::Result;
 use diffraction_shaders::error;
@@ -10,7 +10,7 @@ use crate::results::Gap;
 use super::output::Output;
 use super::{Args, Interface};
 
-/// All that match; an interface without one is a gap.
+/// All adapters that match. An interface without any is recorded as a gap.
 pub(super) fn chosen(args: &Args, output: &mut Output<'_>) -> Result<Vec<AdapterInfo>> {
     let found = Gpu::adapters();
     let mut wanted: Vec<Backend> = args.backend.iter().map(|b| backend(*b)).collect();
@@ -26,7 +26,7 @@ pub(super) fn chosen(args: &Args, output: &mut Output<'_>) -> Result<Vec<Adapter
         let of_backend: Vec<AdapterInfo> = found.iter().filter(fits).cloned().collect();
         if of_backend.is_empty() {
             let reason = match Gpu::open(backend, args.adapter.as_deref()) {
-                Ok(_) => "no adapter was listed".to_owned(),
+                Ok(_) => "the driver listed no adapter".to_owned(),
                 Err(error) => error.to_string(),
             };
             let route = backend.name().to_owned();
@@ -37,7 +37,7 @@ pub(super) fn chosen(args: &Args, output: &mut Output<'_>) -> Result<Vec<Adapter
     Ok(adapters)
 }
 
-/// Exactly this adapter, by its name or by its driver.
+/// Opens exactly this adapter, found by its name or by its driver.
 pub(super) fn open(info: &AdapterInfo) -> error::Result<Gpu> {
     let by_name = Gpu::open(info.backend, Some(&info.name))?;
     if by_name.info() == info {
@@ -48,15 +48,15 @@ pub(super) fn open(info: &AdapterInfo) -> error::Result<Gpu> {
         return Ok(by_driver);
     }
     let subject = format!("{} adapter {info}", info.backend);
-    Err(error::Error::new(subject, "another one bears the same names"))
+    Err(error::Error::new(subject, "another adapter has the same name and driver"))
 }
 
-/// Which clock is used on an adapter, and why.
+/// States which clock is used on an adapter, and why.
 pub(super) fn clock(info: &AdapterInfo, group: &Group) -> String {
     let why = match group.disagreement {
-        None => "it has no time stamps".to_owned(),
+        None => "the driver has no time stamps".to_owned(),
         Some(apart) => {
-            format!("its time stamps differ from the wall by {:.2} % at most", 100.0 * apart)
+            format!("its time stamps differ from the wall clock by at most {:.2} %", 100.0 * apart)
         }
     };
     format!("{} {info}: times by {}: {why}", info.backend, group.timing.name())

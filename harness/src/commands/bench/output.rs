@@ -1,4 +1,4 @@
-//! Where results go: lines of JSON as soon as they are known, tables at the end, named results in files.
+//! Output of results: lines of JSON as soon as they are known, tables at the end, named results in files.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ use diffraction_cli::files::write_whole;
 use super::timed::{Point, TimedVariant};
 use super::{Args, tables};
 
-/// The results so far, and where they go.
+/// The results so far, and where they are written.
 pub(super) struct Output<'a> {
     args: &'a Args,
     console: &'a Console,
@@ -26,12 +26,12 @@ pub(super) struct Output<'a> {
 }
 
 impl<'a> Output<'a> {
-    /// Opens what will be written and reads what is compared with, before anything is measured.
+    /// Opens the files to write and reads the results to compare with, before anything is measured.
     pub(super) fn open(args: &'a Args, console: &'a Console) -> Result<Output<'a>> {
         let log = match &args.out {
             Some(folder) => {
                 std::fs::create_dir_all(folder)
-                    .with_context(|| format!("--out {}: cannot be made", folder.display()))?;
+                    .with_context(|| format!("--out {}: cannot be created", folder.display()))?;
                 Some(Log::open(&folder.join(results::FILE))?)
             }
             None => None,
@@ -53,7 +53,7 @@ impl<'a> Output<'a> {
         })
     }
 
-    /// From here on, what is told must not disturb this bar.
+    /// From here on, notes are printed without disturbing this bar.
     pub(super) fn beside(&mut self, bar: &ProgressBar) {
         self.bar = bar.clone();
     }
@@ -87,12 +87,12 @@ impl<'a> Output<'a> {
         self.record(&Record::Gap(gap))
     }
 
-    /// Whether something failed that began to run.
+    /// Whether something began to run and failed.
     pub(super) fn failed(&self) -> bool {
         self.failed
     }
 
-    /// Prints the tables; keeps the results of a run that came to its end.
+    /// Prints the tables. Saves the results if the run was complete.
     pub(super) fn finish(&self, complete: bool) -> Result<()> {
         if !self.args.json {
             let times = tables::times(&self.rows, self.before.as_deref());
@@ -101,12 +101,12 @@ impl<'a> Output<'a> {
         let Some(name) = &self.args.save else { return Ok(()) };
         let path = place(self.args, name);
         if !complete || self.rows.is_empty() {
-            self.note(&format!("{}: not written, since the run was cut short", path.display()));
+            self.note(&format!("{}: not written, since the run was interrupted", path.display()));
             return Ok(());
         }
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder)
-                .with_context(|| format!("{}: cannot be made", folder.display()))?;
+                .with_context(|| format!("{}: cannot be created", folder.display()))?;
         }
         let lines = self.rows.iter().map(|row| results::line(&Record::Bench(row.record.clone())));
         write_whole(&path, lines.collect::<String>().as_bytes())
@@ -123,7 +123,7 @@ impl<'a> Output<'a> {
     }
 }
 
-/// The file of named results.
+/// The file of the results saved under a name.
 fn place(args: &Args, name: &str) -> PathBuf {
     let folder = args.out.as_deref().unwrap_or(Path::new("target/bench"));
     folder.join(format!("{name}.jsonl"))
@@ -131,7 +131,7 @@ fn place(args: &Args, name: &str) -> PathBuf {
 
 fn read(path: &Path, name: &str) -> Result<Vec<Bench>> {
     if !path.exists() {
-        bail!("--compare-to {name}: there is no {}; make it with --save {name}", path.display());
+        bail!("--compare-to {name}: {} does not exist; make it with --save {name}", path.display());
     }
     let bench = |record: Record| match record {
         Record::Bench(bench) => Some(bench),

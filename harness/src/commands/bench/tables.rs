@@ -1,4 +1,4 @@
-//! Results as text for people.
+//! Results as tables for people.
 
 use crate::bench::scaling::Swept;
 use crate::bench::stats::exponent;
@@ -8,10 +8,10 @@ use diffraction_cli::list::table;
 
 use super::timed::{Point, TimedVariant};
 
-/// Against the shader as printed, software drivers draw an empty frame about this many times faster.
+/// On software drivers, an empty frame is about this many times as fast as the shader as printed.
 const EMPTY_RATIO: f64 = 1500.0;
 
-/// A table for each adapter and surface, fastest first; `before` holds kept results to compare with.
+/// A table for each adapter and surface, fastest first. `before` holds saved results to compare with.
 pub(super) fn times(rows: &[TimedVariant], before: Option<&[Bench]>) -> String {
     let mut text = String::new();
     let mut rest: Vec<&TimedVariant> = rows.iter().collect();
@@ -56,18 +56,20 @@ pub(super) fn times(rows: &[TimedVariant], before: Option<&[Bench]>) -> String {
         let near_empty =
             |row: &&TimedVariant| row.record.ratio.is_some_and(|ratio| ratio > EMPTY_RATIO);
         if here.iter().any(near_empty) {
-            text += "a ratio above 1500 is about that of an empty frame; --empty shows it\n";
+            text +=
+                "a ratio above 1500 is about as fast as an empty frame; --empty measures that\n";
         }
         text.push('\n');
     }
     if !text.is_empty() {
-        text += "CPU: of this process, all threads; what a software driver needs however busy the machine is\n";
-        text += "ns per pixel of the disc; fetches per lit pixel, counted\n\n";
+        text += "CPU: processor time of all threads of this process; for software drivers it does not depend on the machine's load\n";
+        text +=
+            "ns/pixel: per pixel of the disc; fetches: per lit pixel, counted, not measured\n\n";
     }
     text
 }
 
-/// `cpu_ms` is the baseline's.
+/// The cells of a row. `cpu_ms` is the processor time of the baseline.
 fn cells(row: &TimedVariant, cpu_ms: Option<f64>, before: Option<&[Bench]>) -> Vec<String> {
     let bench = &row.record;
     let none = || "-".to_owned();
@@ -93,7 +95,8 @@ fn cells(row: &TimedVariant, cpu_ms: Option<f64>, before: Option<&[Bench]>) -> V
     cells
 }
 
-/// How the time changed. Where both runs have a ratio to the same baseline, by the ratios: the machine's load cancels.
+/// How the time changed. If both runs have a ratio to the same baseline, the ratios are compared: the machine's load
+/// cancels.
 fn since(bench: &Bench, before: &[Bench]) -> String {
     let same = |old: &&Bench| {
         same_place(old, bench) && old.variant == bench.variant && old.settings == bench.settings
@@ -113,7 +116,7 @@ fn since(bench: &Bench, before: &[Bench]) -> String {
         }
     };
     let word = match apart {
-        false => "the same",
+        false => "unchanged",
         true if factor > 1.0 => "slower",
         true => "faster",
     };
@@ -134,7 +137,7 @@ fn same_place(a: &Bench, b: &Bench) -> bool {
     place(a) == place(b)
 }
 
-/// A table for each axis, with the exponents of both times in the work.
+/// A table for each axis. With the exponents by which both times grow with the work.
 pub(super) fn scalings(scalings: &[(Swept, Vec<Point>)]) -> String {
     let mut text = String::new();
     for (axis, points) in scalings {
@@ -168,7 +171,7 @@ pub(super) fn scalings(scalings: &[(Swept, Vec<Point>)]) -> String {
     text
 }
 
-/// Four digits that count.
+/// Four significant digits.
 fn digits(value: f64) -> String {
     let places = (3.0 - value.abs().max(1e-9).log10().floor()).clamp(0.0, 4.0) as usize;
     format!("{value:.places$}")

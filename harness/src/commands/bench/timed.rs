@@ -1,21 +1,21 @@
-//! Results with what the tables say beside them.
+//! Results with the further numbers that the tables show.
 
 use crate::results::{Bench, Scaling};
 
-/// A result with what the table says beside it.
+/// The result of a variant with the further numbers of its row.
 #[derive(Clone, Debug)]
 pub(super) struct TimedVariant {
     pub(super) record: Bench,
-    /// Texels that a lit pixel reads, on average.
+    /// Texels that a lit pixel reads on average.
     pub(super) fetches: f64,
 }
 
-/// A point of an axis with what the table says beside it.
+/// A point on an axis with the further numbers of its row.
 #[derive(Clone, Debug)]
 pub(super) struct Point {
     pub(super) record: Scaling,
-    /// What the time is expected to be proportional to.
+    /// The amount of work. Time is expected to be proportional to it.
     pub(super) work: f64,
-    /// Median time of the processor for a frame, all threads, ms.
+    /// Median processor time of a frame, all threads, ms.
     pub(super) cpu_ms: f64,
 }

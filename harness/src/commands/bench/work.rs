@@ -1,4 +1,4 @@
-//! Which groups are measured, in which order.
+//! The groups of variants to measure, and their order.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -25,10 +25,10 @@ use crate::bench::yardstick::Yardstick;
 use crate::drivers::gpu::{AdapterInfo, Gpu};
 use crate::results::Gap;
 
-/// Variants beside the baseline whose tables are on the device at the same time.
+/// Maximum number of variants whose tables are on the device at the same time, besides the baseline.
 const GROUP: usize = 6;
 
-/// Steps of the bar for a group.
+/// Steps of the progress bar for a group.
 const STEPS: usize = 1000;
 
 /// What stays the same during a run.
@@ -41,14 +41,14 @@ struct Run<'a> {
     baseline: Variant,
 }
 
-/// A surface on an adapter, with the variants that make sense there.
+/// A surface on an adapter, with the variants that can be measured there.
 struct Site<'a> {
     gpu: Gpu,
     scene: Scene<'a>,
     place: Place,
     baseline: Variant,
     variants: Vec<Variant>,
-    /// The next group is the first on its adapter: which clock it uses is told.
+    /// Set for the first group on an adapter, whose clock is reported.
     info: Option<&'a AdapterInfo>,
 }
 
@@ -62,7 +62,7 @@ pub(super) fn run(args: &Args, budget: Duration, console: &Console) -> Result<Ou
     let baseline = plan.variant(Some(&args.baseline))?;
     for what in yardsticks(args) {
         if variants.iter().any(|variant| variant.name == what.name()) {
-            bail!("--{0}: a variant of the plan is called {0} too; rename it", what.name());
+            bail!("--{0}: the plan has a variant of the same name {0}; rename it", what.name());
         }
     }
     let mut output = Output::open(args, console)?;
@@ -74,7 +74,7 @@ pub(super) fn run(args: &Args, budget: Duration, console: &Console) -> Result<Ou
     }
     let adapters = adapters::chosen(args, &mut output)?;
     if adapters.is_empty() {
-        bail!("no adapter to measure on");
+        bail!("there is no adapter to measure on");
     }
     let stop = interrupt::flag()?;
     let groups = match args.scaling {
@@ -123,13 +123,13 @@ impl Run<'_> {
             adapter: info.name.clone(),
             light,
         };
-        // a device for each surface: one that is lost ends no more than that
+        // each surface has a device of its own: a lost device ends only its surface
         let gpu = match adapters::open(info) {
             Ok(gpu) => gpu,
             Err(error) => return output.gap(gap(&place, None, &error.to_string(), false)),
         };
         let Some(Ok(baseline)) = self.baseline.on(spec) else {
-            let why = "cannot be the baseline on this surface";
+            let why = "the baseline cannot be built on this surface";
             return output.gap(gap(&place, Some(&self.baseline.name), why, false));
         };
         let mut fit = Vec::new();
@@ -175,7 +175,7 @@ impl Run<'_> {
             let group = self.group(site, &cases, output);
             let baseline = group.cases.first().and_then(|first| first.as_ref().ok());
             for (index, (case, outcome)) in cases.iter().zip(&group.cases).enumerate() {
-                // in later groups the baseline is the same subject again
+                // later groups draw the same baseline again
                 if index == 0 && number > 0 {
                     continue;
                 }
@@ -262,7 +262,7 @@ impl Run<'_> {
     }
 }
 
-/// What is drawn beside the variants.
+/// The yardsticks to draw beside the variants.
 fn yardsticks(args: &Args) -> Vec<Yardstick> {
     let asked = [(args.empty, Yardstick::Empty), (args.ggx, Yardstick::Ggx)];
     asked.into_iter().filter(|(on, _)| *on).map(|(_, what)| what).collect()

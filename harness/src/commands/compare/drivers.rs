@@ -1,4 +1,4 @@
-//! The command itself, where drivers are compiled in.
+//! The command itself.
 
 use anyhow::Result;
 use diffraction_cli::Outcome;
@@ -24,13 +24,13 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
             .map(|name| plan.surface(name).cloned())
             .collect::<Result<_, _>>()?;
     }
-    // before anything is written: a route that was named may not be there
+    // before anything is written: a named route may be missing
     let (routes, missing) = open(&args.route)?;
     let mine = |record: &Record| {
         matches!(record, Record::Compare(_) | Record::Control(_) | Record::Gap(_))
     };
     let (log, known) = match args.resume {
-        // gaps are looked at anew: a route may be there now
+        // missing routes are tried again: they may be there now
         true => Log::begin(&args.out, |record| matches!(record, Record::Gap(_)))?,
         false => Log::begin(&args.out, mine)?,
     };
@@ -59,17 +59,17 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         console.data(&text)?;
     }
     console.note(&format!(
-        "{} has the records and pictures; next: cargo xtask report {}",
+        "records and pictures are in {}; next: cargo xtask report {}",
         args.out.display(),
         args.out.display()
     ));
     Ok(outcome)
 }
 
-/// Open routes, and why there are no more.
+/// Open routes, and gaps for those that are missing.
 type Opened = (Vec<Box<dyn Route>>, Vec<Gap>);
 
-/// The routes that are there, and why the others are not. One that was named and is missing is an error.
+/// Opens the wanted routes. A missing route is a gap, but an error if it was named.
 fn open(wanted: &[String]) -> Result<Opened> {
     let drivers: Vec<String> = wanted.iter().filter(|name| *name != "twin").cloned().collect();
     let (mut open, mut missing) = (Vec::new(), Vec::new());

@@ -1,4 +1,4 @@
-//! Where results go: the file of records, pictures, the terminal.
+//! Output of results: the file of records, pictures, the terminal.
 
 use std::fs;
 use std::path::Path;
@@ -11,9 +11,9 @@ use indicatif::ProgressBar;
 use crate::compare::{Sink, Unit};
 use crate::results::{Log, Part, Record, line};
 
-/// Appends results as they come.
+/// Writes results as they come.
 pub(super) struct Recorder<'a> {
-    /// Everything, earlier runs included.
+    /// All records, including those of earlier runs.
     pub(super) records: Vec<Record>,
     /// Progress.
     pub(super) bar: ProgressBar,
@@ -39,8 +39,8 @@ impl Sink for Recorder<'_> {
     fn record(&mut self, record: Record) -> Result<()> {
         self.log.append(&record)?;
         if self.json {
-            let told = self.console.data(&line(&record));
-            told.map_err(|e| Error::new("stdout", e))?;
+            let printed = self.console.data(&line(&record));
+            printed.map_err(|e| Error::new("stdout", e))?;
         }
         if let Record::Gap(gap) = &record
             && gap.failed
@@ -86,7 +86,7 @@ impl Sink for Recorder<'_> {
                 _ => false,
             })
         };
-        // what is recorded last tells that everything before it is there
+        // this record is written last, so all others of the unit are there
         let last = if routes.len() > 1 { Part::Across } else { Part::Arithmetic };
         of("twin", Part::Total) && routes.iter().all(|route| of(route, last))
     }

@@ -1,4 +1,4 @@
-//! What a comparison found, in a table to read.
+//! The results of a comparison as a table for people.
 
 use std::collections::BTreeMap;
 
@@ -33,7 +33,7 @@ pub(super) fn summary(records: &[Record]) -> (String, Outcome) {
     );
     for control in &missed {
         text += &format!(
-            "  NOT CAUGHT: {} by {}: {:.2e} (the right shader {:.2e})\n",
+            "  NOT CAUGHT: {} by {}: max_abs {:.2e} (right shader: {:.2e})\n",
             control.control, control.route, control.max_abs, control.right_max_abs
         );
     }
@@ -43,11 +43,11 @@ pub(super) fn summary(records: &[Record]) -> (String, Outcome) {
         let allowed = c.tolerance.map_or(String::new(), |t| {
             let values = t.max_abs.map(|v| format!("max_abs {v:.1e}"));
             let colours = t.de2000_p95.map(|v| format!("ΔE00 p95 {v}"));
-            let map = t.map_p95.map(|v| format!("of the map {v}"));
+            let map = t.map_p95.map(|v| format!("map p95 {v}"));
             [values, colours, map].into_iter().flatten().collect::<Vec<_>>().join(", ")
         });
         text += &format!(
-            "  OUTSIDE: {} {} {} against {}: max_abs {:.2e}, ΔE00 p95 {:.3}, of the map {:.3}; allowed {allowed}\n",
+            "  OUTSIDE: {} {} {} against {}: max_abs {:.2e}, ΔE00 p95 {:.3}, map p95 {:.3}; allowed: {allowed}\n",
             c.surface,
             c.variant,
             c.route,
@@ -66,14 +66,14 @@ pub(super) fn summary(records: &[Record]) -> (String, Outcome) {
             }
         }
     }
-    // no control at all shows nothing, unless no driver took part
+    // if a driver took part, there must be controls: without any, nothing is proved
     let by_driver = compares.iter().any(|c| c.part == Part::Arithmetic);
     let unproved = by_driver && controls.is_empty();
     let good = outside.is_empty() && missed.is_empty() && failures == 0 && !unproved;
     (text, if good && !compares.is_empty() { Outcome::Done } else { Outcome::Findings })
 }
 
-/// Each variant against the exact reference: by its twin, and the worst of all routes.
+/// Each variant's twin against the exact reference, and whether all its routes pass.
 fn variants(compares: &[&Compare]) -> String {
     let head = [
         "surface",
@@ -85,7 +85,7 @@ fn variants(compares: &[&Compare]) -> String {
         "FLIP",
         "max_abs",
         "lit %",
-        "",
+        "verdict",
     ];
     let mut rows = Vec::new();
     for c in compares.iter().filter(|c| c.part == Part::Total && c.route == "twin") {
@@ -108,7 +108,7 @@ fn variants(compares: &[&Compare]) -> String {
     table::text(&head, rows)
 }
 
-/// Each route: how far from the twin, and from the other routes, at most.
+/// The maximum difference of each route from the twin and from the other routes.
 fn routes(compares: &[&Compare]) -> String {
     let mut worst: BTreeMap<&str, [(f64, usize); 2]> = BTreeMap::new();
     for c in compares {
@@ -124,7 +124,7 @@ fn routes(compares: &[&Compare]) -> String {
     if worst.is_empty() {
         return String::new();
     }
-    let head = ["route", "variants", "from the twin", "from another route"];
+    let head = ["route", "variants", "max_abs to twin", "max_abs to another route"];
     let mut rows = Vec::new();
     for (route, [(twin, count), (other, others)]) in worst {
         let across = if others > 0 { format!("{other:.1e}") } else { "-".to_owned() };

@@ -1,4 +1,4 @@
-//! Flags of `cargo xtask scene`.
+//! Options of `cargo xtask scene`.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -15,30 +15,32 @@ const EXAMPLE: &str = "Examples:
   cargo xtask scene --plan plans/scene.toml --surface rows --variant lamp --sweep turntable --size 480x360 --out turntable.png
   cargo xtask scene --plan plans/scene.toml --surface fingers --variant baked --truth --size 640x360
 
-The picture docs/snake.png:
+The command for docs/snake.png:
   cargo xtask scene --plan plans/scene.toml --surface blazed,fingers,rows --variant lamp --sweep orientation --zoom 2.5 --target 1.9,0.1,0 --light -0.35,0.4,0.85 --filter supersample --size 244x150 --out docs/snake.png
 
-The tone map: colours are exposed, negative components become 0, and a greatest component m above 0.6 is brought to
-1 - 0.4 exp(-(m - 0.6)/0.4), the others in proportion. An EXR holds the linear picture.";
+World: right-handed, y up. At azimuth and elevation 0 the camera is on +z.
+
+A PNG is tone-mapped: colours are multiplied by --exposure, negative components become 0. If the largest component m exceeds
+0.6, it becomes 1 - 0.4 exp(-(m - 0.6)/0.4), and the others are scaled alike. An EXR holds the linear colours.";
 
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Args {
     #[command(flatten)]
     pub(crate) plan: PlanArgs,
-    /// The surface of the skin; several, with commas: pictures side by side.
+    /// Name of the surface for the skin. Several, separated by commas, give pictures side by side.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', required = true)]
     pub(crate) surface: Vec<String>,
-    /// The variant; not needed where the plan has only one.
+    /// Name of the variant, as in the plan. Needed only if the plan has several.
     #[arg(long, value_name = "NAME")]
     pub(crate) variant: Option<String>,
-    /// snake, sphere, or a .gltf, .glb or .obj file.
+    /// The body: snake, sphere, or a .gltf, .glb or .obj file.
     #[arg(long, value_name = "snake|sphere|FILE", default_value = "snake")]
     pub(crate) mesh: String,
-    /// Pixels of a picture.
+    /// Width and height of a picture, in pixels.
     #[arg(long, value_name = "WxH", default_value = "1280x720")]
     pub(crate) size: Size,
-    /// Direction to a light in the world; may be repeated, up to four times.
+    /// Direction towards a light, in the world, of any length. May be repeated, for up to 4 lights.
     #[arg(
         long,
         value_name = "X,Y,Z",
@@ -46,75 +48,75 @@ pub(crate) struct Args {
         allow_hyphen_values = true
     )]
     pub(crate) light: Vec<Vector>,
-    /// Angle of the camera about the upright axis, degrees.
+    /// Angle of the camera about the y axis, in degrees.
     #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true)]
     pub(crate) azimuth: f64,
-    /// Angle of the camera above the horizon, degrees; below the snake if negative.
+    /// Angle of the camera above the horizon, in degrees, between -90 and 90.
     #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true)]
     pub(crate) elevation: f64,
-    /// The camera's distance is divided by it.
+    /// Zoom: the camera's distance is divided by this.
     #[arg(long, value_name = "Z", default_value_t = 1.0, allow_hyphen_values = true)]
     pub(crate) zoom: f64,
-    /// The camera's distance at zoom 1, in the mesh's unit; else the whole mesh is seen.
+    /// Distance of the camera from the target at zoom 1, in units of the mesh. Default: the whole mesh is visible.
     #[arg(long, value_name = "D", allow_hyphen_values = true)]
     pub(crate) distance: Option<f64>,
-    /// What the camera looks at; else the middle of the mesh.
+    /// The point that the camera looks at. Default: the centre of the mesh.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     pub(crate) target: Option<Vector>,
-    /// Factor before the tone map.
+    /// Factor on the colours before the tone map.
     #[arg(long, value_name = "V", default_value_t = 0.5, allow_hyphen_values = true)]
     pub(crate) exposure: f64,
-    /// Weight w_d of the unlit texture, 0 to 1.
+    /// Weight of the body's own colour, shown unlit over everything: 0 (none) to 1 (only that).
     #[arg(long, value_name = "W", default_value_t = 0.0)]
     pub(crate) texture_weight: f64,
-    /// Turns the orientation field of all vertices, degrees.
+    /// Angle by which the microstructure is turned everywhere, in degrees.
     #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true)]
     pub(crate) orientation: f64,
-    /// What keeps distant highlights from sparkling.
+    /// Filter against sparkling of distant highlights.
     #[arg(long, value_enum, default_value_t = Filter::None)]
     pub(crate) filter: Filter,
-    /// Several pictures: side by side in a .png, a row for each surface, or animated.
+    /// Draw several pictures that differ in one setting: side by side with a row for each surface, or animated.
     #[arg(long, value_enum)]
     pub(crate) sweep: Option<Sweep>,
-    /// Pictures of a turntable.
+    /// Number of pictures of a turntable.
     #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u32).range(2..=360))]
     pub(crate) frames: u32,
-    /// Take the adapter whose name contains this; else graphics cards come first.
+    /// Use the first adapter whose name contains this text. Default: graphics cards before software drivers.
     #[arg(long, value_name = "SUBSTRING")]
     pub(crate) adapter: Option<String>,
-    /// Compare the driver's picture and the directions it used with the same scene in f64, as JSON, and again with a flipped
-    /// bitangent; exit 1 over tolerance, or where the flip is not caught.
+    /// Instead of drawing, compare the driver's picture and directions with the same scene in 64 bits and print the result as JSON;
+    /// then again with a flipped bitangent, which must fail. Exit code 1: over tolerance, or the flip was not caught.
     #[arg(long)]
     pub(crate) truth: bool,
-    /// Draw each picture so many times more and tell the median time.
+    /// Draw each picture N more times and print the median time.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) time: u32,
-    /// The picture: .png (tone-mapped, sRGB) or .exr (linear).
+    /// The picture to write: .png (tone-mapped, sRGB) or .exr (linear).
     #[arg(long, value_name = "FILE.png|.exr", required_unless_present_any = ["truth", "time"])]
     pub(crate) out: Option<PathBuf>,
 }
 
-/// What keeps distant highlights from sparkling.
+/// Filter against sparkling of distant highlights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum Filter {
-    /// Nothing but the four samples at edges.
+    /// Four samples per pixel at edges only.
     None,
-    /// Lobes are widened by the pixel's footprint; needs coherence = "ensemble".
+    /// Widen lobes by the pixel's footprint; needs coherence = "ensemble".
     Footprint,
-    /// Sixteen shaded points to a pixel.
+    /// Shade 16 points per pixel.
     Supersample,
 }
 
-/// What changes from picture to picture.
+/// The setting that changes from picture to picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum Sweep {
-    /// The six light directions printed in the texts; -3.3130 in the first is a misprint, read as -0.0130 (of unit length).
+    /// The six light directions printed in the thesis. The first has a misprint: -3.3130 is taken as -0.0130, which gives unit length.
     Lights,
     /// Zoom 0.1, 0.2, 0.5, 1, 1.5, 2.
     Zoom,
-    /// The orientation field turned by 0°, 30°, 60°, 90°.
+    /// The microstructure turned by 0°, 30°, 60°, 90°.
     Orientation,
-    /// Once around the body; an animated PNG.
+    /// Once around the body, as an animated PNG.
     Turntable,
 }
 
@@ -153,7 +155,7 @@ impl FromStr for Vector {
 }
 
 impl Args {
-    /// What no single flag can check.
+    /// Checks that concern several options.
     pub(crate) fn check(&self) -> Result<()> {
         if !(0.0..=1.0).contains(&self.texture_weight) {
             bail!("--texture-weight {}: expected a number from 0 to 1", self.texture_weight);
@@ -161,8 +163,8 @@ impl Args {
         if !(self.exposure > 0.0 && self.exposure.is_finite()) {
             bail!("--exposure {}: expected a positive number", self.exposure);
         }
-        if let Some(light) = self.light.iter().find(|l| l.0 == [0.0; 3]) {
-            bail!("--light {:?}: no direction", light.0);
+        if self.light.iter().any(|light| light.0 == [0.0; 3]) {
+            bail!("--light 0,0,0: expected a direction, which has a length above 0");
         }
         let Some(out) = &self.out else { return Ok(()) };
         let extension = out.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
@@ -170,8 +172,8 @@ impl Args {
         match extension.as_deref() {
             Some("png") => {}
             Some("exr") if !several => {}
-            Some("exr") => bail!("--out {}: several pictures make a .png", out.display()),
-            _ => bail!("--out {}: its name ends neither in .png nor in .exr", out.display()),
+            Some("exr") => bail!("--out {}: several pictures need a .png", out.display()),
+            _ => bail!("--out {}: the name must end in .png or .exr", out.display()),
         }
         Ok(())
     }

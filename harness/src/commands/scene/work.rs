@@ -1,4 +1,4 @@
-//! From flags to pictures.
+//! From options to pictures.
 
 use std::path::Path;
 use std::time::Instant;
@@ -23,25 +23,25 @@ use crate::scene::tone_map::{display, exr, reduced, stacked, strip};
 use crate::scene::{Light, Mesh, Orbit, PRINTED_LIGHTS, PRINTED_ZOOMS, Snake, read, snake, sphere};
 use diffraction_shaders::encode::{Picture, animation};
 
-/// Supersampled pictures are drawn so many times as wide.
+/// Supersampled pictures are drawn N times as wide and as high.
 const SUPER: u32 = 4;
-/// Between pictures of a strip.
+/// Gap between pictures of a strip, in pixels.
 const GAP: u32 = 4;
 /// How long a turntable shows each picture.
 const FRAME_MS: u16 = 80;
-/// What a driver may differ by from the scene in f64 at the 95th percentile: direction, and colour (CIEDE2000). A corner that
-/// moves by 1/256 pixel turns the directions on scales by 1e-5, which steep lobes show as 0.05.
+/// Tolerances at the 95th percentile of a driver's picture against the scene in f64: of directions, and of colours
+/// (CIEDE2000). A corner that moves by 1/256 pixel turns the directions on scales by 1e-5, which steep lobes show as 0.05.
 const TRUTH: (f64, f64) = (1e-4, 0.15);
-/// Fewest lit pixels that say something.
+/// Minimum number of lit pixels for a verdict.
 const MIN_LIT: usize = 64;
-/// The control: a frame of the other hand.
+/// The negative control: a frame of the other handedness.
 const FLIP: (&str, &str) = ("cross(upright, straight)", "cross(straight, upright)");
 
-/// A skin that was planned.
+/// A surface with a variant of the plan.
 struct Skin {
     spec: SurfaceSpec,
     surface: Surface,
-    /// As it is on the surface.
+    /// The variant as built on the surface.
     variant: Variant,
 }
 
@@ -97,14 +97,14 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// All pictures of one skin.
+/// Draws all pictures of one skin.
 fn sweep(args: &Args, gpu: &Gpu, skin: &Skin, mesh: &Mesh, console: &Console) -> Result<Vec<Hdr>> {
     let lights: Vec<DVec3> = args.light.iter().map(|l| DVec3::from(l.0)).collect();
     let orbit = orbit(args, mesh);
     let at = |orbit: Orbit, lights: &[DVec3], turned: f64| (orbit, lights.to_vec(), turned);
     let shots = match args.sweep {
         None => vec![at(orbit, &lights, 0.0)],
-        // printed is where the light goes
+        // the printed vectors point where the light goes
         Some(Sweep::Lights) => PRINTED_LIGHTS.map(|l| at(orbit, &[-DVec3::from(l)], 0.0)).to_vec(),
         Some(Sweep::Zoom) => {
             PRINTED_ZOOMS.map(|zoom| at(Orbit { zoom, ..orbit }, &lights, 0.0)).to_vec()
@@ -134,11 +134,9 @@ fn sweep(args: &Args, gpu: &Gpu, skin: &Skin, mesh: &Mesh, console: &Console) ->
             angle = turned;
             drawing = Some(Drawing::new(gpu, placement, mesh, widen)?);
         }
-        let Some(drawing) = &drawing else { bail!("no picture was set up") };
+        let Some(drawing) = &drawing else { bail!("the sweep has no picture") };
         if mesh.holds(orbit.eye()) {
-            console.note(
-                "the camera is inside of the mesh: what it sees are back sides, which are black",
-            );
+            console.note("the camera is inside the mesh: it sees back faces, which are black");
         }
         let lights = lights.into_iter().map(Light::white).collect();
         let look = Look { lights, texture_weight: args.texture_weight };
@@ -180,7 +178,7 @@ fn sweep(args: &Args, gpu: &Gpu, skin: &Skin, mesh: &Mesh, console: &Console) ->
     Ok(pictures)
 }
 
-/// Each skin's picture against the scene in f64, and the same with a flipped bitangent, which has to fail.
+/// Compares each skin's picture with the scene in f64, and again with a flipped bitangent, which must fail.
 fn judge(args: &Args, gpu: &Gpu, skins: &[Skin], mesh: &Mesh) -> Result<Outcome> {
     let mut outcome = Outcome::Done;
     let light = DVec3::from(args.light[0].0);
@@ -200,14 +198,14 @@ fn judge(args: &Args, gpu: &Gpu, skins: &[Skin], mesh: &Mesh) -> Result<Outcome>
         let lit = (found.scene.lit * found.pixels as f64).round() as usize;
         if lit < MIN_LIT {
             bail!(
-                "{} on {}: {lit} lit pixels, fewer than the {MIN_LIT} that a judgement takes: \
+                "{} on {}: {lit} lit pixels, but a verdict needs at least {MIN_LIT}: \
                  raise --size or --zoom, or move --light",
                 skin.spec.name,
                 mesh.name
             );
         }
         let Some(text) = prepared.sources.0.get_mut("mesh").filter(|t| t.contains(FLIP.0)) else {
-            bail!("the template `mesh` holds no `{}` to be flipped", FLIP.0);
+            bail!("the template `mesh` has no `{}` to flip", FLIP.0);
         };
         *text = text.replace(FLIP.0, FLIP.1);
         let flipped = truth(gpu, &prepared, mesh, &params, args.size.0)?;

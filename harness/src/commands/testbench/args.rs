@@ -1,4 +1,4 @@
-//! Flags of `cargo xtask testbench`.
+//! Options of `cargo xtask testbench`.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -13,79 +13,84 @@ const EXAMPLE: &str = "Examples:
   cargo xtask testbench --surface blazed --out target/compare
   cargo xtask report target/compare
 
-The viewer stays in the plane of incidence, which holds the surface's x axis for --phi-i 0 and an unrotated surface. theta_r is
-positive on the mirror side (phi_r = phi_i + 180°) and negative on the light's own side. The response is |P|² without the gain.
-The efficiency of an order changes over its lobe and pulls the peak off the grating equation; that is physics, and the
-columns \"closed form\" have it too. Without --variant all variants of the plan and `exact` are measured in turn; with several
-results, files get the variant's name and the window's number.";
+The viewer moves in the plane of incidence. With --phi-i 0 and an unrotated surface this plane contains the surface's x axis.
+The viewing angle theta_r is positive on the mirror side (phi_r = phi_i + 180°) and negative on the side of the light. The
+response is |P|², without the gain. For each wavelength the angle of the strongest response gives a period by the grating
+equation, first order; their mean is the result.
+
+The efficiency of an order varies over its lobe and shifts the peak away from the grating equation. This is physics: the
+column \"closed form\" shows the same shift.
+
+Without --variant, the exact reference and all variants of the plan are measured. If there are several results, file names
+get the variant's name and the window's number as a suffix.";
 
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Args {
     #[command(flatten)]
     pub(super) surface: SurfaceArgs,
-    /// One variant, or `exact`.
+    /// Measure only this variant, or `exact` for the exact reference. Default: all variants and `exact`.
     #[arg(long, value_name = "NAME")]
     pub(super) variant: Option<String>,
-    /// What computes the responses of variants [default: twin].
+    /// What computes the responses of variants. Default: twin.
     #[arg(long, value_enum)]
     runner: Option<Runner>,
-    /// Let the twin read the tables before they are rounded.
+    /// With --runner twin: use the tables before they are rounded to their number format.
     #[arg(long)]
     pub(super) unpacked: bool,
-    /// Take the adapter whose name contains this.
+    /// Use the first adapter whose name contains this text. Default: graphics cards before software drivers.
     #[arg(long, value_name = "SUBSTRING")]
     pub(super) adapter: Option<String>,
-    /// Angle of incidence in degrees.
+    /// Angle of incidence, in degrees from the normal.
     #[arg(long, value_name = "DEG", default_value_t = 75.0, value_parser = incidence_deg)]
     pub(super) theta_i: f64,
-    /// Direction of the light about the normal, from the surface's tangent, in degrees.
+    /// Angle of the light about the normal, in degrees from the surface's tangent.
     #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite)]
     pub(super) phi_i: f64,
-    /// Wavelengths in nm.
+    /// Range and step of the wavelengths, in nm.
     #[arg(long, value_name = "MIN,MAX,STEP", default_value = "380,780,5")]
     pub(super) wavelengths: Range,
-    /// The period to search around, in nm [default: the dominant one along the plane of incidence].
+    /// Expected period, in nm: the search is around it. Default: the dominant period along the plane of incidence.
     #[arg(long, value_name = "D", value_parser = positive)]
     pub(super) period_nm: Option<f64>,
-    /// Measure at least so many windows, evenly spread over the surface.
+    /// Measure windows of the surface instead of the whole: at least N, evenly spread.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     windows: Option<u32>,
-    /// Side of a window in µm [default: half of the surface's smaller side].
+    /// Side of a window, in µm. Default: half of the surface's shorter side.
     #[arg(long, value_name = "W", value_parser = positive, requires = "windows")]
     window_um: Option<f64>,
-    /// Write every sample: wavelength, angle, response.
+    /// Write every sample to a CSV file: wavelength, angle, response.
     #[arg(long, value_name = "FILE.csv")]
     pub(super) csv: Option<PathBuf>,
-    /// Draw the response over wavelength and angle, and the periods.
+    /// Draw the response over wavelength and angle, with the periods beside it.
     #[arg(long, value_name = "FILE.svg")]
     pub(super) svg: Option<PathBuf>,
-    /// Append the records to DIR/records.jsonl and draw into DIR/pictures, for a report.
+    /// Folder for results, for a report: records are appended to DIR/records.jsonl, pictures are drawn into DIR/pictures.
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
-    /// Print one JSON object per line.
+    /// Print one JSON object per result instead of a table.
     #[arg(long)]
     pub(super) json: bool,
 }
 
 impl Args {
-    /// What computes the responses of variants.
+    /// The runner for variants.
     pub(super) fn runner(&self) -> Runner {
         self.runner.unwrap_or(Runner::Twin)
     }
 
-    /// Its name.
+    /// Name of the runner.
     pub(super) fn runner_name(&self) -> String {
         let value = clap::ValueEnum::to_possible_value(&self.runner());
         value.map(|value| value.get_name().to_owned()).unwrap_or_default()
     }
 
-    /// Whether only the reference is wanted.
+    /// Whether only the exact reference is measured.
     pub(super) fn only_exact(&self) -> bool {
         self.variant.as_deref() == Some("exact") || self.runner == Some(Runner::Exact)
     }
 
-    /// Least number of windows and their side, µm.
+    /// Minimum number of windows, and their side in µm.
     pub(super) fn windows(&self, field: &HeightField) -> Option<(usize, f64)> {
         let side_um = || 0.5 * field.size_x_um().min(field.size_y_um());
         self.windows.map(|count| (count as usize, self.window_um.unwrap_or_else(side_um)))
@@ -101,7 +106,7 @@ impl FromStr for Range {
 
     fn from_str(text: &str) -> Result<Range, String> {
         let fail = || {
-            "expected MIN,MAX,STEP in nm, such as 380,780,5: from 360 to 830, a step of 0.01 or more"
+            "expected MIN,MAX,STEP in nm, such as 380,780,5: between 360 and 830, with a step of at least 0.01"
                 .to_owned()
         };
         let [min, max, step] = text.split(',').map(str::trim).collect::<Vec<_>>()[..] else {
@@ -127,7 +132,7 @@ fn positive(text: &str) -> Result<f64, String> {
 
 fn incidence_deg(text: &str) -> Result<f64, String> {
     let value = finite(text).ok().filter(|value| (0.0..90.0).contains(value));
-    value.ok_or_else(|| "expected an angle from 0 to below 90 degrees".to_owned())
+    value.ok_or_else(|| "expected an angle in degrees, at least 0 and below 90".to_owned())
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! One variant, or the reference, on a surface or a window of it.
+//! A variant, or the exact reference, on a surface or a window of it.
 
 use anyhow::Result;
 use diffraction_cli::args::{Runner, RunnerArgs};
@@ -13,7 +13,7 @@ use crate::commands::drivers;
 use crate::period::{self, Crop, Measurement, Protocol};
 use crate::results::{Gap, Testbench};
 
-/// What is measured.
+/// A variant or the reference, to be measured.
 pub(super) struct Task {
     /// The variant's name, or `exact`.
     pub(super) name: String,
@@ -21,17 +21,17 @@ pub(super) struct Task {
     runner: RunnerArgs,
 }
 
-/// What was found.
+/// The result of a measurement.
 pub(super) struct Found {
     pub(super) variant: String,
     pub(super) route: String,
     pub(super) protocol: Protocol,
     pub(super) measurement: Measurement,
-    /// The same estimator on the closed form.
+    /// The same measurement on the closed form.
     pub(super) yardstick: Option<Measurement>,
 }
 
-/// The reference and the variants that the flags name, and those that cannot be measured, with the reason.
+/// The reference and variants that the options name, and gaps for those that cannot be measured.
 pub(super) fn tasks(args: &Args, plan: &Plan) -> Result<(Vec<Task>, Vec<Gap>)> {
     let (mut tasks, mut gaps) = (Vec::new(), Vec::new());
     if args.only_exact() || args.variant.is_none() {
@@ -55,7 +55,7 @@ pub(super) fn tasks(args: &Args, plan: &Plan) -> Result<(Vec<Task>, Vec<Gap>)> {
     Ok((tasks, gaps))
 }
 
-/// A variant that was not measured.
+/// A record of a variant that was not measured.
 pub(super) fn gap(surface: &str, variant: &str, route: String, reason: String) -> Gap {
     Gap {
         route,
@@ -85,14 +85,14 @@ fn runner(args: &Args, runner: Runner) -> RunnerArgs {
     RunnerArgs { variant: None, runner, unpacked, adapter: args.adapter.clone() }
 }
 
-/// Whether the patch joins itself along x and y; a synthetic one does.
+/// Whether the patch tiles without a seam along x and y. Synthetic patches do.
 pub(super) fn tiled(spec: &SurfaceSpec, field: &HeightField) -> Result<[bool; 2]> {
     let synthetic = matches!(spec.source, SurfaceSource::Grating(_));
     Ok(facts(field, &subject(spec))?.joins.map(|joins| joins || synthetic))
 }
 
 impl Task {
-    /// Why the variant has no meaning on the heights, if it has none.
+    /// Why the variant cannot be built on these heights, if so.
     pub(super) fn refusal(&self, field: &HeightField) -> Option<String> {
         let applies = self.runner.runner != Runner::Exact;
         let refused = applies.then(|| Form::new(&self.variant, field).err()).flatten();
@@ -138,7 +138,7 @@ impl Task {
 }
 
 impl Found {
-    /// As a line of results.
+    /// The result as a record.
     pub(super) fn record(
         &self,
         surface: &str,

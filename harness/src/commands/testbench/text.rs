@@ -1,11 +1,11 @@
-//! The results as a table for people.
+//! Results as a table for people.
 
 use std::fmt::Write;
 
 use crate::period::Protocol;
 use crate::results::{Gap, Testbench};
 
-/// One line for each result.
+/// The table: one line for each result.
 pub(super) fn table(
     surface: &str,
     protocol: &Protocol,
@@ -14,7 +14,7 @@ pub(super) fn table(
 ) -> String {
     let waves = protocol.wavelengths;
     let mut text = format!(
-        "surface {surface}: θi {}°, φi {}°, {} to {} nm by {}, searched around {:.3} nm\n\n",
+        "surface {surface}: θi {}°, φi {}°, {} to {} nm by {}, expected period {:.3} nm\n\n",
         protocol.theta_i_deg,
         protocol.phi_i_deg,
         waves.min_nm,
@@ -42,7 +42,7 @@ pub(super) fn table(
         let tail = match (r.window, r.windows, r.closed_nm) {
             (Some([x, y, columns, rows]), _, _) => format!("{x}, {y}, {columns} × {rows}"),
             (_, Some((windows, spread_nm)), _) => {
-                format!("{windows} windows together, {spread_nm:.3} nm between them")
+                format!("mean of {windows} windows, which differ by {spread_nm:.3} nm (sd)")
             }
             (_, _, Some([mean_nm, sd_nm])) => format!("{mean_nm:>14.4} {sd_nm:>8.4}"),
             _ => "-".to_owned(),
@@ -60,5 +60,5 @@ pub(super) fn table(
     for (gap, name) in gaps.iter().zip(&names[results.len()..]) {
         let _ = writeln!(text, "{name:width$}  {}", gap.reason);
     }
-    text + "\nThe efficiency of an order changes over its lobe and pulls its peak off the grating equation; so it does in the closed form.\n"
+    text + "\nThe efficiency of an order varies over its lobe and shifts its peak away from the grating equation, also in the closed form.\n"
 }

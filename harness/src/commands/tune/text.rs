@@ -1,4 +1,4 @@
-//! Results as text for people.
+//! Results as tables for people.
 
 use std::collections::BTreeMap;
 
@@ -7,17 +7,17 @@ use crate::tune::prune::mib;
 
 use diffraction_cli::list::table;
 
-/// Names that are told for each reason.
+/// Maximum number of names for each reason.
 const NAMES: usize = 3;
-/// Reasons that are told for each verdict.
+/// Maximum number of reasons for each verdict.
 const REASONS: usize = 3;
 
-/// What was measured, the front, the winner and its preset, and why the others lost.
+/// The measured candidates, the front, the winner with its preset, and why the others lost.
 pub(super) fn text(records: &[Tune], all: bool) -> String {
     let Some(first) = records.first() else { return String::new() };
     let lights: Vec<String> = first.lights.iter().map(|[t, p]| format!("{t},{p}")).collect();
     let mut text = format!(
-        "{}: p95 of CIEDE2000 at most {} under the lights {}; times on {} {}, {} × {} pixels\n\n",
+        "{}: p95 of CIEDE2000 at most {} under the lights {}; times on {} {} at {} × {} pixels\n\n",
         first.surface,
         first.budget_de,
         lights.join(" "),
@@ -41,7 +41,7 @@ pub(super) fn text(records: &[Tune], all: bool) -> String {
     text
 }
 
-/// What came nearest where nothing is within the budget, and what would help.
+/// For a search without a winner: the nearest candidate, and what would help.
 pub(super) fn help(records: &[Tune]) -> String {
     let budget = records.first().map_or(0.0, |r| r.budget_de);
     let of = |verdict| {
@@ -49,22 +49,23 @@ pub(super) fn help(records: &[Tune]) -> String {
         let all = records.iter().filter(move |r| r.verdict == verdict);
         all.min_by(|a, b| error(a).total_cmp(&error(b)))
     };
-    let mut text = format!("nothing is within a p95 of {budget}");
+    let mut text = format!("no candidate is within a p95 of {budget}");
     match of(Verdict::Over).or_else(|| of(Verdict::Far)) {
         Some(nearest) => {
             let p95 = nearest.worst_p95().or(nearest.far_p95).unwrap_or(0.0);
             let light = worst(nearest).map(|l| format!(" at light {},{}", l.light[0], l.light[1]));
             let light = light.unwrap_or_else(|| " at least".to_owned());
             let name = &nearest.variant;
-            text +=
-                &format!("; nearest is {name} with {p95:.3}{light}: a larger budget would take it");
+            text += &format!(
+                "; the nearest is {name} with {p95:.3}{light}: raise the budget to take it"
+            );
         }
-        None => text += "; no candidate was worth measuring, see why they lost",
+        None => text += "; no candidate was worth measuring, for the reasons above",
     }
     let count = |verdict| records.iter().filter(|r| r.verdict == verdict).count();
     for (verdict, flag) in [(Verdict::Unfit, "--fits"), (Verdict::Large, "--max-table-mib")] {
         if count(verdict) > 0 {
-            text += &format!("; without {flag} {} more would take part", count(verdict));
+            text += &format!("; without {flag} there would be {} more candidates", count(verdict));
         }
     }
     text
@@ -114,26 +115,28 @@ fn measured(records: &[Tune]) -> String {
         "verdict",
     ];
     table::text(&head, cells.collect())
-        + "p95: the worst light's, of all directions or of the map alone; fetches of a lit pixel on average\n\n"
+        + "p95: under the worst light, over all directions or the map alone, whichever is larger; fetches: mean per lit pixel\n\n"
         + &front(&rows)
 }
 
-/// The front from the fastest to the most exact; `rows` come in the order of their times.
+/// The candidates on the front, from the fastest to the most exact. `rows` are in the order of their times.
 fn front(rows: &[&Tune]) -> String {
     let on = rows.iter().filter(|r| r.front);
-    let told: Vec<String> = on
+    let shown: Vec<String> = on
         .filter_map(|r| {
             let [ns, p95] = r.place()?;
             Some(format!("{} ({} ns, {p95:.3})", r.variant, digits(ns)))
         })
         .collect();
-    match told.is_empty() {
+    match shown.is_empty() {
         true => String::new(),
-        false => format!("beaten by no other in time and error: {}\n\n", told.join(", ")),
+        false => {
+            format!("front (no other is both faster and more exact): {}\n\n", shown.join(", "))
+        }
     }
 }
 
-/// The others by what became of them, then by the reason.
+/// The other candidates, by verdict, then by reason.
 fn lost(records: &[Tune], all: bool) -> String {
     let mut groups: BTreeMap<Verdict, BTreeMap<&str, Vec<&str>>> = BTreeMap::new();
     for record in records.iter().filter(|r| r.errors.is_empty()) {
@@ -144,25 +147,25 @@ fn lost(records: &[Tune], all: bool) -> String {
     for (verdict, reasons) in groups {
         let count: usize = reasons.values().map(Vec::len).sum();
         text += &format!("{} ({count}):\n", verdict.words());
-        let told = if all { reasons.len() } else { REASONS };
-        let untold: usize = reasons.values().skip(told).map(Vec::len).sum();
-        for (why, names) in reasons.into_iter().take(told) {
-            let told = if all { names.len() } else { NAMES };
-            let shown = names.iter().take(told).copied().collect::<Vec<_>>().join(", ");
-            let more = match names.len().saturating_sub(told) {
+        let limit = if all { reasons.len() } else { REASONS };
+        let rest: usize = reasons.values().skip(limit).map(Vec::len).sum();
+        for (why, names) in reasons.into_iter().take(limit) {
+            let limit = if all { names.len() } else { NAMES };
+            let shown = names.iter().take(limit).copied().collect::<Vec<_>>().join(", ");
+            let more = match names.len().saturating_sub(limit) {
                 0 => String::new(),
                 more => format!(" and {more} more"),
             };
             text += &format!("  {why}: {shown}{more}\n");
         }
-        if untold > 0 {
-            text += &format!("  and {untold} more for like reasons; --all tells them\n");
+        if rest > 0 {
+            text += &format!("  and {rest} more for similar reasons; --all lists them\n");
         }
     }
     text
 }
 
-/// Four digits that count.
+/// Four significant digits.
 fn digits(value: f64) -> String {
     let places = (3.0 - value.abs().max(1e-9).log10().floor()).clamp(0.0, 4.0) as usize;
     format!("{value:.places$}")

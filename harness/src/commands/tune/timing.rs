@@ -1,4 +1,4 @@
-//! The adapter, and times on it.
+//! Times of candidates on an adapter.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -20,22 +20,22 @@ use crate::tune::verdict::time;
 use super::Args;
 use crate::commands::bench::Interface;
 
-/// Bytes of tables that are on the device at the same time; what does not go beside is drawn in a group of its own.
+/// Maximum bytes of tables on the device at the same time. Candidates that do not fit together are drawn in groups.
 const GROUP_BYTES: u64 = 1 << 30;
 
-/// What is to be timed.
+/// A candidate to be timed.
 pub(super) struct Timee<'a> {
-    /// Its place among the candidates.
+    /// Its index among the candidates.
     pub(super) place: usize,
     pub(super) candidate: &'a Candidate,
-    /// Whether it is within the budget, so that it may win.
+    /// Whether it is within the budget and so may win.
     pub(super) within: bool,
 }
 
-/// Times by the places of what was timed, or what went wrong.
+/// Times, or what went wrong, by the indices of candidates.
 pub(super) type Times = BTreeMap<usize, Result<Time, String>>;
 
-/// The adapter that the flags mean; without an interface Vulkan's, else GL's.
+/// Opens the adapter that the options select. Without --backend: a Vulkan adapter, else one of GL.
 pub(super) fn open(args: &Args) -> Result<Gpu> {
     let adapter = args.adapter.as_deref();
     let backend = match args.backend {
@@ -55,8 +55,8 @@ pub(super) fn open(args: &Args) -> Result<Gpu> {
     Ok(Gpu::open(backend, adapter)?)
 }
 
-/// Draws candidates in turns with `texts`. `progress` is told the share that is done, `stop` is asked before every draw.
-/// Gives the times, and that of the baseline in the first group.
+/// Draws candidates in turns with `texts`. `progress` gets the share of the work done; `stop` is called before every draw.
+/// Returns the times, and the time of the baseline in the first group.
 pub(super) fn times(
     gpu: &Gpu,
     scene: &Scene<'_>,
@@ -108,7 +108,7 @@ pub(super) fn times(
         if groups.len() == 1 {
             let within = |i: &usize| group[*i].within;
             paces(&(0..group.len()).filter(within).collect::<Vec<_>>(), &drawn, &mut here);
-            // those that cannot be told apart once more, without the slow baseline
+            // candidates with equal times are drawn once more, without the slow baseline
             let close: Vec<usize> =
                 (0..group.len()).filter(|i| within(i) && ties(&here[*i])).collect();
             if close.len() > 1 {
@@ -125,7 +125,7 @@ pub(super) fn times(
     (found, baseline)
 }
 
-/// Everything in one group where memory allows.
+/// Splits the candidates into as few groups as memory allows.
 fn groups<'a, 'b>(all: &'a [Timee<'b>]) -> Vec<Vec<&'a Timee<'b>>> {
     let mut groups: Vec<(u64, Vec<&Timee<'_>>)> = Vec::new();
     for timee in all {
@@ -141,7 +141,7 @@ fn groups<'a, 'b>(all: &'a [Timee<'b>]) -> Vec<Vec<&'a Timee<'b>>> {
     groups.into_iter().map(|(_, group)| group).collect()
 }
 
-/// Lays every time beside that of the fastest of those that may win, round by round.
+/// Compares every time with the time of the fastest candidate that may win, round by round.
 fn paces(may_win: &[usize], drawn: &[error::Result<Timed>], here: &mut [Result<Time, String>]) {
     let Some(Ok(any)) = may_win.iter().map(|i| &drawn[*i]).find(|timed| timed.is_ok()) else {
         return;

@@ -27,10 +27,10 @@ use crate::tune::prune::{Limits, prune};
 use crate::tune::search::{search, to_time};
 use crate::tune::verdict::{Baseline, Results, Run, settle};
 
-/// The lights without `--light`: that of the examples, and others, so that a winner is not tuned to one.
+/// The lights if `--light` is not given: several, so that a winner is not tuned to one light.
 const LIGHTS: [[f64; 2]; 4] = [[20.0, 0.0], [0.0, 0.0], [60.0, 0.0], [75.0, 0.0]];
 
-/// Steps of a bar for what has no steps of its own.
+/// Steps of a progress bar for work without steps of its own.
 const STEPS: usize = 1000;
 
 pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
@@ -43,7 +43,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     surface.field.check_pitch(&surface::subject(&spec), 380.0)?;
     if let Some(folder) = &args.out {
         let made = std::fs::create_dir_all(folder.join("pictures"));
-        made.with_context(|| format!("--out {}: cannot be made", folder.display()))?;
+        made.with_context(|| format!("--out {}: cannot be created", folder.display()))?;
     }
     let lights: Vec<[f64; 2]> = match args.light.as_slice() {
         [] => LIGHTS.to_vec(),
@@ -80,7 +80,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let has_winner = records.iter().any(|r| r.verdict == Verdict::Winner);
     let is_within = records.iter().any(|r| r.verdict == Verdict::Within);
     if is_within && !has_winner {
-        bail!("{} are within the budget, but none could be timed", info);
+        bail!("{}: candidates are within the budget, but none could be timed", info);
     }
     if !has_winner {
         console.note(&text::help(&records));
@@ -153,7 +153,7 @@ fn results(
     Ok(Results { candidates, states, lost, times, baseline: Baseline { errors, time, cost } })
 }
 
-/// Appends the records in place of those of an earlier run of the same, and draws the front.
+/// Writes the records in place of those of an earlier run of the same search, and draws the front.
 fn keep(folder: &Path, records: &[Tune]) -> Result<()> {
     let Some(first) = records.first() else { return Ok(()) };
     let same = |record: &Record| match record {

@@ -1,4 +1,4 @@
-//! The program: found, started with a profile of its own, and ended with all that it started.
+//! The browser's program: finds it, starts it with a profile of its own, and ends it with all its processes.
 
 use std::fs::{self, File};
 use std::io;
@@ -11,20 +11,20 @@ use diffraction_shaders::error::{Error, Result};
 use super::failure::failure;
 use super::user_folder::UserFolder;
 
-/// Names under which distributions install it.
+/// Names under which distributions install Chromium.
 const PROGRAMS: [&str; 4] =
     ["chromium", "chromium-browser", "google-chrome-stable", "google-chrome"];
 
-/// What brings it.
-const REMEDY: &str = "apt-get install chromium brings it";
+/// How to install it.
+const REMEDY: &str = "install it: apt-get install chromium";
 
-/// The file in the profile that takes what the program says on stderr.
+/// The file in the profile for the program's stderr.
 const LOG: &str = "stderr.log";
 
-/// Flags for any machine.
+/// Flags for every machine.
 const FLAGS: &[&str] = &[
     "--headless=new",
-    // nothing of what a person's browser does by itself
+    // switch off the background services of a browser
     "--no-first-run",
     "--no-default-browser-check",
     "--no-proxy-server",
@@ -34,11 +34,11 @@ const FLAGS: &[&str] = &[
     "--disable-sync",
     "--disable-breakpad",
     "--password-store=basic",
-    // shared memory is small in containers
+    // containers have little shared memory
     "--disable-dev-shm-usage",
-    // ends drivers that draw for longer than ten seconds
+    // the watchdog would end drivers that draw for longer than ten seconds
     "--disable-gpu-watchdog",
-    // after a context was lost, a page gets no other
+    // otherwise a page gets no new context after a lost one
     "--disable-domain-blocking-for-3d-apis",
 ];
 
@@ -50,7 +50,7 @@ pub(super) struct Chromium {
 }
 
 impl Chromium {
-    /// Starts `program`, or the first of the usual names, on a page.
+    /// Starts `program`, or the first installed one of the usual names, on a page.
     pub(super) fn start(program: Option<&Path>, flags: &[&str], address: &str) -> Result<Chromium> {
         let profile = UserFolder::new()?;
         let usual = PROGRAMS.map(Path::new);
@@ -65,22 +65,22 @@ impl Chromium {
             }
         }
         let cause = match program {
-            Some(program) => format!("there is no {}", program.display()),
-            None => "the routes webgpu and webgl2 need a browser, and none is installed".to_owned(),
+            Some(program) => format!("{} does not exist", program.display()),
+            None => "the routes webgpu and webgl2 need Chromium, which is not installed".to_owned(),
         };
         Err(failure(cause).remedy(REMEDY))
     }
 
-    /// Says how it ended, if it did.
+    /// How the program ended, if it did.
     pub(super) fn ended(&mut self) -> Option<Error> {
         match self.child.try_wait() {
             Ok(None) => None,
             Ok(Some(status)) => Some(failure(format!("ended with {status}{}", self.last_words()))),
-            Err(e) => Some(failure("cannot be watched").source(e)),
+            Err(e) => Some(failure("its process cannot be observed").source(e)),
         }
     }
 
-    /// Waits until it ended well, and returns what it said.
+    /// Waits for a successful end, and returns what the program wrote on stderr.
     pub(super) fn finish(mut self, limit: Duration) -> Result<String> {
         let begun = Instant::now();
         loop {
@@ -91,37 +91,41 @@ impl Chromium {
                     return Err(failure(format!("did not end in {} s{words}", limit.as_secs())));
                 }
                 Ok(None) => std::thread::sleep(Duration::from_millis(20)),
-                _ => return Err(self.ended().unwrap_or_else(|| failure("cannot be watched"))),
+                _ => {
+                    return Err(self
+                        .ended()
+                        .unwrap_or_else(|| failure("its process cannot be observed")));
+                }
             }
         }
     }
 
-    /// What it said on stderr.
+    /// What the program wrote on stderr.
     pub(super) fn said(&self) -> String {
         let log = fs::read(self.profile.path().join(LOG)).unwrap_or_default();
         String::from_utf8_lossy(&log).into_owned()
     }
 
-    /// The end of what it said, as the end of a sentence.
+    /// The last lines of stderr, to append to a message.
     pub(super) fn last_words(&self) -> String {
         const LINES: usize = 5;
         const LENGTH: usize = 300;
         let log = self.said();
-        let told = log.lines().filter(|line| !line.contains("dbus") && !line.trim().is_empty());
+        let lines = log.lines().filter(|line| !line.contains("dbus") && !line.trim().is_empty());
         let lines: Vec<String> =
-            told.map(|line| line.chars().take(LENGTH).collect::<String>()).collect();
+            lines.map(|line| line.chars().take(LENGTH).collect::<String>()).collect();
         match &lines[lines.len().saturating_sub(LINES)..] {
             [] => String::new(),
-            last => format!("; its last words: {}", last.join(" | ")),
+            last => format!("; its last lines on stderr: {}", last.join(" | ")),
         }
     }
 
-    /// The folder with its profile.
+    /// The folder with the profile.
     pub(super) fn profile(&self) -> &Path {
         self.profile.path()
     }
 
-    /// Number of its first process.
+    /// Id of the first process.
     pub(super) fn id(&self) -> u32 {
         self.child.id()
     }
@@ -138,7 +142,7 @@ fn spawn(program: &Path, flags: &[&str], address: &str, profile: &Path) -> io::R
     let mut command = Command::new(program);
     command.args(FLAGS).args(flags);
     if is_root() {
-        // the sandbox refuses to start as root
+        // the sandbox does not start as root
         command.arg("--no-sandbox");
     }
     let mut folder = std::ffi::OsString::from("--user-data-dir=");
@@ -149,7 +153,7 @@ fn spawn(program: &Path, flags: &[&str], address: &str, profile: &Path) -> io::R
     #[cfg(unix)]
     {
         use std::os::unix::process::CommandExt;
-        // a group of its own, so that all of it can be ended at once
+        // a process group of its own, so that all processes can be ended at once
         command.process_group(0);
     }
     command.spawn()
@@ -165,7 +169,7 @@ fn is_root() -> bool {
     false
 }
 
-/// Ends the program with its group, if it still runs.
+/// Ends the program and its process group, if it still runs.
 fn end(child: &mut Child) {
     if matches!(child.try_wait(), Ok(None)) {
         #[cfg(unix)]

@@ -1,4 +1,4 @@
-//! A page that uses another and tells what came of it.
+//! Opens a page in a browser and waits until it posts a result.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -12,20 +12,20 @@ use super::flags;
 use super::folder::FolderServer;
 use super::page_check::console;
 
-/// How often it is seen whether the browser still runs.
+/// Interval between checks whether the browser still runs.
 const TICK: Duration = Duration::from_millis(100);
 
-/// What came of it.
+/// The result of a page.
 #[derive(Clone, Debug)]
 pub struct Driven {
-    /// What the page posted.
+    /// The JSON that the page posted.
     pub posted: Value,
-    /// Every line on the console, also the browser's own warnings about what the page does.
+    /// Every line on the console, with the browser's own warnings about the page.
     pub console: Vec<String>,
 }
 
-/// Opens `page`, an address below the folder with its query, and waits until it posts JSON. The browser has WebGPU and WebGL2,
-/// is one of its own, and gone afterwards.
+/// Opens `page`, a path below the folder with its query, and waits until it posts JSON. A browser with WebGPU and WebGL2 is
+/// started for it and ended afterwards.
 pub fn drive_page(folder: &Path, page: &str, limit: Duration) -> Result<Driven> {
     let server = FolderServer::open(folder, 0)?;
     let logging = ["--enable-logging=stderr"];
@@ -34,8 +34,9 @@ pub fn drive_page(folder: &Path, page: &str, limit: Duration) -> Result<Driven> 
     let mut chromium = Chromium::start(None, &flags, &format!("{}{page}", server.address()))?;
     loop {
         if let Some(bytes) = server.answer(TICK)? {
-            let posted = serde_json::from_slice(&bytes)
-                .map_err(|e| failure(format!("{page} posted no JSON")).source(e))?;
+            let posted = serde_json::from_slice(&bytes).map_err(|e| {
+                failure(format!("{page} posted text that is not valid JSON")).source(e)
+            })?;
             return Ok(Driven { posted, console: console(&chromium.said()) });
         }
         if let Some(e) = chromium.ended() {

@@ -1,4 +1,4 @@
-//! How errors of the browser begin.
+//! Errors about the browser.
 
 use diffraction_shaders::error::Error;
 

@@ -1,4 +1,4 @@
-//! A folder of files over HTTP, for browsers on this machine.
+//! Serves a folder of files over HTTP, to browsers on this machine.
 
 use std::fs;
 use std::path::{Component, Path, PathBuf};
@@ -8,7 +8,7 @@ use diffraction_shaders::error::{Error, Result};
 
 use super::server::{HttpRequest, Method, Server, StatusCode};
 
-/// Types by the ends of names; browsers want them of scripts and styles.
+/// Content types by file extension. Browsers need them for scripts and styles.
 const TYPES: [(&str, &str); 7] = [
     ("html", "text/html; charset=utf-8"),
     ("js", "text/javascript; charset=utf-8"),
@@ -19,36 +19,36 @@ const TYPES: [(&str, &str); 7] = [
     ("wgsl", "text/plain; charset=utf-8"),
 ];
 
-/// Serves a folder on a local port. Nothing outside the folder is read, also not through links.
+/// Serves a folder on a local port. Files outside the folder are never read, not even through links.
 pub struct FolderServer {
     server: Server,
     root: PathBuf,
 }
 
 impl FolderServer {
-    /// Opens a port, any free one for 0.
+    /// Opens a port; 0: any free port.
     pub fn open(folder: &Path, port: u16) -> Result<FolderServer> {
         let about = |cause: &str| Error::new(folder.display(), cause);
         let root = fs::canonicalize(folder).map_err(|e| about("cannot be opened").source(e))?;
         if !root.is_dir() {
-            return Err(about("is no folder"));
+            return Err(about("is not a folder"));
         }
         let server = Server::open(port).map_err(|e| {
             Error::new(format!("port {port}"), "cannot be opened")
-                .remedy("another program may have it: take another, or 0 for any")
+                .remedy("another program may use it: choose another port, or 0 for any free one")
                 .source(e)
         })?;
         Ok(FolderServer { server, root })
     }
 
-    /// The address of the folder, with a slash at its end.
+    /// The folder's address, with a slash at its end.
     pub fn address(&self) -> String {
         format!("http://{}/", self.server.address())
     }
 
-    /// Answers the next request, if one comes in time. What a page posts is returned; else, only files are handed out.
+    /// Answers the next request, if one comes in time. Returns what a page posts. All other requests get files.
     pub fn answer(&self, wait: Duration) -> Result<Option<Vec<u8>>> {
-        let failed = |e| Error::new("the local port", "fails").source(e);
+        let failed = |e| Error::new("the local port", "cannot take requests").source(e);
         let Some(request) = self.server.next(wait).map_err(failed)? else { return Ok(None) };
         Ok(self.respond(request))
     }
@@ -69,7 +69,7 @@ impl FolderServer {
         None
     }
 
-    /// The bytes of a file below the folder, and their type.
+    /// The bytes and the content type of a file below the folder.
     fn file(&self, url: &str) -> Option<(Vec<u8>, &'static str)> {
         let relative = relative(url)?;
         let mut path = fs::canonicalize(self.root.join(relative)).ok()?;
@@ -86,14 +86,14 @@ impl FolderServer {
     }
 }
 
-/// The path that an address means, unless a part of it leads upwards or is none.
+/// The relative path of an address; `None` if a part is empty or leads upwards.
 fn relative(url: &str) -> Option<PathBuf> {
     let path = url.split(['?', '#']).next()?.strip_prefix('/')?;
     let path = PathBuf::from(decode(path)?);
     path.components().all(|part| matches!(part, Component::Normal(_))).then_some(path)
 }
 
-/// Text with `%41` read as `A`; none where that is no text.
+/// Decodes `%41` to `A`; `None` if the result is not valid text.
 fn decode(text: &str) -> Option<String> {
     let mut bytes = Vec::new();
     let mut rest = text.as_bytes();
@@ -168,7 +168,7 @@ mod tests {
         }
     }
 
-    /// A browser opens several connections at once and keeps them: each is answered while all others stay open.
+    /// A browser opens several connections at once and keeps them open. Each must be answered meanwhile.
     #[test]
     fn connections_that_stay_open_starve_no_other() {
         const AT_ONCE: usize = 24;

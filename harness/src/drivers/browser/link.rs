@@ -1,7 +1,7 @@
-//! The line to the page: a server on a local port, whose page posts what came of a job and gets the next one in answer.
+//! The connection to the page: a server on a local port. The page posts the result of a job and gets the next job in answer.
 //!
-//! Between jobs the page's request lies unanswered. A second thread of the page says every second that it is alive, so that
-//! a page that died is told from one that draws for long.
+//! Between jobs the page's request stays unanswered. A second thread of the page reports every second that it is alive, which
+//! distinguishes a dead page from one that draws for a long time.
 
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::path::Path;
@@ -14,7 +14,7 @@ use super::chromium::Chromium;
 use super::failure::failure;
 use super::server::{HttpRequest, Method, Server, StatusCode};
 
-/// The page: names under its address, types, texts.
+/// The files of the page: name, content type, text.
 const FILES: [(&str, &str, &str); 5] = [
     ("", "text/html; charset=utf-8", include_str!("page/page.html")),
     ("page.js", "text/javascript; charset=utf-8", include_str!("page/page.js")),
@@ -23,38 +23,38 @@ const FILES: [(&str, &str, &str); 5] = [
     ("webgl2.js", "text/javascript; charset=utf-8", include_str!("page/webgl2.js")),
 ];
 
-/// How long the program may take until its page speaks; loaded machines are slow.
+/// Maximum time until the page sends its first message; loaded machines are slow.
 const START: Duration = Duration::from_secs(90);
-/// How long a page may be silent; it speaks every second.
+/// Maximum time between messages of the page, which sends one every second.
 const SILENCE: Duration = Duration::from_secs(45);
-/// How long a job may take: a band of rows on a software driver takes seconds.
+/// Maximum time of a job. A band of rows on a software driver takes seconds.
 const JOB: Duration = Duration::from_secs(600);
-/// How often it is seen whether the program still runs.
+/// Interval between checks whether the program still runs.
 const TICK: Duration = Duration::from_millis(100);
 
-/// A browser on our page.
+/// A browser with our page open.
 pub(super) struct Link {
-    // declared first, dropped first: the page must not see the server go and close by itself
+    // declared first, so dropped first: the page must not lose its server and close by itself
     chromium: Chromium,
     server: Server,
-    /// First part of every address: nobody else on this machine knows it.
+    /// First part of every address, a secret from other users of this machine.
     root: String,
     /// The page's request for its next job.
     waiting: Option<HttpRequest>,
-    /// Why nothing more can come.
+    /// Why no further message can come.
     broken: Option<String>,
 }
 
-/// What the page says.
+/// A message from the page.
 pub(super) struct Message {
     /// A JSON object.
     pub(super) head: Value,
-    /// What follows it.
+    /// The bytes that follow it.
     pub(super) payload: Vec<u8>,
 }
 
 impl Link {
-    /// Starts the browser and waits for the page's first words.
+    /// Starts the browser and waits for the page's first message.
     pub(super) fn start(program: Option<&Path>, flags: &[&str]) -> Result<(Link, Message)> {
         let server =
             Server::open(0).map_err(|e| failure("no local port can be opened").source(e))?;
@@ -67,7 +67,7 @@ impl Link {
         Ok((link, first))
     }
 
-    /// Sends a job and waits for what came of it.
+    /// Sends a job and waits for its result.
     pub(super) fn call(&mut self, head: &Value, payload: &[&[u8]]) -> Result<Message> {
         if let Some(cause) = &self.broken {
             return Err(failure(cause));
@@ -79,7 +79,7 @@ impl Link {
         self.receive(SILENCE, JOB)
     }
 
-    /// Number of the browser's first process.
+    /// Id of the browser's first process.
     pub(super) fn id(&self) -> u32 {
         self.chromium.id()
     }
@@ -104,23 +104,25 @@ impl Link {
                     }
                 }
                 Ok(None) => {}
-                Err(e) => return Err(self.fail(failure("the local port fails").source(e))),
+                Err(e) => {
+                    return Err(self.fail(failure("the local port cannot take requests").source(e)));
+                }
             }
             if let Some(e) = self.chromium.ended() {
                 return Err(self.fail(e));
             }
             let late = [(heard, silence, "its page was silent"), (begun, limit, "a job took")];
-            if let Some((_, most, what)) =
-                late.iter().find(|(since, most, _)| since.elapsed() > *most)
+            if let Some((_, limit, what)) =
+                late.iter().find(|(since, limit, _)| since.elapsed() > *limit)
             {
                 let words = self.chromium.last_words();
-                let cause = format!("{what} for more than {} s{words}", most.as_secs());
+                let cause = format!("{what} for more than {} s{words}", limit.as_secs());
                 return Err(self.fail(failure(cause)));
             }
         }
     }
 
-    /// Remembers that nothing more can come.
+    /// Records that no further message can come.
     fn fail(&mut self, error: Error) -> Error {
         let message = error.message();
         let cause = message.strip_prefix(error.subject()).unwrap_or(&message);
@@ -128,7 +130,7 @@ impl Link {
         error
     }
 
-    /// Answers a request; that for the next job stays open, and its message is returned.
+    /// Answers a request. A request for the next job stays open, and its message is returned.
     fn answer(&mut self, request: HttpRequest) -> Result<Option<Message>> {
         let name = request.url.strip_prefix(self.root.as_str());
         let file = name.and_then(|name| FILES.iter().find(|(file, ..)| *file == name));
@@ -146,7 +148,7 @@ impl Link {
     }
 }
 
-/// The bytes of a message, as page.js describes them.
+/// The bytes of a message, in the format that page.js describes.
 fn pack(head: &Value, payload: &[&[u8]]) -> Vec<u8> {
     let text = head.to_string();
     let padded = (4 + text.len()).next_multiple_of(16) - 4;

@@ -1,4 +1,4 @@
-//! An HTML file opened in a browser: whether it fits a width, what it says on the console, how it looks.
+//! Opens an HTML file in a browser: checks whether it fits a width, collects its console, takes a picture.
 
 use std::fmt::Write;
 use std::fs;
@@ -11,13 +11,13 @@ use serde::Deserialize;
 use super::chromium::Chromium;
 use super::flags;
 
-/// How long a page may take to load.
+/// Maximum time to load a page.
 const LIMIT: Duration = Duration::from_secs(120);
 
-/// Begins the line on the console that reports the sizes.
+/// Prefix of the console line that reports the sizes.
 const MARK: &str = "page-check:";
 
-/// The file in a frame, whose width is exact where that of a headless window has a least value. Markers are replaced.
+/// A page with the file in a frame. A frame's width is exact, a headless window has a minimum width. Markers are replaced.
 const FRAME: &str = r#"<!doctype html>
 <meta charset="utf-8">
 <style>body { margin: 0 } iframe { border: 0; display: block }</style>
@@ -33,22 +33,22 @@ const FRAME: &str = r#"<!doctype html>
 </script>
 "#;
 
-/// What was found.
+/// The result.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PageCheck {
     /// Width of the view, CSS pixels.
     pub width: u32,
-    /// Width of the content; above `width`, it scrolls sideways.
+    /// Width of the content. If it is above `width`, the page scrolls sideways.
     pub scroll_width: u32,
     /// Height of the content.
     pub scroll_height: u32,
-    /// Every line on the console: uncaught errors, and what the page itself says; the browser does not tell them apart.
+    /// Every line on the console: uncaught errors and the page's own lines, which the browser does not distinguish.
     pub console: Vec<String>,
 }
 
-/// Opens a local file in a view of `[width, height]` CSS pixels and, where given, saves its picture as a PNG.
+/// Opens a local file in a view of `[width, height]` CSS pixels. Saves a picture as PNG, if a path is given.
 ///
-/// Scripts run as they do from disk. The browser is one of its own, and gone afterwards.
+/// Scripts run as from disk. A browser is started for the page and ended afterwards.
 pub fn check_page(
     html: &Path,
     [width, height]: [u32; 2],
@@ -71,7 +71,7 @@ pub fn check_page(
         "--allow-file-access-from-files".to_owned(),
         "--enable-logging=stderr".to_owned(),
         "--hide-scrollbars".to_owned(),
-        // what the page does within these milliseconds of its own time is in the picture
+        // the picture is taken after this time of the page's clock, in ms
         "--virtual-time-budget=5000".to_owned(),
         format!("--window-size={width},{height}"),
         format!("--screenshot={}", picture.display()),
@@ -86,7 +86,7 @@ pub fn check_page(
     read(&log).ok_or_else(|| unseen("the browser did not load it"))
 }
 
-/// Finds the sizes and the lines of the console in what the browser said.
+/// Finds the sizes and the console lines in the browser's log.
 fn read(log: &str) -> Option<PageCheck> {
     #[derive(Deserialize)]
     struct Sizes {
@@ -102,7 +102,7 @@ fn read(log: &str) -> Option<PageCheck> {
     Some(PageCheck { width, scroll_width, scroll_height, console })
 }
 
-/// The lines of the console in what the browser said.
+/// The console lines in the browser's log.
 pub(super) fn console(log: &str) -> Vec<String> {
     let lines = log.lines().filter(|line| line.contains(":CONSOLE"));
     let said = |line: &str| -> Option<String> {

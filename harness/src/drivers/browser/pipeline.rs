@@ -1,4 +1,4 @@
-//! A program with its tables in the page.
+//! A compiled program with its tables in the page.
 
 use std::ops::Range;
 
@@ -11,7 +11,7 @@ use super::{Api, BoundTable, Browser, Web, lock};
 use crate::drivers::driver::PARAMS;
 use crate::drivers::stages::StageFile;
 
-/// A compiled program with its tables; the page forgets it when it is dropped.
+/// A compiled program with its tables. The page frees it when it is dropped.
 #[derive(Debug)]
 pub struct Pipeline {
     browser: Browser,
@@ -21,7 +21,7 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
-    /// Compiles a vertex and a fragment stage and uploads what they read.
+    /// Compiles a vertex and a fragment stage and uploads the tables that they read.
     pub(super) fn new(
         web: &Web,
         name: &str,
@@ -78,7 +78,7 @@ impl Pipeline {
         let pixels = numbers.as_chunks::<4>().0;
         Ok(match self.api {
             Api::WebGpu => pixels.to_vec(),
-            // from the bottom, as GL has them
+            // GL returns rows from the bottom
             Api::WebGl2 => {
                 pixels.chunks_exact(size[0].max(1) as usize).rev().flatten().copied().collect()
             }
@@ -109,17 +109,21 @@ fn describe(binding: u32, table: &Table, bytes: &[u8]) -> Value {
     })
 }
 
-/// Texels as uploaded; an error where they do not fill the table.
+/// The texels' bytes to upload; an error if there are too few or too many for the table.
 fn bytes(name: &str, table: &Table) -> Result<Vec<u8>> {
     let sides = [table.width, table.height, table.layers.max(1), table.format.channels()];
     if sides.into_iter().try_fold(1, usize::checked_mul) != Some(table.texels.len()) {
-        let cause = format!("table {}: {} numbers do not fill it", table.name, table.texels.len());
+        let cause = format!(
+            "table {}: has a wrong number of texels: {} numbers",
+            table.name,
+            table.texels.len()
+        );
         return Err(Error::new(name, cause));
     }
     Ok(table.bytes())
 }
 
-/// Tells the page where WebGPU finds the uniform block, and by which names WebGL2 finds everything.
+/// The bindings for WebGPU and the names for WebGL2 by which the page finds the uniform block and the tables.
 fn resources(
     job: &mut Value,
     name: &str,
@@ -140,16 +144,16 @@ fn resources(
                 blocks.push(entry);
             }
             BindingKind::Texture => {
-                // a file of WGSL names what any of its entry points reads; its compiler knows what this one does
+                // a WGSL file lists the tables of all its entry points; its compiler knows which ones this entry point reads
                 if api == Api::WebGl2 && !tables.iter().any(|(at, _)| *at == binding.binding) {
-                    return Err(failure(name, file, format!("there is no table for {emitted}")));
+                    return Err(failure(name, file, format!("has no table for {emitted}")));
                 }
                 textures.push(entry);
             }
-            // of WebGL2 the parameters of its textures
+            // in WebGL2 samplers are parameters of textures
             BindingKind::Sampler if binding.binding == SAMPLER => job["sampler"] = json!(SAMPLER),
             BindingKind::Sampler => {
-                return Err(failure(name, file, format!("{emitted} is another sampler")));
+                return Err(failure(name, file, format!("{emitted} is an unknown sampler")));
             }
         }
     }

@@ -1,7 +1,7 @@
-//! HTTP on a local port: requests come one after another to whoever asks for them, and lie unanswered as long as need be.
+//! HTTP on a local port. Requests are handed out one after another, and may stay unanswered for any time.
 //!
-//! A browser opens several connections at once and keeps them open, so none may cost another its turn: each is a task of a
-//! runtime, not a thread of a pool.
+//! A browser opens several connections at once and keeps them open. So that no connection blocks another, each is a task of an
+//! async runtime, not a thread of a pool.
 
 use std::convert::Infallible;
 use std::fmt::Display;
@@ -21,17 +21,17 @@ use tokio::net::TcpListener;
 use tokio::runtime::{Builder, Runtime};
 use tokio::sync::oneshot;
 
-/// Most bytes of a message; a band of a picture has some ten million.
-const LARGEST: usize = 1 << 30;
+/// Maximum size of a message, in bytes. A band of a picture has about ten million.
+const MAX_BYTES: usize = 1 << 30;
 
-/// An open port. Its end closes all connections.
+/// An open port. Dropping it closes all connections.
 pub(super) struct Server {
     address: SocketAddr,
     requests: Receiver<HttpRequest>,
     runtime: Option<Runtime>,
 }
 
-/// A request that waits for its answer; dropped without one, the page gets 404.
+/// A request that waits for its answer. If it is dropped without one, the page gets 404.
 pub(super) struct HttpRequest {
     pub(super) method: Method,
     /// Path and query, as sent.
@@ -43,7 +43,7 @@ pub(super) struct HttpRequest {
 type Response = hyper::Response<Full<Bytes>>;
 
 impl Server {
-    /// Opens a port of this machine alone, any free one for 0.
+    /// Opens a port for this machine only; 0: any free port.
     pub(super) fn open(port: u16) -> io::Result<Server> {
         let runtime = Builder::new_multi_thread().worker_threads(1).enable_io().build()?;
         let listener = runtime.block_on(TcpListener::bind((Ipv4Addr::LOCALHOST, port)))?;
@@ -76,11 +76,11 @@ impl Drop for Server {
 }
 
 impl HttpRequest {
-    /// Sends a text or other content of a type; a page that went away needs none.
+    /// Sends content of a type. If the page is gone, nothing happens.
     pub(super) fn send(self, kind: &'static str, content: impl Into<Bytes>) {
         let response = hyper::Response::builder()
             .header(CONTENT_TYPE, kind)
-            // what is made anew under the same address is to be seen
+            // a rebuilt file under the same address must not come from the browser's cache
             .header(CACHE_CONTROL, "no-cache")
             .body(Full::new(content.into()));
         if let Ok(response) = response {
@@ -96,7 +96,7 @@ impl HttpRequest {
 
 async fn accept(listener: TcpListener, requests: Sender<HttpRequest>) {
     loop {
-        // a connection that broke before it was taken
+        // the connection broke before it was accepted
         let Ok((stream, _)) = listener.accept().await else { continue };
         let requests = requests.clone();
         let service = service_fn(move |request| serve(request, requests.clone()));
@@ -109,8 +109,8 @@ async fn serve(
     requests: Sender<HttpRequest>,
 ) -> Result<Response, Infallible> {
     let (head, body) = request.into_parts();
-    // a message that broke off is none
-    let Ok(body) = Limited::new(body, LARGEST).collect().await else {
+    // an incomplete message is dropped
+    let Ok(body) = Limited::new(body, MAX_BYTES).collect().await else {
         return Ok(empty(StatusCode::BAD_REQUEST));
     };
     let (answer, answered) = oneshot::channel();

@@ -1,4 +1,4 @@
-//! Folders of browsers. One that a killed process left behind goes with the next run.
+//! Folders for browsers. The next run removes folders that killed processes left behind.
 
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
@@ -11,10 +11,10 @@ use super::failure::failure;
 
 const PREFIX: &str = "diffraction-browser-";
 
-/// Locked as long as the process lives that made the folder, however it ends.
+/// The file that is locked as long as the process that made the folder lives.
 const LOCK: &str = "lock";
 
-/// Younger ones may not be locked yet.
+/// Folders younger than this may not be locked yet.
 const YOUNG: Duration = Duration::from_secs(60);
 
 /// A temporary folder for a browser.
@@ -25,7 +25,7 @@ pub(super) struct UserFolder {
 }
 
 impl UserFolder {
-    /// Makes one, and removes those whose process is gone.
+    /// Makes a folder, and removes those whose process is gone.
     pub(super) fn new() -> Result<UserFolder> {
         abandoned(&std::env::temp_dir()).iter().for_each(|folder| {
             // another process may do the same
@@ -36,16 +36,16 @@ impl UserFolder {
             lock.lock()?;
             Ok(UserFolder { folder, _lock: lock })
         });
-        made.map_err(|e| failure("there is no place for a profile").source(e))
+        made.map_err(|e| failure("its profile folder cannot be created").source(e))
     }
 
     pub(super) fn path(&self) -> &Path {
         self.folder.path()
     }
 
-    /// Removes it after its browser ended.
+    /// Removes the folder after its browser ended.
     pub(super) fn remove(&self) {
-        // processes that are just ending may still write
+        // ending processes may still write into it
         for _ in 0..20 {
             if fs::remove_dir_all(self.path()).is_ok() {
                 break;

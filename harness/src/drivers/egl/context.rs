@@ -1,7 +1,7 @@
-//! The only part with calls into C: displays and contexts of EGL without a surface, and the calls of GL.
+//! All calls into C: displays and surfaceless contexts of EGL, and the functions of GL.
 //!
-//! [`Current`] stands for "this context is current on this thread"; all calls of GL are its methods. GL objects are not
-//! deleted one by one: they go with their context.
+//! A value of [`Current`] proves that a context is current on this thread; all functions of GL are its methods. GL objects are
+//! not deleted one by one: they are freed with their context.
 #![expect(unsafe_code, reason = "EGL and GL are C interfaces")]
 
 use std::ffi::{CStr, c_void};
@@ -22,7 +22,7 @@ pub(super) type Instance = egl::DynamicInstance<egl::EGL1_5>;
 const PLATFORM_DEVICE: egl::Enum = 0x313F;
 const PLATFORM_SURFACELESS: egl::Enum = 0x31DD;
 
-/// The library. It stays loaded, since drivers keep threads that outlive a context.
+/// The EGL library. It stays loaded, since drivers have threads that outlive a context.
 pub(super) fn instance() -> Result<&'static Instance> {
     static INSTANCE: OnceLock<Instance> = OnceLock::new();
     if let Some(instance) = INSTANCE.get() {
@@ -34,9 +34,9 @@ pub(super) fn instance() -> Result<&'static Instance> {
     Ok(INSTANCE.get_or_init(|| loaded))
 }
 
-/// The displays that need no window: one for each device, then Mesa's surfaceless one, then the default.
+/// The displays that need no window: one for each device, then Mesa's surfaceless display, then the default.
 ///
-/// Devices come first because wgpu opens the surfaceless display, and closes it under all its other users.
+/// Devices come first because wgpu opens the surfaceless display and later closes it for all its users.
 pub(super) fn displays(egl: &Instance) -> Vec<egl::Display> {
     let extensions = egl.query_string(None, egl::EXTENSIONS).map(CStr::to_string_lossy);
     let extensions = extensions.unwrap_or_default();
@@ -49,7 +49,7 @@ pub(super) fn displays(egl: &Instance) -> Vec<egl::Display> {
         native.push((PLATFORM_SURFACELESS, ptr::null_mut()));
     }
     let platform = |(platform, native): (egl::Enum, *mut c_void)| {
-        // SAFETY: a device that EGL listed, or none where the platform has none, as its extension demands.
+        // SAFETY: the pointer is a device that EGL listed, or null for a platform without devices, as its extension demands.
         unsafe { egl.get_platform_display(platform, native, &[egl::ATTRIB_NONE]) }.ok()
     };
     let mut found: Vec<_> = native.into_iter().filter_map(platform).collect();
@@ -58,7 +58,7 @@ pub(super) fn displays(egl: &Instance) -> Vec<egl::Display> {
     found
 }
 
-/// EGL_EXT_device_enumeration; empty where it is missing.
+/// The devices by EGL_EXT_device_enumeration; empty without that extension.
 fn devices(egl: &Instance) -> Vec<*mut c_void> {
     type Query =
         unsafe extern "system" fn(egl::Int, *mut *mut c_void, *mut egl::Int) -> egl::Boolean;
@@ -74,7 +74,7 @@ fn devices(egl: &Instance) -> Vec<*mut c_void> {
     devices.into_iter().take(count).collect()
 }
 
-/// A context; destroyed with all its objects when dropped.
+/// A context, destroyed with all its objects when dropped.
 pub(super) struct Context {
     egl: &'static Instance,
     display: egl::Display,
@@ -84,7 +84,7 @@ pub(super) struct Context {
 }
 
 impl Context {
-    /// Makes one on a display that is open.
+    /// Makes a context on an open display.
     pub(super) fn new(
         dialect: Dialect,
         display: egl::Display,
@@ -110,7 +110,7 @@ impl Context {
         Ok(Context { egl, display, api, context, gl: OnceLock::new() })
     }
 
-    /// Makes it current on this thread, as long as the returned value lives; `subject` is named in errors.
+    /// Makes the context current on this thread for the lifetime of the returned value. Errors are about `subject`.
     pub(super) fn current<'a>(&'a self, subject: &'a str) -> Result<Current<'a>> {
         let Context { egl, display, api, context, .. } = self;
         let made = egl
@@ -133,7 +133,7 @@ impl Context {
 
 impl Drop for Context {
     fn drop(&mut self) {
-        // nothing can be done about a failure, and the end of the process frees all
+        // nothing can be done about a failure; the end of the process frees everything
         let _ = self.egl.destroy_context(self.display, self.context);
     }
 }
@@ -153,15 +153,15 @@ impl Drop for Current<'_> {
     }
 }
 
-// In all that follows, `self` proves that the context is current. Names of objects that are not the context's own are
-// errors of GL, not undefined behaviour.
+// In the following methods, `self` proves that the context is current. Names of objects of other contexts are errors of GL,
+// not undefined behaviour.
 impl Current<'_> {
     /// An error about the subject.
     pub(super) fn fail<T>(&self, cause: impl std::fmt::Display) -> Result<T> {
         Err(Error::new(self.subject, cause))
     }
 
-    /// An error where GL recorded one since the last call.
+    /// Returns an error if GL recorded one since the last call.
     pub(super) fn check(&self, what: &str) -> Result<()> {
         // SAFETY: the context is current.
         match unsafe { self.gl.get_error() } {
@@ -192,7 +192,7 @@ impl Current<'_> {
         self.gl.supported_extensions().contains(extension)
     }
 
-    /// A limit of the driver that is a single number.
+    /// A limit of the driver, a single number.
     pub(super) fn limit(&self, parameter: u32) -> i32 {
         // SAFETY: the context is current; the parameters asked for are single numbers of every version.
         unsafe { self.gl.get_parameter_i32(parameter) }
@@ -212,7 +212,7 @@ impl Current<'_> {
         }
     }
 
-    /// A linked program, which stays in use, or the driver's log.
+    /// Links a program and uses it from now on; the error is the driver's log.
     pub(super) fn program(&self, shaders: [glow::Shader; 2]) -> Result<glow::Program, String> {
         // SAFETY: the context is current.
         unsafe {
@@ -229,7 +229,7 @@ impl Current<'_> {
         }
     }
 
-    /// Whether the program in use has a texture of that name; `unit`, where the text does not say it, is set.
+    /// Whether the program in use has a texture of that name. Sets its `unit`, if the shader does not.
     pub(super) fn texture_unit(
         &self,
         program: glow::Program,
@@ -246,7 +246,7 @@ impl Current<'_> {
         }
     }
 
-    /// Bytes of the uniform block of that name, if there is one; `point`, where the text does not say it, is set.
+    /// Size in bytes of the uniform block of that name, if there is one. Sets its binding `point`, if the shader does not.
     pub(super) fn block(
         &self,
         program: glow::Program,
@@ -264,7 +264,7 @@ impl Current<'_> {
         }
     }
 
-    /// Makes the buffer of a uniform block, the last one made being that of [`Current::rows`].
+    /// Makes the buffer of a uniform block. [`Current::rows`] fills the buffer made last.
     pub(super) fn uniform_buffer(&self, point: u32, bytes: i32) -> Result<(), String> {
         // SAFETY: the context is current; GL allocates the bytes.
         unsafe {
@@ -275,7 +275,7 @@ impl Current<'_> {
         Ok(())
     }
 
-    /// Makes a texture, filtered where its table is, and binds it to a unit.
+    /// Makes a texture, filtered if its table is, and binds it to a unit.
     pub(super) fn upload(
         &self,
         unit: u32,
@@ -289,11 +289,11 @@ impl Current<'_> {
             TexelFormat::Rgba32Float => (glow::RGBA32F as i32, glow::RGBA, 4),
             TexelFormat::Rgb9e5Ufloat => (glow::RGB9_E5 as i32, glow::RGB, 3),
         };
-        // rounded to the texel format here, so that the driver has nothing left to round
+        // rounded to the texel format here, so that the driver does not round
         let texels: Vec<f32> = table.clone().rounded().texels.iter().map(|&v| v as f32).collect();
         let sides = [width, height, layers, channels].map(|n| usize::try_from(n).unwrap_or(0));
         if sides.into_iter().try_fold(1, usize::checked_mul) != Some(texels.len()) {
-            return Err(format!("{} numbers do not fill it", texels.len()));
+            return Err(format!("has a wrong number of texels: {} numbers", texels.len()));
         }
         let data = PixelUnpackData::Slice(Some(bytemuck::cast_slice(&texels)));
         let flat = table.layers == 0;
@@ -322,12 +322,12 @@ impl Current<'_> {
         Ok(())
     }
 
-    /// Draws into a new picture of 32-bit floats from now on; whether the driver can.
+    /// Makes a new picture of 32-bit floats the target of all further draws. Returns whether the driver supports this.
     pub(super) fn target(&self, [width, height]: [i32; 2]) -> Result<bool, String> {
         let (frame, buffer) = (glow::FRAMEBUFFER, glow::RENDERBUFFER);
-        // SAFETY: the context is current; the picture before, if any, is no longer read.
+        // SAFETY: the context is current; a previous picture, if any, is no longer read.
         unsafe {
-            // the picture before, if any
+            // the previous picture, if any
             if let Some(old) = self.gl.get_parameter_renderbuffer(glow::RENDERBUFFER_BINDING) {
                 self.gl.delete_renderbuffer(old);
             }
@@ -345,7 +345,7 @@ impl Current<'_> {
         }
     }
 
-    /// Draws `rows` rows from `bottom` on, and reads them back, the lowest first.
+    /// Draws `rows` rows, starting at row `bottom`, and reads them back, lowest row first.
     pub(super) fn rows(&self, [width, bottom, rows]: [i32; 3], uniforms: &[u8]) -> Vec<[f32; 4]> {
         let sides = [width, rows].map(|n| usize::try_from(n).unwrap_or(0));
         let mut pixels = vec![[0.0_f32; 4]; sides[0] * sides[1]];

@@ -1,4 +1,4 @@
-//! Displays, and which of them runs a dialect.
+//! Finds a display that runs a dialect.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -24,14 +24,14 @@ impl Device {
             adapter.is_none_or(|part| driver.to_lowercase().contains(&part.to_lowercase()))
         };
         let mut refused = Vec::new();
-        // the bindings panic where a driver breaks the rules; such a driver is passed by
+        // the bindings panic if a driver violates EGL; such a driver is skipped
         for display in catch_unwind(|| displays(egl)).unwrap_or_default() {
             let opened = catch_unwind(AssertUnwindSafe(|| Device::on(egl, display, dialect)));
             match opened {
                 Ok(Ok(device)) if wanted(&device.driver) => return Ok(device),
-                Ok(Ok(device)) => refused.push(format!("{} has another name", device.driver)),
+                Ok(Ok(device)) => refused.push(format!("{} has a different name", device.driver)),
                 Ok(Err(reason)) => refused.push(reason),
-                Err(_) => refused.push("a display breaks the rules of EGL".to_owned()),
+                Err(_) => refused.push("a display violates the rules of EGL".to_owned()),
             }
         }
         refused.dedup();
@@ -39,20 +39,21 @@ impl Device {
             ([], _) => "EGL has no display".to_owned(),
             (reasons, None) => format!("no display runs it: {}", reasons.join("; ")),
             (reasons, Some(name)) => {
-                format!("no display of the name {name} runs it: {}", reasons.join("; "))
+                format!("no display with {name} in its name runs it: {}", reasons.join("; "))
             }
         };
         Err(Error::new(dialect, cause).remedy(REMEDY))
     }
 
-    /// A context of its kind.
+    /// A context of the dialect's kind.
     pub(super) fn context(&self) -> Result<Context> {
         Context::new(self.dialect, self.display, self.config)
     }
 
-    /// Opens a display; else says why not.
+    /// Opens a display; the error states why it cannot be used.
     fn on(egl: &Instance, display: egl::Display, dialect: Dialect) -> Result<Device, String> {
-        egl.initialize(display).map_err(|e| format!("a display does not open: EGL says {e:?}"))?;
+        egl.initialize(display)
+            .map_err(|e| format!("a display cannot be opened: EGL says {e:?}"))?;
         let renderable = match dialect {
             Dialect::Glsl450 => egl::OPENGL_BIT,
             Dialect::GlslEs300 => egl::OPENGL_ES3_BIT,
@@ -72,7 +73,7 @@ impl Device {
     }
 }
 
-/// What a driver lacks, in words that follow its name.
+/// What a driver lacks, in words that continue its name.
 fn lack(current: &Current<'_>, dialect: Dialect) -> Option<String> {
     let (major, minor) = match dialect {
         Dialect::Glsl450 => (4, 5),

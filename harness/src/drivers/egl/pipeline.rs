@@ -1,4 +1,4 @@
-//! A program with its tables, ready to draw.
+//! A compiled program with its tables, ready to draw.
 
 use std::cell::Cell;
 use std::fmt;
@@ -21,7 +21,7 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
-    /// Compiles a vertex and a fragment file and uploads what they read.
+    /// Compiles a vertex and a fragment file and uploads the tables that they read.
     pub(super) fn new(
         device: &Device,
         name: &str,
@@ -46,13 +46,13 @@ impl Pipeline {
         band: Range<u32>,
     ) -> Result<Vec<[f32; 4]>> {
         let current = self.context.current(&self.name)?;
-        let most = ("GL_MAX_RENDERBUFFER_SIZE", glow::MAX_RENDERBUFFER_SIZE);
-        let width = within(&current, "a picture's width", size[0] as usize, most)?;
-        let height = within(&current, "a picture's height", size[1] as usize, most)?;
+        let max = ("GL_MAX_RENDERBUFFER_SIZE", glow::MAX_RENDERBUFFER_SIZE);
+        let width = within(&current, "a picture's width", size[0] as usize, max)?;
+        let height = within(&current, "a picture's height", size[1] as usize, max)?;
         if self.size.replace(None) != Some(size) {
             match current.target([width, height]) {
                 Ok(true) => current.check("picture")?,
-                Ok(false) => return current.fail("the driver does not render to 32-bit floats"),
+                Ok(false) => return current.fail("the driver cannot render to 32-bit floats"),
                 Err(e) => return current.fail(e),
             }
         }
@@ -96,7 +96,7 @@ fn trimmed(log: &str) -> &str {
     log.trim_matches(|c: char| c == '\0' || c.is_whitespace())
 }
 
-/// Binds what a file reads: where its text says, else by the names that were reported with it.
+/// Binds what a file reads, by the bindings in its text, else by the names that were reported with it.
 fn bind(
     current: &Current<'_>,
     program: glow::Program,
@@ -105,7 +105,7 @@ fn bind(
 ) -> Result<()> {
     for binding in &file.bindings {
         let name = &binding.emitted_name;
-        let missing = || current.fail(format!("{}: the driver knows no {name}", file.name));
+        let missing = || current.fail(format!("{}: the driver does not know {name}", file.name));
         let place = binding.emitted_binding.unwrap_or(binding.binding);
         let unsaid = binding.emitted_binding.is_none().then_some(place);
         match binding.kind {
@@ -114,7 +114,7 @@ fn bind(
                     return missing();
                 }
                 let Some((_, table)) = tables.iter().find(|(at, _)| *at == binding.binding) else {
-                    return current.fail(format!("{}: there is no table for {name}", file.name));
+                    return current.fail(format!("{}: has no table for {name}", file.name));
                 };
                 upload(current, place, table)?;
             }
@@ -130,10 +130,10 @@ fn bind(
                 }
                 current.uniform_buffer(place, bytes).or_else(|e| current.fail(e))?;
             }
-            // combined with its texture, whose parameters are those of the table
+            // combined with its texture, whose parameters come from the table
             BindingKind::Sampler if binding.binding == SAMPLER => {}
             BindingKind::Sampler => {
-                return current.fail(format!("{}: {name} is another sampler", file.name));
+                return current.fail(format!("{}: {name} is an unknown sampler", file.name));
             }
         }
     }
@@ -155,16 +155,16 @@ fn upload(current: &Current<'_>, unit: u32, table: &Table) -> Result<()> {
     current.check(&what)
 }
 
-/// A number as GL takes it; an error where it is none or above a limit of the driver.
+/// A number as GL's integer; an error if it is 0 or above a limit of the driver.
 fn within(
     current: &Current<'_>,
     what: &str,
     value: usize,
     (name, parameter): (&str, u32),
 ) -> Result<i32> {
-    let most = current.limit(parameter);
+    let max = current.limit(parameter);
     match i32::try_from(value) {
-        Ok(value) if (1..=most).contains(&value) => Ok(value),
-        _ => current.fail(format!("{what}: {value} is not from 1 to {name} = {most}")),
+        Ok(value) if (1..=max).contains(&value) => Ok(value),
+        _ => current.fail(format!("{what}: {value} is not between 1 and {name} = {max}")),
     }
 }

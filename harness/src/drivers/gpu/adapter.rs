@@ -1,13 +1,13 @@
-//! Which adapters there are, and opening one.
+//! Lists and opens adapters.
 
 use diffraction_shaders::error::{Error, Result};
 
 use super::backend::{AdapterInfo, Backend};
 use super::guard::Shared;
 
-/// The environment variable, and its value, that lets Mesa's GL render to 32-bit float targets.
+/// The environment variable and its value that make Mesa's GL render to 32-bit float targets.
 ///
-/// It must be set before the process loads the driver, hence before it starts.
+/// It must be set before the process loads the driver, so before the process starts.
 pub const MESA_FLOAT_TARGETS: (&str, &str) =
     ("MESA_EXTENSION_OVERRIDE", "+GL_ARB_color_buffer_float");
 
@@ -43,7 +43,7 @@ pub(super) fn open(backend: Backend, wanted: Option<&str>) -> Result<Shared> {
     let limits = adapter.limits();
     let request = adapter.request_device(&wgpu::DeviceDescriptor {
         label: None,
-        // timestamps for the time of frames; untranslated SPIR-V, which changes nothing for shaders that wgpu translates
+        // time stamps for the times of frames; unchanged SPIR-V, which does not affect shaders that wgpu translates
         required_features: adapter.features()
             & (wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::PASSTHROUGH_SHADERS),
         required_limits: limits.clone(),
@@ -52,17 +52,17 @@ pub(super) fn open(backend: Backend, wanted: Option<&str>) -> Result<Shared> {
         trace: wgpu::Trace::Off,
     });
     let (device, queue) = pollster::block_on(request).map_err(|e| {
-        Error::new(format!("{backend} adapter {info}"), "opens no device").source(e)
+        Error::new(format!("{backend} adapter {info}"), "cannot open a device").source(e)
     })?;
     Ok(Shared::new(instance, device, queue, info, limits))
 }
 
-/// The adapters of one backend, graphics cards before software, SwiftShader last, else in the driver's order.
+/// The adapters of one backend: graphics cards before software drivers, SwiftShader last, otherwise in the driver's order.
 fn enumerate(backend: Backend) -> (wgpu::Instance, Vec<(AdapterInfo, wgpu::Adapter)>) {
     let backends = wgpu::Backends::from(backend.wgpu());
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
         backends,
-        // WGPU_DEBUG, WGPU_VALIDATION and the like are heeded; validation of indirect draws is off, since there are none
+        // WGPU_DEBUG, WGPU_VALIDATION and the like have an effect; there are no indirect draws to validate
         flags: wgpu::InstanceFlags::empty().with_env(),
         ..wgpu::InstanceDescriptor::new_without_display_handle()
     });
@@ -81,7 +81,7 @@ fn enumerate(backend: Backend) -> (wgpu::Instance, Vec<(AdapterInfo, wgpu::Adapt
                 wgpu::DeviceType::VirtualGpu => 2,
                 wgpu::DeviceType::Other => 3,
                 wgpu::DeviceType::Cpu if !info.name.contains("SwiftShader") => 4,
-                // the slower of the two that machines without a graphics card have
+                // machines without a graphics card have two drivers; this is the slower one
                 wgpu::DeviceType::Cpu => 5,
             };
             (rank, AdapterInfo { backend, name: info.name, driver }, adapter)
@@ -117,7 +117,7 @@ fn none(backend: Backend, wanted: Option<&str>) -> Error {
         })
         .collect();
     Error::new(backend, cause).remedy(format!(
-        "found {}; Debian's software drivers are mesa-vulkan-drivers libvulkan1 for vulkan, libegl1 libgles2 libgl1-mesa-dri for gl",
+        "this machine has {}; Debian's software drivers are mesa-vulkan-drivers libvulkan1 for vulkan, libegl1 libgles2 libgl1-mesa-dri for gl",
         listing.join("; ")
     ))
 }

@@ -9,16 +9,16 @@ use diffraction_shaders::error::{Error, Result};
 pub enum Backend {
     /// Vulkan.
     Vulkan,
-    /// Desktop OpenGL by EGL.
+    /// Desktop OpenGL through EGL.
     Gl,
-    /// Metal; only on Apple's systems, where wgpu is built with it.
+    /// Metal, on Apple's systems only.
     Metal,
-    /// Direct3D 12; only on Windows, where wgpu is built with it.
+    /// Direct3D 12, on Windows only.
     Dx12,
 }
 
 impl Backend {
-    /// All of them.
+    /// All backends.
     pub const ALL: [Backend; 4] = [Backend::Vulkan, Backend::Gl, Backend::Metal, Backend::Dx12];
 
     /// The name on the command line: `vulkan`, `gl`, `metal`, `dx12`.
@@ -52,7 +52,7 @@ impl FromStr for Backend {
 
     fn from_str(name: &str) -> Result<Backend> {
         Backend::ALL.into_iter().find(|backend| backend.name() == name).ok_or_else(|| {
-            Error::new(name, "no such backend")
+            Error::new(name, "is not a backend")
                 .remedy(format!("one of {}", Backend::ALL.map(Backend::name).join(", ")))
         })
     }
@@ -61,9 +61,9 @@ impl FromStr for Backend {
 /// An adapter, in words.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AdapterInfo {
-    /// By which interface.
+    /// The graphics interface.
     pub backend: Backend,
-    /// As the driver calls it; lavapipe and llvmpipe bear the same name, and differ by `backend` and `driver`.
+    /// Its name, from the driver. Lavapipe and llvmpipe have the same name, and differ in `backend` and `driver`.
     pub name: String,
     /// The driver and its version.
     pub driver: String,

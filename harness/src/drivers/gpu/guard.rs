@@ -1,4 +1,4 @@
-//! The open device, and the walls around every call to it: whatever goes wrong behind them comes out as an `Error`.
+//! The open device, and guards around every call to it, which turn all failures into an `Error`.
 
 use std::{
     any::Any,
@@ -20,7 +20,7 @@ pub(super) struct Shared {
     pub(super) info: AdapterInfo,
     pub(super) limits: wgpu::Limits,
     faults: Arc<Mutex<Faults>>,
-    /// wgpu's GL waits six seconds for its context and panics then, which long frames of another thread would exceed.
+    /// Calls take turns: wgpu's GL waits at most six seconds for its context, then panics, and a frame of another thread may be longer.
     turn: Mutex<()>,
     _instance: wgpu::Instance,
 }
@@ -53,14 +53,14 @@ impl Shared {
         Shared { device, queue, info, limits, faults, turn: Mutex::new(()), _instance: instance }
     }
 
-    /// Runs `work`, alone on this device. A lost device, and then an error that wgpu reports, come before the result of `work`.
+    /// Runs `work`, alone on this device. Reports a lost device first, then an error of wgpu, then the result of `work`.
     pub(super) fn guarded<T>(&self, subject: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
         let _turn = lock(&self.turn);
         self.intact(subject)?;
         lock(&self.faults).reported = None;
         let work = || {
             let result = work();
-            // wgpu says nothing of a lost device where it happens, only to the callback, and that at the next poll
+            // wgpu reports a lost device only through the callback, at the next poll
             self.device.poll(wgpu::PollType::Poll).ok();
             result
         };
@@ -80,9 +80,9 @@ impl Shared {
         }
     }
 
-    /// Waits for a submission, however long it takes.
+    /// Waits for a submission, without a time limit.
     pub(super) fn wait(&self, subject: &str, submission: &wgpu::SubmissionIndex) -> Result<()> {
-        /// Timeouts in a row that came at once: GL reports a failed wait as a timeout.
+        /// Maximum number of immediate timeouts in a row: GL reports a failed wait as a timeout.
         const REFUSALS: u32 = 1000;
         let mut refused = 0;
         while refused < REFUSALS {
@@ -105,20 +105,20 @@ impl Shared {
         match &lock(&self.faults).lost {
             Some(why) => {
                 Err(Error::new(subject, format!("the device of {} was lost: {why}", self.info))
-                    .remedy("open it anew"))
+                    .remedy("open the device again"))
             }
             None => Ok(()),
         }
     }
 }
 
-/// Runs `work`, with a panic of wgpu as an error.
+/// Runs `work` and turns a panic of wgpu into an error.
 pub(super) fn caught<T>(subject: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
     catch_unwind(AssertUnwindSafe(work))
         .unwrap_or_else(|panic| Err(Error::new(subject, payload(panic.as_ref()))))
 }
 
-/// The lock, whether or not a holder panicked: nothing here is left half-changed.
+/// The lock, also after a panic of a holder: nothing here is left half-changed.
 pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -132,7 +132,7 @@ fn payload(panic: &(dyn Any + Send)) -> String {
     format!("wgpu panicked: {}", text.trim())
 }
 
-/// wgpu's text without its heading and empty lines, and for want of memory, which it gives no text, the chain of causes.
+/// wgpu's text without its heading and empty lines. Out of memory has no text: then the chain of causes.
 fn message(error: &wgpu::Error) -> String {
     let text = error.to_string();
     let body = text.split_once("Caused by:").map_or(text.as_str(), |(_, body)| body).trim();

@@ -1,4 +1,4 @@
-//! Meshes: vertex buffers, a depth buffer, several samples to a pixel, several pictures at once.
+//! Draws meshes: vertex buffers, a depth buffer, several samples per pixel, several pictures at once.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -11,12 +11,12 @@ use super::program::{Texture, dimension, layout_entry, linear, samplers, upload}
 use super::readback::read_back;
 use crate::drivers::ColourMap;
 
-/// Numbers of a vertex: position, normal, tangent, texture coordinates, angle.
+/// Count of numbers in a vertex: position, normal, tangent, texture coordinates, angle.
 pub const VERTEX_NUMBERS: usize = 13;
-/// Depth of what a pass draws.
+/// Format of the depth buffer.
 const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// A mesh on a device.
+/// A mesh on the device.
 pub struct MeshBuffers {
     vertices: wgpu::Buffer,
     indices: wgpu::Buffer,
@@ -36,21 +36,21 @@ pub struct Colours<'a> {
 
 /// One pass over a mesh.
 pub struct MeshProgram<'a> {
-    /// Names it in errors.
+    /// Name of the pass, for errors.
     pub name: &'a str,
-    /// A text with both entry points.
+    /// The WGSL with both entry points.
     pub wgsl: &'a str,
-    /// The vertex entry point; it reads the vertices at locations 0 to 4.
+    /// The vertex entry point, which reads the vertices at locations 0 to 4.
     pub vertex_entry: &'a str,
-    /// The fragment entry point; it returns one `vec4f` for each picture.
+    /// The fragment entry point, which returns one `vec4f` for each picture.
     pub fragment_entry: &'a str,
     /// The textures of group 0.
     pub textures: Vec<Texture<'a>>,
-    /// Colours of the body, where they are read.
+    /// Colours of the body, if the shader reads them.
     pub colours: Option<Colours<'a>>,
-    /// Bindings and bytes of the uniform blocks; the bytes may be set anew for each frame.
+    /// Bindings and sizes in bytes of the uniform blocks. Each frame brings their content.
     pub uniforms: Vec<(u32, usize)>,
-    /// Adds to what earlier passes of the frame have drawn, at their depth, instead of replacing it.
+    /// Whether colours are added to those of earlier passes of the frame, at equal depth, instead of replacing them.
     pub add: bool,
 }
 
@@ -61,12 +61,12 @@ pub struct MeshPipeline {
     pub(super) uniforms: Vec<wgpu::Buffer>,
 }
 
-/// What a frame is drawn into.
+/// The targets of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Targets {
     /// Number of pictures.
     pub pictures: usize,
-    /// With four samples to a pixel, in 16-bit floats; else one, in 32-bit floats.
+    /// True: four samples per pixel in 16-bit floats. False: one sample in 32-bit floats.
     pub multisampled: bool,
 }
 
@@ -84,7 +84,7 @@ impl Targets {
     }
 }
 
-/// Uploads vertices and triangles in the order given.
+/// Uploads vertices and triangles in the given order.
 pub(super) fn buffers(shared: &Shared, vertices: &[Vertex], triangles: &[[u32; 3]]) -> MeshBuffers {
     let numbers: Vec<f32> = vertices.iter().flat_map(numbers).collect();
     let buffer = |bytes: &[u8], usage| {
@@ -231,7 +231,7 @@ fn pipeline(
                 attributes: &attributes,
             })],
         },
-        // both sides are drawn: what faces away is black, and hides what lies behind
+        // both sides are drawn: back faces are black and hide what is behind them
         primitive: wgpu::PrimitiveState::default(),
         depth_stencil: Some(wgpu::DepthStencilState {
             format: DEPTH,
@@ -255,7 +255,7 @@ fn pipeline(
 /// A pass with the bytes of its uniform blocks, in the order of their declaration.
 pub type MeshPass<'a> = (&'a MeshPipeline, &'a [&'a [u8]]);
 
-/// Draws passes one over the other; pictures come as `[picture][row][column]`, top row first, alpha 0 where nothing is.
+/// Draws passes one over the other. Returns pictures as `[picture][row][column]`, top row first; alpha is 0 outside the mesh.
 pub(super) fn draw(
     shared: &Shared,
     name: &str,
@@ -266,8 +266,9 @@ pub(super) fn draw(
 ) -> Result<Vec<Vec<[f32; 4]>>> {
     let side = shared.limits.max_texture_dimension_2d;
     if width == 0 || height == 0 || width > side || height > side {
-        let cause =
-            format!("a picture of {width} × {height} pixels; from 1 to {side} can be drawn");
+        let cause = format!(
+            "a picture of {width} × {height} pixels cannot be drawn: sides must be between 1 and {side}"
+        );
         return Err(Error::new(name, cause).remedy("choose another size"));
     }
     let texture = |format, sample_count, usage| {
@@ -337,7 +338,7 @@ pub(super) fn draw(
     single.iter().map(|texture| read_back(shared, name, texture)).collect()
 }
 
-/// The picture with its halvings, read through the sRGB curve.
+/// The picture with its mipmaps, read through the sRGB curve.
 fn colour_view(shared: &Shared, map: &ColourMap) -> wgpu::TextureView {
     let levels = map.levels();
     let texture = shared.device.create_texture(&wgpu::TextureDescriptor {

@@ -1,4 +1,4 @@
-//! What is run: a shader, its textures, its uniform block.
+//! A program to run: a shader, its textures, its uniform block.
 
 use std::{borrow::Cow, collections::BTreeSet, sync::Arc};
 
@@ -10,11 +10,11 @@ use super::{Backend, guard::Shared, render::Pipeline, render::TARGET, spirv};
 /// A shader with everything it reads.
 #[derive(Clone, Debug)]
 pub struct Program<'a> {
-    /// Names it in errors: the variant.
+    /// Name of the variant, for errors.
     pub name: &'a str,
-    /// What is compiled.
+    /// The shader to compile.
     pub shader: Shader<'a>,
-    /// An entry point that takes `vertex_index` 0, 1, 2 and spans the target with that triangle.
+    /// An entry point that takes `vertex_index` 0, 1, 2 and covers the target with that triangle.
     pub vertex_entry: &'a str,
     /// An entry point that returns one `vec4f` at location 0.
     pub fragment_entry: &'a str,
@@ -24,15 +24,15 @@ pub struct Program<'a> {
     pub uniform: Option<Uniform>,
 }
 
-/// What a program is compiled from.
+/// Source of a program.
 #[derive(Clone, Copy, Debug)]
 pub enum Shader<'a> {
-    /// A text with both entry points, which wgpu translates.
+    /// WGSL with both entry points, which wgpu translates.
     Wgsl(&'a str),
-    /// Words that Vulkan's driver gets as they are: one module per stage.
+    /// SPIR-V words that Vulkan's driver gets unchanged: one module per stage.
     ///
-    /// Wrong words are refused as far as their form tells; what is formally right and breaks the rules of SPIR-V can bring the driver
-    /// down: they must come from a compiler, or have passed `spirv-val`.
+    /// Only the form of the words is checked. Words of a right form that break the rules of SPIR-V can crash the driver: they must
+    /// come from a compiler, or have passed `spirv-val`.
     Spirv {
         /// The module of the vertex entry point.
         vertex: &'a [u32],
@@ -54,10 +54,9 @@ pub struct Texture<'a> {
     pub width: u32,
     /// Rows per layer.
     pub height: u32,
-    /// Layers; 1 for [`TextureLayout::D2`]. On GL `textureNumLayers` may return one more, see [`TextureLayout::D2Array`].
+    /// Number of layers; 1 for [`TextureLayout::D2`]. On GL `textureNumLayers` may return one more, see [`TextureLayout::D2Array`].
     pub layers: u32,
-    /// `@binding` in group 0 of the sampler that it is read through, which is linear and clamps to the edge; `None`: by
-    /// `textureLoad` alone.
+    /// `@binding` in group 0 of its sampler, which is linear and clamps to the edge. `None`: the shader only uses `textureLoad`.
     pub sampler: Option<u32>,
     /// Texels in little-endian order, `[layer][row][column]`, without padding.
     pub bytes: Cow<'a, [u8]>,
@@ -70,8 +69,8 @@ pub enum TextureLayout {
     D2,
     /// `texture_2d_array<f32>`.
     ///
-    /// wgpu's GL guesses from the shape of a texture how it will be bound, and takes a single layer for `texture_2d` and squares in
-    /// multiples of six layers for cubes. Such an array gets one layer of zeros more there.
+    /// wgpu's GL guesses the type from the shape of a texture: it takes a single layer for a `texture_2d`, and squares in multiples
+    /// of six layers for cubes. There, such an array gets one more layer of zeros.
     D2Array,
 }
 
@@ -120,7 +119,7 @@ pub struct Uniform {
     pub size: u32,
 }
 
-/// Refuses what is inconsistent or above the adapter's limits.
+/// Refuses programs that are inconsistent or above the adapter's limits.
 pub(super) fn check(program: &Program<'_>, shared: &Shared) -> Result<()> {
     let limits = &shared.limits;
     if let Shader::Spirv { vertex, fragment } = program.shader {
@@ -140,51 +139,53 @@ pub(super) fn check(program: &Program<'_>, shared: &Shared) -> Result<()> {
             Error::new(format!("{}: texture at binding {binding}", program.name), cause)
         };
         if width == 0 || height == 0 || layers == 0 {
-            return Err(fail(format!("{width} × {height} × {layers} texels, which is none")));
+            return Err(fail(format!("is empty: {width} × {height} × {layers} texels")));
         }
         if layout == TextureLayout::D2 && layers != 1 {
-            return Err(fail(format!("{layers} layers for a texture_2d"))
+            return Err(fail(format!("has {layers} layers, but a texture_2d has one"))
                 .remedy("bind it as a texture_2d_array"));
         }
         let side = limits.max_texture_dimension_2d;
         if width > side || height > side {
             return Err(fail(format!(
-                "{width} × {height} texels, above max_texture_dimension_2d = {side}"
+                "has {width} × {height} texels, but max_texture_dimension_2d is {side}"
             ))
-            .remedy("fewer frequencies, or another adapter"));
+            .remedy("use fewer frequencies, or another adapter"));
         }
-        let most = limits.max_texture_array_layers;
-        if layers > most {
-            return Err(fail(format!("{layers} layers, above max_texture_array_layers = {most}"))
-                .remedy("fewer terms, or paired packing"));
+        let max = limits.max_texture_array_layers;
+        if layers > max {
+            return Err(fail(format!(
+                "has {layers} layers, but max_texture_array_layers is {max}"
+            ))
+            .remedy("use fewer terms, or paired packing"));
         }
         let needed =
             u64::from(width) * u64::from(height) * u64::from(layers) * u64::from(format.bytes());
         if bytes.len() as u64 != needed {
             return Err(fail(format!(
-                "{} bytes for {width} × {height} × {layers} texels of {format:?}, which take {needed}",
+                "has {} bytes, but {width} × {height} × {layers} texels of {format:?} take {needed}",
                 bytes.len()
             )));
         }
     }
     if let Some(Uniform { binding, size }) = program.uniform {
-        let most = limits.max_uniform_buffer_binding_size;
+        let max = limits.max_uniform_buffer_binding_size;
         let subject = format!("{}: uniform block at binding {binding}", program.name);
-        if u64::from(size) > most {
+        if u64::from(size) > max {
             return Err(Error::new(
                 subject,
-                format!("{size} bytes, above max_uniform_buffer_binding_size = {most}"),
+                format!("has {size} bytes, but max_uniform_buffer_binding_size is {max}"),
             ));
         }
         if size == 0 || size % 16 != 0 {
-            return Err(Error::new(subject, format!("a size of {size} bytes"))
+            return Err(Error::new(subject, format!("has a size of {size} bytes"))
                 .remedy("pad it to a multiple of 16"));
         }
     }
     Ok(())
 }
 
-/// Creates everything on the device; what wgpu has against it is found by the caller.
+/// Creates everything on the device. The caller checks for errors of wgpu.
 pub(super) fn build(shared: &Arc<Shared>, program: &Program<'_>) -> Result<Pipeline> {
     let device = &shared.device;
     let mut layouts = Vec::new();
@@ -292,10 +293,10 @@ pub(super) fn build(shared: &Arc<Shared>, program: &Program<'_>) -> Result<Pipel
     Ok(Pipeline::new(Arc::clone(shared), program.name, pipeline, group, uniform))
 }
 
-/// The least textures at the bindings below the last that the program does not use.
+/// Textures of one texel for all unused bindings below the last used one.
 ///
-/// wgpu numbers the bindings of a layout anew, without gaps, and rewrites the shaders that it translates accordingly; words
-/// that stay as they are need a layout without gaps.
+/// wgpu renumbers the bindings of a layout without gaps, and rewrites the shaders that it translates. Unchanged SPIR-V
+/// therefore needs a layout without gaps.
 fn fillers(program: &Program<'_>) -> Vec<Texture<'static>> {
     let used: BTreeSet<u32> = bindings(program).collect();
     let last = used.last().copied().unwrap_or(0);
@@ -312,19 +313,19 @@ fn fillers(program: &Program<'_>) -> Vec<Texture<'static>> {
     (0..last).filter(|binding| !used.contains(binding)).map(filler).collect()
 }
 
-/// The bindings of group 0 that the program fills.
+/// The bindings of group 0 that the program uses.
 fn bindings(program: &Program<'_>) -> impl Iterator<Item = u32> {
     let textures = program.textures.iter().map(|texture| texture.binding);
     let uniform = program.uniform.map(|uniform| uniform.binding);
     textures.chain(uniform).chain(samplers(&program.textures))
 }
 
-/// The bindings of the samplers of textures, each once.
+/// The bindings of the textures' samplers, each once.
 pub(super) fn samplers(textures: &[Texture<'_>]) -> BTreeSet<u32> {
     textures.iter().filter_map(|texture| texture.sampler).collect()
 }
 
-/// Linear between texels, clamped to the edge.
+/// A sampler: linear between texels, clamped to the edge.
 pub(super) fn linear(device: &wgpu::Device) -> wgpu::Sampler {
     device.create_sampler(&wgpu::SamplerDescriptor {
         label: Some("linear"),

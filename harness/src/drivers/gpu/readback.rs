@@ -1,4 +1,4 @@
-//! Pictures of float texels, from a device back to memory.
+//! Reads pictures of float texels back from a device.
 
 use std::sync::mpsc;
 
@@ -38,7 +38,7 @@ pub(super) fn read_back(
     let (sender, receiver) = mpsc::channel();
     let slice = buffer.slice(..);
     slice.map_async(wgpu::MapMode::Read, move |outcome| {
-        // the receiver outlives the mapping, or nobody wants to know
+        // the receiver lives longer than the mapping, or the result is not needed
         let _ = sender.send(outcome);
     });
     let unread = || Error::new(name, "the picture cannot be read back");

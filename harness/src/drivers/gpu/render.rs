@@ -1,4 +1,4 @@
-//! Frames: drawn in bands, read back.
+//! Draws frames in bands and reads them back.
 
 use std::{
     fmt,
@@ -22,22 +22,22 @@ pub struct Pipeline {
     pipeline: wgpu::RenderPipeline,
     group: wgpu::BindGroup,
     uniform: Option<(wgpu::Buffer, u32)>,
-    /// The target of the last frame, for the next of that size.
+    /// The target of the last frame, kept for the next frame of that size.
     pub(super) kept: Mutex<Option<Target>>,
 }
 
 impl Pipeline {
     /// Draws one frame and returns its pixels, `[row][column]`, top row first.
     ///
-    /// `uniform` holds the bytes of the uniform block; empty where the program has none.
+    /// `uniform` holds the bytes of the uniform block; empty if the program has no uniform block.
     pub fn render(&self, width: u32, height: u32, uniform: &[u8]) -> Result<Vec<[f32; 4]>> {
         self.render_bands(width, height, uniform, height, |_, _| ControlFlow::Continue(()))
     }
 
     /// Like [`render`](Self::render), in bands of at most `rows` rows, each a submission of its own.
     ///
-    /// After each band `progress` is told the rows done and their total; when it breaks, no further band is drawn, and the result is
-    /// an error that says so. The pixels do not depend on `rows`.
+    /// After each band `progress` gets the number of finished rows and their total. If it breaks, no further band is drawn and the
+    /// result is an error that says so. The pixels do not depend on `rows`.
     pub fn render_bands(
         &self,
         width: u32,
@@ -47,9 +47,9 @@ impl Pipeline {
         mut progress: impl FnMut(u32, u32) -> ControlFlow<()>,
     ) -> Result<Vec<[f32; 4]>> {
         self.check(width, height, uniform)?;
-        // what is read back at once: well below any max_buffer_size
-        let most = ((64 << 20) / row_bytes(width)).max(1);
-        let rows = rows.clamp(1, most);
+        // read back in pieces well below any max_buffer_size
+        let max = ((64 << 20) / row_bytes(width)).max(1);
+        let rows = rows.clamp(1, max);
         let target = self.target(width, height)?;
         let mut pixels = Vec::with_capacity(width as usize * height as usize);
         let mut done = 0;
@@ -83,24 +83,24 @@ impl Pipeline {
         let fail = |cause: String| Err(Error::new(&self.name, cause));
         let side = self.shared.limits.max_texture_dimension_2d;
         if width == 0 || height == 0 {
-            return fail(format!("a frame of {width} × {height} pixels, which is none"));
+            return fail(format!("a frame of {width} × {height} pixels is empty"));
         }
         if width > side || height > side {
             return fail(format!(
-                "a frame of {width} × {height} pixels, above max_texture_dimension_2d = {side}"
+                "a frame of {width} × {height} pixels, but max_texture_dimension_2d is {side}"
             ));
         }
         let declared = self.uniform.as_ref().map_or(0, |(_, size)| *size);
         if uniform.len() != declared as usize {
             return fail(format!(
-                "{} bytes for a uniform block of {declared} bytes",
+                "the uniform block has {declared} bytes, but got {}",
                 uniform.len()
             ));
         }
         Ok(())
     }
 
-    /// A target of this size: the one kept from the last frame, or a new one.
+    /// A target of this size: the kept one of the last frame, or a new one.
     pub(super) fn target(&self, width: u32, height: u32) -> Result<Target> {
         let kept = lock(&self.kept).take();
         if let Some(target) = kept.filter(|kept| kept.width == width && kept.height == height) {
@@ -129,7 +129,7 @@ impl Pipeline {
         encoder
     }
 
-    /// An empty recording; hands over the bytes of the uniform block.
+    /// An empty recording. Uploads the bytes of the uniform block.
     pub(super) fn encoder(&self, uniform: &[u8]) -> wgpu::CommandEncoder {
         if let Some((buffer, _)) = &self.uniform {
             self.shared.queue.write_buffer(buffer, 0, uniform);
@@ -206,7 +206,7 @@ impl Pipeline {
         let (sender, receiver) = mpsc::channel();
         let slice = buffer.slice(..);
         slice.map_async(wgpu::MapMode::Read, move |outcome| {
-            // the receiver outlives the mapping, or nobody wants to know
+            // the receiver lives longer than the mapping, or the result is not needed
             let _ = sender.send(outcome);
         });
         let unread = || Error::new(&self.name, "the frame cannot be read back");
@@ -245,7 +245,7 @@ pub(super) struct Target {
     view: wgpu::TextureView,
 }
 
-/// Bytes of a row in the buffer that it is read back through.
+/// Bytes of a row in the buffer for reading back.
 fn row_bytes(width: u32) -> u32 {
     (width * PIXEL_BYTES).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)
 }

@@ -1,4 +1,4 @@
-//! SPIR-V handed to Vulkan's driver as it is.
+//! SPIR-V for Vulkan's driver, unchanged.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,7 +7,7 @@ use diffraction_shaders::shader::module::Stage;
 
 use super::{Backend, guard::Shared};
 
-/// Numbers of the specification of SPIR-V 1.0 (Khronos, 2015), sections 2.3 and 3.
+/// Numbers from the specification of SPIR-V 1.0 (Khronos, 2015), sections 2.3 and 3.
 const MAGIC: u32 = 0x0723_0203;
 const HEADER_WORDS: usize = 5;
 const OP_ENTRY_POINT: u32 = 15;
@@ -16,20 +16,20 @@ const OP_DECORATE: u32 = 71;
 const DECORATION_BINDING: u32 = 33;
 const DECORATION_DESCRIPTOR_SET: u32 = 34;
 
-/// Refuses a device that takes no SPIR-V.
+/// Refuses a device that does not take SPIR-V.
 pub(super) fn supported(shared: &Shared) -> Result<()> {
     let passes = shared.device.features().contains(wgpu::Features::PASSTHROUGH_SHADERS);
     if shared.info.backend == Backend::Vulkan && passes {
         return Ok(());
     }
     let subject = format!("{} adapter {}", shared.info.backend, shared.info);
-    Err(Error::new(subject, "takes no SPIR-V as it is").remedy("choose the backend vulkan"))
+    Err(Error::new(subject, "does not take SPIR-V").remedy("choose the backend vulkan"))
 }
 
-/// Walks through all instructions; says why not where they are not a module with that entry point, or where it reads something
-/// outside `bound`, the bindings of descriptor set 0.
+/// Walks through all instructions. The error states why they are not a module with that entry point, or which binding outside
+/// `bound`, the bindings of descriptor set 0, it reads.
 ///
-/// The operands of instructions are not looked into: that is the business of `spirv-val`.
+/// Operands of instructions are not checked: `spirv-val` does that.
 pub(super) fn check(
     words: &[u32],
     stage: Stage,
@@ -37,7 +37,7 @@ pub(super) fn check(
     bound: &BTreeSet<u32>,
 ) -> Result<(), String> {
     if words.len() <= HEADER_WORDS || words[0] != MAGIC {
-        return Err("does not begin as SPIR-V does".to_owned());
+        return Err("does not begin with a SPIR-V header".to_owned());
     }
     let mut found = false;
     let mut places: BTreeMap<u32, (u32, u32)> = BTreeMap::new();
@@ -63,14 +63,14 @@ pub(super) fn check(
         (last, at) = (operation, at + length);
     }
     if last != OP_FUNCTION_END {
-        return Err("is cut off: the last instruction ends no function".to_owned());
+        return Err("is cut off: the last instruction does not end a function".to_owned());
     }
     if !found {
         let stage = match stage {
             Stage::Vertex => "vertex",
             Stage::Fragment => "fragment",
         };
-        return Err(format!("has no entry point {entry} of the stage {stage}"));
+        return Err(format!("has no {stage} entry point {entry}"));
     }
     match places.values().find(|(set, binding)| *set != 0 || !bound.contains(binding)) {
         Some((set, binding)) => {
@@ -80,7 +80,7 @@ pub(super) fn check(
     }
 }
 
-/// A module of words that [`check`] has passed.
+/// A module of words that passed [`check`].
 #[expect(unsafe_code, reason = "wgpu cannot vouch for shaders that it does not translate")]
 pub(super) fn module(device: &wgpu::Device, entry: &str, words: &[u32]) -> wgpu::ShaderModule {
     let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
@@ -93,9 +93,8 @@ pub(super) fn module(device: &wgpu::Device, entry: &str, words: &[u32]) -> wgpu:
         spirv: Some(words.into()),
         ..Default::default()
     };
-    // SAFETY: the words are whole instructions with this entry point and read only what the layout binds, as `check` found.
-    // That they keep the other rules of SPIR-V is what `Shader::Spirv` asks of its user: they come from a compiler or have
-    // passed `spirv-val`.
+    // SAFETY: `check` found whole instructions with this entry point that read only what the layout binds. `Shader::Spirv`
+    // requires that the words keep the other rules of SPIR-V: they come from a compiler or have passed `spirv-val`.
     unsafe { device.create_shader_module_passthrough(descriptor) }
 }
 
@@ -115,7 +114,7 @@ fn literal(words: &[u32]) -> Vec<u8> {
 mod tests {
     use super::*;
 
-    /// A module that only a walk through its instructions can take for one: entry point `map`, a binding, the end of a function.
+    /// The minimal module that passes the walk: entry point `map`, a binding, the end of a function.
     fn words() -> Vec<u32> {
         let name = u32::from_le_bytes(*b"map\0");
         let instruction = |operation: u32, operands: &[u32]| {
@@ -132,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_module_is_told() {
+    fn what_is_not_a_module_is_refused() {
         let bound = BTreeSet::from([0, 2]);
         let says = |words: &[u32], stage, entry, bound: &BTreeSet<u32>| {
             check(words, stage, entry, bound).err().unwrap_or_default()
@@ -140,21 +139,24 @@ mod tests {
         let of = |words: &[u32]| says(words, Stage::Fragment, "map", &bound);
         let whole = words();
         assert_eq!(of(&whole), "");
-        assert_eq!(of(&[]), "does not begin as SPIR-V does");
-        assert_eq!(of(&whole[..5]), "does not begin as SPIR-V does");
+        assert_eq!(of(&[]), "does not begin with a SPIR-V header");
+        assert_eq!(of(&whole[..5]), "does not begin with a SPIR-V header");
         let swapped: Vec<u32> = whole.iter().map(|word| word.swap_bytes()).collect();
-        assert_eq!(of(&swapped), "does not begin as SPIR-V does");
+        assert_eq!(of(&swapped), "does not begin with a SPIR-V header");
         for end in 6..whole.len() {
-            let told = of(&whole[..end]);
-            assert!(told.contains("wrong length") || told.contains("cut off"), "{end}: {told}");
+            let message = of(&whole[..end]);
+            assert!(
+                message.contains("wrong length") || message.contains("cut off"),
+                "{end}: {message}"
+            );
         }
         let mut still = whole.clone();
         still[5] &= 0xffff;
         assert_eq!(of(&still), "the instruction at word 5 has a wrong length");
         let other = says(&whole, Stage::Vertex, "map", &bound);
-        assert_eq!(other, "has no entry point map of the stage vertex");
+        assert_eq!(other, "has no vertex entry point map");
         let other = says(&whole, Stage::Fragment, "probe", &bound);
-        assert_eq!(other, "has no entry point probe of the stage fragment");
+        assert_eq!(other, "has no fragment entry point probe");
         let unbound = says(&whole, Stage::Fragment, "map", &BTreeSet::from([0, 1]));
         assert_eq!(unbound, "reads binding 2 of descriptor set 0, where nothing is bound");
     }

@@ -1,6 +1,6 @@
-//! How long frames take: by the wall, and by the driver's time stamps where it has them.
+//! Times of frames: by the wall clock, and by the driver's time stamps if it has them.
 //!
-//! Stamps are those of render passes; of compute passes some software drivers make them up.
+//! Time stamps are taken around render passes: around compute passes some software drivers return invented numbers.
 
 use std::{
     sync::mpsc,
@@ -12,15 +12,15 @@ use diffraction_shaders::error::{Error, Result};
 use super::guard::lock;
 use super::render::{Pipeline, Target};
 
-/// Bytes of the two stamps.
+/// Size of the two time stamps in bytes.
 const STAMP_BYTES: u64 = 16;
 
 /// Time of several frames together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameTimes {
-    /// From submission until the device is done.
+    /// From submission until the device has finished.
     pub wall: Duration,
-    /// From the first pass's beginning to the last one's end by the device's clock; none where it has none.
+    /// From the beginning of the first pass to the end of the last, by the device's clock; `None` without time stamps.
     pub stamps: Option<Duration>,
 }
 
@@ -30,8 +30,8 @@ impl Pipeline {
         self.frames(width, height, uniform, 1).map(|times| times.wall)
     }
 
-    /// Draws `count` frames in one submission, without reading them back. Whether the stamps can be believed is for the
-    /// caller to find out.
+    /// Draws `count` frames in one submission, without reading them back. The caller must check whether the time stamps are
+    /// plausible.
     pub fn frames(
         &self,
         width: u32,
@@ -62,7 +62,7 @@ impl Pipeline {
                 beginning_of_pass_write_index: (frame == 0).then_some(0),
                 end_of_pass_write_index: (frame + 1 == count).then_some(1),
             });
-            // wgpu refuses a pass that is to write none
+            // wgpu refuses a pass that writes no time stamp
             let stamps = stamps.filter(|_| frame == 0 || frame + 1 == count);
             self.pass(&mut encoder, target, 0..height, stamps);
         }
@@ -82,7 +82,7 @@ impl Pipeline {
         Ok(FrameTimes { wall, stamps })
     }
 
-    /// The time between the two stamps; none where they run backwards.
+    /// The time between the two time stamps; `None` if they run backwards.
     fn elapsed(
         &self,
         queries: &Queries,
@@ -92,7 +92,7 @@ impl Pipeline {
         let (sender, receiver) = mpsc::channel();
         let slice = queries.read.slice(..);
         slice.map_async(wgpu::MapMode::Read, move |outcome| {
-            // the receiver outlives the mapping, or nobody wants to know
+            // the receiver lives longer than the mapping, or the result is not needed
             let _ = sender.send(outcome);
         });
         self.shared.wait(&self.name, submission)?;
@@ -107,7 +107,7 @@ impl Pipeline {
     }
 }
 
-/// Two stamps and the buffers they come back through.
+/// Two time stamps and the buffers to read them back.
 struct Queries {
     set: wgpu::QuerySet,
     resolved: wgpu::Buffer,
@@ -115,7 +115,7 @@ struct Queries {
 }
 
 impl Queries {
-    /// None where the device has no time stamps.
+    /// `None` if the device has no time stamps.
     fn new(device: &wgpu::Device) -> Option<Queries> {
         if !device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
             return None;

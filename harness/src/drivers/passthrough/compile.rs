@@ -1,4 +1,4 @@
-//! From an emitted file to the words that a driver gets.
+//! From an emitted file to SPIR-V words for a driver.
 
 use std::fs;
 use std::path::Path;
@@ -11,19 +11,19 @@ use diffraction_shaders::plan::Target;
 use super::Entry;
 use crate::process::{accepted, hlsl_to_spirv, on_path};
 
-/// Time that a tool has for one file.
+/// Maximum time of a tool for one file.
 const TIME_LIMIT: Duration = Duration::from_secs(60);
 
-/// The words of an entry point: the file itself, or what `compiler` makes of it. `name` is the variant's, for errors.
+/// The words of an entry point: the file itself, or what `compiler` compiles from it. `name` is the variant's name, for errors.
 ///
-/// What `spirv-val` has against them is an error, where it is installed.
+/// If `spirv-val` is installed and rejects them, that is an error.
 pub(super) fn words(compiler: Option<&Path>, name: &str, entry: &Entry<'_>) -> Result<Vec<u32>> {
     let subject = format!("{name}: {}: {}", entry.file.name, entry.entry);
     let fail = |cause: String| Error::new(&subject, cause);
-    let folder =
-        tempfile::tempdir().map_err(|e| fail("no temporary folder".to_owned()).source(e))?;
+    let folder = tempfile::tempdir()
+        .map_err(|e| fail("a temporary folder cannot be created".to_owned()).source(e))?;
     let spirv = folder.path().join("shader.spv");
-    let unwritten = |e| fail(format!("{}: cannot be used", spirv.display())).source(e);
+    let unwritten = |e| fail(format!("{}: cannot be written or read", spirv.display())).source(e);
     let bytes = match (entry.file.target, compiler) {
         (Target::Spirv, _) => entry.file.bytes.clone(),
         (Target::Hlsl, Some(compiler)) => {
@@ -33,11 +33,11 @@ pub(super) fn words(compiler: Option<&Path>, name: &str, entry: &Entry<'_>) -> R
                 .map_err(fail)?;
             fs::read(&spirv).map_err(unwritten)?
         }
-        (target, _) => return Err(fail(format!("{} is not run by this route", target.as_str()))),
+        (target, _) => return Err(fail(format!("this route does not run {}", target.as_str()))),
     };
     let words = bytes.chunks_exact(4);
     if !words.remainder().is_empty() {
-        return Err(fail(format!("{} bytes are no words of four", bytes.len())));
+        return Err(fail(format!("has {} bytes, which is not a multiple of 4", bytes.len())));
     }
     let words =
         words.map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect();

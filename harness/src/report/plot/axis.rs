@@ -1,22 +1,22 @@
-//! Axes: a range that holds the data, ticks at round numbers.
+//! Axes: a range that contains the data, ticks at round numbers.
 
 use crate::report::number;
 
 /// An axis.
 pub(in crate::report) struct PlotAxis {
-    /// What is on it, with its unit.
+    /// Label with the unit.
     pub(in crate::report) label: String,
-    /// How values lie on it.
+    /// Scale of the values.
     pub(in crate::report) scale: Scale,
 }
 
-/// How values lie on an axis.
+/// Scale of an axis.
 pub(in crate::report) enum Scale {
-    /// Evenly.
+    /// Linear.
     Linear,
-    /// By their logarithms; what is not positive lies at the edge.
+    /// Logarithmic. Values that are not positive are drawn at the edge.
     Log,
-    /// Names, side by side; values count them from 0.
+    /// Names, side by side. Values are their indices, from 0.
     Names(Vec<String>),
 }
 
@@ -29,7 +29,7 @@ pub(in crate::report) struct Fitted {
 }
 
 impl Fitted {
-    /// Where a value lies in the drawing.
+    /// Position of a value in the plot.
     pub(in crate::report) fn place(&self, value: f64) -> f64 {
         let value = match self.log {
             true if value > 0.0 => value.log10(),
@@ -40,13 +40,13 @@ impl Fitted {
         self.span[0] + share * (self.span[1] - self.span[0])
     }
 
-    /// Places of the ticks and what stands at them.
+    /// Positions and labels of the ticks.
     pub(in crate::report) fn ticks(&self) -> &[(f64, String)] {
         &self.ticks
     }
 }
 
-/// Fits an axis to values; `span` is where the drawing begins and ends.
+/// Fits an axis to values. `span` is the range of positions in the plot.
 pub(in crate::report) fn fit(
     axis: &PlotAxis,
     values: impl Iterator<Item = f64>,
@@ -57,16 +57,16 @@ pub(in crate::report) fn fit(
         .filter(|v| v.is_finite() && (!log || *v > 0.0))
         .map(|v| if log { v.log10() } else { v })
         .collect();
-    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let [least, greatest] = if values.is_empty() { [0.0, 1.0] } else { [least, greatest] };
+    let min = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let max = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let [min, max] = if values.is_empty() { [0.0, 1.0] } else { [min, max] };
     let (range, at) = match &axis.scale {
         Scale::Names(names) => {
             let at = names.iter().enumerate().map(|(i, name)| (i as f64, name.clone())).collect();
             ([-0.5, names.len() as f64 - 0.5], at)
         }
-        Scale::Log => decades(least, greatest),
-        Scale::Linear => round(least, greatest),
+        Scale::Log => decades(min, max),
+        Scale::Linear => round(min, max),
     };
     let mut fitted = Fitted { log: false, range, span, ticks: Vec::new() };
     fitted.ticks = at.into_iter().map(|(v, text): (f64, String)| (fitted.place(v), text)).collect();
@@ -75,9 +75,9 @@ pub(in crate::report) fn fit(
 }
 
 /// Range and ticks, in logarithms.
-fn decades(least: f64, greatest: f64) -> ([f64; 2], Vec<(f64, String)>) {
-    let margin = (0.06 * (greatest - least)).max(0.08);
-    let range = [least - margin, greatest + margin];
+fn decades(min: f64, max: f64) -> ([f64; 2], Vec<(f64, String)>) {
+    let margin = (0.06 * (max - min)).max(0.08);
+    let range = [min - margin, max + margin];
     let (first, last) = (range[0].ceil() as i32, range[1].floor() as i32);
     let decades = f64::from(last - first);
     let stride = ((decades / 6.0).ceil() as usize).max(1);
@@ -97,9 +97,9 @@ fn decades(least: f64, greatest: f64) -> ([f64; 2], Vec<(f64, String)>) {
 }
 
 /// Range and ticks at multiples of 1, 2 or 5 times a power of ten.
-fn round(least: f64, greatest: f64) -> ([f64; 2], Vec<(f64, String)>) {
-    let width = (greatest - least).max(1e-6 * greatest.abs()).max(1e-12);
-    let range = [least - 0.06 * width, greatest + 0.06 * width];
+fn round(min: f64, max: f64) -> ([f64; 2], Vec<(f64, String)>) {
+    let width = (max - min).max(1e-6 * max.abs()).max(1e-12);
+    let range = [min - 0.06 * width, max + 0.06 * width];
     let rough = width / 4.0;
     let power = 10_f64.powf(rough.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= rough);

@@ -1,6 +1,6 @@
-//! Where labels go: beside their marks, on no other mark and on no other label, or nowhere.
+//! Places labels beside their marks without overlap with marks or other labels. Labels without room are left out.
 
-/// Width of a digit and height of a line, in units of the drawing.
+/// Width of a digit and height of a line, in units of the plot.
 const TYPE: [f64; 2] = [6.4, 11.0];
 
 /// Half the width of a mark.
@@ -9,7 +9,7 @@ const MARK: f64 = 5.0;
 /// A rectangle: left, top, right, bottom.
 type Box = [f64; 4];
 
-/// Middle of the base line of each label. The first label of a crowd wins, so that a repeated drawing is the same.
+/// Middle of the base line of each label. If labels compete, the first one wins, so that a repeated plot is the same.
 pub(in crate::report) fn arrange(marks: &[([f64; 2], &str)], inside: Box) -> Vec<Option<[f64; 2]>> {
     let mut taken: Vec<Box> =
         marks.iter().map(|([x, y], _)| [x - MARK, y - MARK, x + MARK, y + MARK]).collect();

@@ -1,4 +1,4 @@
-//! Which variants differ in one setting.
+//! Finds variants that differ in one setting only.
 
 use std::collections::BTreeMap;
 
@@ -7,15 +7,15 @@ use serde_json::Value as Json;
 use crate::report::merge::{Unit, unique};
 use crate::report::number;
 
-/// Variants of a surface that differ in one setting.
+/// Variants of a surface that differ in one setting only.
 pub(super) struct Group<'a> {
     /// The surface's name.
     pub(super) surface: &'a str,
     /// The setting, or `light`.
     pub(super) key: String,
-    /// A variant that the others are like.
+    /// A variant that the others are like in all other settings.
     pub(super) like: &'a str,
-    /// The setting of each and the variant, in its order.
+    /// The variants with their values of the setting, in the order of the values.
     pub(super) members: Vec<(Value, &'a Unit<'a>)>,
 }
 
@@ -24,11 +24,11 @@ pub(super) struct Group<'a> {
 pub(super) enum Value {
     /// A number.
     Number(f64),
-    /// Anything else, as text.
+    /// Any other value, as text.
     Text(String),
-    /// The mode, and what else tells variants of one mode apart.
+    /// The mode, and what else distinguishes variants of one mode.
     Mode(usize, String),
-    /// Direction of the light, theta and phi in degrees.
+    /// Direction towards the light: theta and phi in degrees.
     Light([f64; 2]),
 }
 
@@ -41,7 +41,7 @@ impl Value {
         }
     }
 
-    /// As people read it.
+    /// The value as text for people.
     pub(super) fn shown(&self) -> String {
         match self {
             Value::Number(number) => number::plain(*number),
@@ -50,7 +50,7 @@ impl Value {
         }
     }
 
-    /// As a place on an axis of numbers.
+    /// The value as a number for an axis, if it is one.
     pub(super) fn number(&self) -> Option<f64> {
         match self {
             Value::Number(number) => Some(*number),
@@ -59,7 +59,7 @@ impl Value {
         }
     }
 
-    /// Numbers by size, before words.
+    /// The order of values: numbers by size, before words.
     fn rank(&self) -> (usize, f64, f64, &str) {
         match self {
             Value::Number(number) => (0, *number, 0.0, ""),
@@ -70,7 +70,7 @@ impl Value {
     }
 }
 
-/// All groups of two and more, in the order of their surfaces.
+/// All groups with at least two members, in the order of their surfaces.
 pub(super) fn groups<'a>(units: &'a [Unit<'a>]) -> Vec<Group<'a>> {
     let mut groups = Vec::new();
     for surface in unique(units.iter().map(|u| u.surface)) {
@@ -83,7 +83,7 @@ pub(super) fn groups<'a>(units: &'a [Unit<'a>]) -> Vec<Group<'a>> {
     groups
 }
 
-/// One group for each setting and for each choice of all the others.
+/// One group for each setting and each choice of all other settings.
 fn by_setting<'a>(surface: &'a str, units: &[&'a Unit<'a>]) -> Vec<Group<'a>> {
     let mut alike: BTreeMap<(String, String), Vec<(Value, &Unit<'_>)>> = BTreeMap::new();
     for unit in units {
@@ -98,7 +98,8 @@ fn by_setting<'a>(surface: &'a str, units: &[&'a Unit<'a>]) -> Vec<Group<'a>> {
     alike.into_iter().filter_map(|((key, _), members)| group(surface, &key, members)).collect()
 }
 
-/// One group for each variant of the first mode: those of other modes that agree with it in all that both have.
+/// One group for each variant of the first mode, with the variants of other modes that agree with it in all settings that both
+/// have.
 fn by_mode<'a>(surface: &'a str, units: &[&'a Unit<'a>]) -> Vec<Group<'a>> {
     let modes = unique(units.iter().filter_map(|u| u.setting("mode")));
     let Some(first) = modes.first() else { return Vec::new() };
@@ -120,7 +121,7 @@ fn by_mode<'a>(surface: &'a str, units: &[&'a Unit<'a>]) -> Vec<Group<'a>> {
     groups
 }
 
-/// Whether two configurations agree in all they both have but the mode.
+/// Whether two configurations agree in all settings that both have, except the mode.
 fn agree(a: &Json, b: &Json) -> bool {
     let (Some(a), Some(b)) = (a.as_object(), b.as_object()) else { return false };
     a.iter()
@@ -128,7 +129,7 @@ fn agree(a: &Json, b: &Json) -> bool {
         .all(|(key, value)| b.get(key).is_none_or(|other| other == value))
 }
 
-/// One group for each variant that was seen under several lights.
+/// One group for each variant that was compared under several lights.
 fn by_light<'a>(surface: &'a str, units: &[&'a Unit<'a>]) -> Vec<Group<'a>> {
     let mut alike: BTreeMap<(usize, &str), Vec<(Value, &Unit<'_>)>> = BTreeMap::new();
     for unit in units {
@@ -137,7 +138,7 @@ fn by_light<'a>(surface: &'a str, units: &[&'a Unit<'a>]) -> Vec<Group<'a>> {
     alike.into_values().filter_map(|members| group(surface, "light", members)).collect()
 }
 
-/// In order; none where there is nothing beside the first.
+/// The group with its members in order; `None` if it has only one.
 fn group<'a>(
     surface: &'a str,
     key: &str,
@@ -146,7 +147,7 @@ fn group<'a>(
     members.sort_by(|(a, _), (b, _)| {
         a.rank().partial_cmp(&b.rank()).unwrap_or(std::cmp::Ordering::Equal)
     });
-    // two names for one configuration are no sweep
+    // two names for one configuration do not make a sweep
     members.dedup_by(|(a, x), (b, y)| a == b && x.settings == y.settings && key != "light");
     let like = members.first()?.1.variant;
     let distinct = unique(members.iter().map(|(value, _)| value)).len();

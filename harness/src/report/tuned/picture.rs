@@ -1,4 +1,4 @@
-//! The front of a search as a picture of its own: SVG that needs nothing else, for light and dark surroundings.
+//! The front of a search as a separate SVG, for light and dark backgrounds.
 
 use maud::{Markup, PreEscaped, html};
 
@@ -12,10 +12,10 @@ use crate::results::{Tune, Verdict};
 /// Width and height.
 const SIZE: [f64; 2] = [960.0, 620.0];
 
-/// Edges of the drawing: left, top, right, bottom.
+/// Edges of the plot area: left, top, right, bottom.
 const AREA: [f64; 4] = [78.0, 126.0, 930.0, 556.0];
 
-/// The baseline is no point of the drawing where it is this many times slower than the slowest other one.
+/// The baseline is left out of the plot if it is this many times slower than the slowest other candidate.
 const FAR: f64 = 3.0;
 
 const STYLE: &str = "
@@ -37,12 +37,12 @@ svg { color-scheme: light dark; font: 13px system-ui, 'Segoe UI', Roboto, 'Helve
 .won { font-weight: 700; }
 ";
 
-/// Error against time of the candidates of one search that have both; `None` where none has.
+/// Plots error against time of the candidates of one search that have both; `None` if there are no such candidates.
 pub fn front_picture(records: &[Tune]) -> Option<String> {
     let mut placed: Vec<(&Tune, [f64; 2])> =
         records.iter().filter_map(|t| Some((t, t.place()?))).collect();
     let first = records.first()?;
-    // labels are placed in this order
+    // labels are placed in this order: the first ones get room
     let rank = |t: &Tune| match t.verdict {
         Verdict::Winner => 0,
         Verdict::Baseline => 1,
@@ -54,7 +54,7 @@ pub fn front_picture(records: &[Tune]) -> Option<String> {
         return None;
     }
     let [left, top, right, bottom] = AREA;
-    // the baseline would push all others to one side
+    // with the baseline, all other points would be pushed to one side
     let texts = placed.iter().find(|(t, _)| t.verdict == Verdict::Baseline).copied();
     let slowest = |placed: &[(&Tune, [f64; 2])]| placed.iter().map(|p| p.1[0]).fold(0.0, f64::max);
     let others: Vec<_> =
@@ -113,7 +113,7 @@ fn grid(x: &Fitted, y: &Fitted) -> Markup {
     }
 }
 
-/// A scale along the top: how many times as fast as the baseline.
+/// A scale along the top: the ratio to the baseline's time.
 fn ratios(x: &Fitted, texts_ns: f64) -> Markup {
     let [left, top, right, _] = AREA;
     let inside = |ratio: &f64| (left + 1.0..right - 1.0).contains(&x.place(texts_ns / ratio));
@@ -121,7 +121,7 @@ fn ratios(x: &Fitted, texts_ns: f64) -> Markup {
         let all = (-1..=6).flat_map(|e| multiples.iter().map(move |m| m * 10_f64.powi(e)));
         all.filter(inside).collect()
     };
-    // as many as can be read
+    // as many as fit
     let steps: [&[f64]; 3] =
         [&[1.0], &[1.0, 2.0, 5.0], &[1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0]];
     let ticks = steps.into_iter().map(of).find(|ticks| ticks.len() > 2);
@@ -156,7 +156,7 @@ fn marks(placed: &[(&Tune, [f64; 2])], modes: &[String], x: &Fitted, y: &Fitted)
     let place = |at: [f64; 2]| [x.place(at[0]), y.place(at[1])];
     let label = |t: &Tune| match (t.verdict, t.time) {
         (Verdict::Winner, Some(time)) => {
-            // room for the ring
+            // spaces make room for the ring
             format!("\u{a0}\u{a0}{}, {}× texts\u{a0}\u{a0}", t.variant, figure(time.ratio))
         }
         (Verdict::Baseline, _) => t.variant.clone(),

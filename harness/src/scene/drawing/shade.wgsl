@@ -1,9 +1,9 @@
-// How the harness shades a body; appended to the text of a variant, whose functions it calls.
+// The harness's shading of a body. It is appended to the shader of a variant, whose functions it calls.
 
 struct Shade {
     // x: weight w_d of the unlit texture; y: diffuser scale s; z: number of lights; w: level of this pass
     blend: vec4f,
-    // x: last level, below 0 where lobes are not widened; y: (λ σf)² of level 0; zw: unused
+    // x: last level, or below 0 if lobes are not widened; y: (λ σf)² of level 0; zw: unused
     widening: vec4f,
     // xyz: direction to the light
     directions: array<vec4f, 4>,
@@ -14,7 +14,7 @@ struct Shade {
 @group(0) @binding(21) var body_colour: texture_2d<f32>;
 @group(0) @binding(22) var body_sampler: sampler;
 
-// What a body shows: its lit colour, and over it the diffraction.
+// The colour of a body: its lit colour, plus the diffraction.
 @fragment
 fn scene_skin(
     @location(0) place: vec3f,
@@ -26,7 +26,7 @@ fn scene_skin(
     return vec4f(held(colour + glints(place, normal, tangent, uv)), 1.0);
 }
 
-// The share of a further level of widened lobes, to be added.
+// The contribution of a further level of widened lobes, to be added.
 @fragment
 fn scene_level(
     @location(0) place: vec3f,
@@ -53,7 +53,7 @@ fn body(place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
     return ((1.0 - shade.blend.x) * lit + shade.blend.x) * texture;
 }
 
-// (1 - w_d) s ρ, summed over the lights; where lobes are widened, the share of this pass's level.
+// (1 - w_d) s ρ, summed over the lights; if lobes are widened, the share of this pass's level.
 fn glints(place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
     let wr = in_frame(mesh_params.eye.xyz - place, normal, tangent, uv);
     var sum = vec3f(0.0);
@@ -67,13 +67,13 @@ fn glints(place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
     return (1.0 - shade.blend.x) * shade.blend.y * sum;
 }
 
-// What 16-bit floats hold.
+// Clamps to the range of 16-bit floats.
 fn held(radiance: vec3f) -> vec3f {
     return clamp(radiance, vec3f(-6e4), vec3f(6e4));
 }
 
-// A pixel sees directions whose (u, v) has a variance of a twelfth of its steps' squares. That widens the lobe,
-// σf² + σpix²; level k stands for a lobe 2^k times as wide.
+// The directions inside a pixel have a variance of (u, v) of a twelfth of the squared steps between pixels. This widens the
+// lobe to σf² + σpix². Level k has a lobe 2^k times as wide.
 fn level_share(path: vec2f) -> f32 {
     let right = dpdx(path);
     let down = dpdy(path);
@@ -92,7 +92,7 @@ struct Used {
     @location(1) wr: vec4f,
 }
 
-// The directions that `mesh` uses.
+// The directions that the entry point `mesh` uses.
 @fragment
 fn scene_directions(
     @location(0) place: vec3f,

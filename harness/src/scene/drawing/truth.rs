@@ -1,4 +1,4 @@
-//! A drawn picture against the same scene in f64.
+//! Compares a drawn picture with the same scene in f64.
 
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::optics::colour::from_rgb;
@@ -13,27 +13,28 @@ use crate::scene::{Mesh, raster};
 
 use super::{directions, relative_radiance};
 
-/// How far a driver's picture of the entry `mesh` lies from the f64 scene.
+/// The differences between a driver's picture by the entry point `mesh` and the scene in f64.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Truth {
-    /// Pixels that both see.
+    /// Number of pixels that both show.
     pub pixels: usize,
-    /// Pixels on edges, which see different places or only one of both does; they are left out.
+    /// Number of pixels on edges, where the two show different points, or only one shows the mesh. They are left out.
     pub edges: usize,
-    /// Pixels whose point faces both light and viewer.
+    /// Number of pixels whose point faces both light and viewer.
     pub facing: usize,
-    /// Difference of the directions from the f64 rasteriser's: 95th percentile. A driver moves corners to a grid of 1/256 pixel.
+    /// 95th percentile of the difference between the directions and those of the f64 rasteriser. A driver moves corners to a grid of
+    /// 1/256 pixel.
     pub direction: f64,
-    /// The same, greatest: near the pole of a sphere, where interpolated tangents cancel, it tells little.
+    /// Maximum of that difference. It means little near the pole of a sphere, where interpolated tangents cancel.
     pub direction_max: f64,
-    /// The picture against the twin's colours for the rasteriser's directions.
+    /// The picture against the twin's colours for the directions of the rasteriser.
     pub scene: ColourDifference,
     /// The picture against the twin's colours for the directions that the driver used.
     pub shading: ColourDifference,
 }
 
-/// Draws `mesh` with the entry `mesh` of a variant, takes the directions that the driver used, and computes both anew in f64:
-/// directions from the vertices, colours by the twin from either.
+/// Draws `mesh` by the entry point `mesh` of a variant, reads the directions that the driver used, and computes both again in
+/// f64: directions from the vertices, and colours by the twin for both sets of directions.
 pub fn truth(
     gpu: &Gpu,
     prepared: &Prepared<'_>,
@@ -72,7 +73,10 @@ pub fn truth(
         picture.push(from_rgb([drawn[0], drawn[1], drawn[2]].map(f64::from), colour));
     }
     if picture.is_empty() {
-        return Err(Error::new(&mesh.name, "no pixel sees it, so that nothing is compared"));
+        return Err(Error::new(
+            &mesh.name,
+            "is not visible in any pixel, so nothing can be compared",
+        ));
     }
     apart.sort_by(f64::total_cmp);
     Ok(Truth {
@@ -86,10 +90,10 @@ pub fn truth(
     })
 }
 
-/// Difference of distances, over the distance, from which a pixel lies on an edge.
+/// Relative difference of distances above which a pixel counts as on an edge.
 const EDGE: f64 = 1e-4;
 
-/// The numbers that a driver gets.
+/// The mesh with its numbers rounded as a driver gets them.
 fn received(mesh: &Mesh) -> Mesh {
     let vertex = |v: &Vertex| Vertex {
         position: v.position.as_vec3().as_dvec3(),

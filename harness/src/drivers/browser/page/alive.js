@@ -1,4 +1,4 @@
-// A thread that says that the page is alive, while a draw blocks the page's own.
+// A worker thread that reports that the page is alive, even while a draw blocks the page's main thread.
 "use strict";
 
 (async () => {

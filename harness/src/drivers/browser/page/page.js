@@ -1,7 +1,7 @@
-// Fetches jobs and posts what came of them, until the server is gone; then the page closes, and the browser with it.
+// Fetches jobs and posts their results until the server is gone. Then the page closes, and the browser with it.
 //
-// A message, either way: bytes of a JSON text as a little-endian u32, the text, padded with spaces until the payload after
-// it begins at a multiple of 16, the payload.
+// A message in either direction: the length of a JSON text in bytes as a little-endian u32, the text, spaces up to a multiple
+// of 16 bytes, the payload.
 "use strict";
 
 const apis = { webgpu, webgl2 };
@@ -20,7 +20,7 @@ function unpack(buffer) {
   return { head, payload: new Uint8Array(buffer, 4 + length) };
 }
 
-// What each interface runs on, or why there is none.
+// The driver of each interface, or why there is no driver.
 async function introduction() {
   const found = {};
   for (const [name, api] of Object.entries(apis)) {
@@ -46,14 +46,14 @@ async function run({ head, payload }) {
         api.free(head.id);
         return pack({});
       default:
-        throw new Error(`the page knows no job ${head.job}`);
+        throw new Error(`the page does not know the job ${head.job}`);
     }
   } catch (error) {
     return pack({ error: error.message });
   }
 }
 
-// The tables of a job, whose bytes follow each other in the payload.
+// The tables of a job. Their bytes follow each other in the payload.
 function tables(list, payload) {
   let at = 0;
   return list.map((table) => {

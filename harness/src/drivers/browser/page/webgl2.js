@@ -1,15 +1,15 @@
-// GLSL ES 3.00 through WebGL2. Pictures come back as GL has them, bottom row first.
+// Runs GLSL ES 3.00 on WebGL2. Pictures are returned bottom row first, as GL has them.
 "use strict";
 
 const webgl2 = (() => {
   const PARAMS_BYTES = 32;
-  // In every number of a picture until it is read: a driver that just died leaves it there, and reports nothing yet.
+  // Fills a picture's numbers before it is read. If it is still there afterwards, the driver has died without a report yet.
   const UNREAD = -12345.678;
   const programs = new Map();
   let gl = null;
   let target = null;
 
-  // Opens a context; a lost one is replaced.
+  // Opens a context, or replaces a lost one.
   async function open() {
     if (gl && !isLost(gl)) return driver(gl);
     const canvas = document.createElement("canvas");
@@ -37,10 +37,10 @@ const webgl2 = (() => {
     return gl.died || gl.isContextLost();
   }
 
-  // An error where GL recorded one since the last call.
+  // Throws an error if GL recorded one since the last call.
   function check(gl, what) {
     const code = gl.getError();
-    // others stay recorded until they are asked for, and would be blamed on what comes next
+    // further errors must be cleared, or the next call would be blamed for them
     while (code !== gl.NO_ERROR && !isLost(gl) && gl.getError() !== gl.NO_ERROR);
     if (code === gl.CONTEXT_LOST_WEBGL || isLost(gl)) {
       throw new Error("the WebGL2 context was lost");
@@ -52,11 +52,11 @@ const webgl2 = (() => {
     throw new Error(`${what}: GL error ${name}`);
   }
 
-  // Refuses a number above a limit of the driver, by the limit's name.
+  // Refuses a number above a limit of the driver. The error names the limit.
   function within(gl, what, value, limit) {
-    const most = gl.getParameter(gl[limit]);
-    if (!(value >= 1 && value <= most)) {
-      throw new Error(`${what}: ${value} is not from 1 to ${limit} = ${most}`);
+    const max = gl.getParameter(gl[limit]);
+    if (!(value >= 1 && value <= max)) {
+      throw new Error(`${what}: ${value} is not between 1 and ${limit} = ${max}`);
     }
   }
 
@@ -87,12 +87,12 @@ const webgl2 = (() => {
     gl.useProgram(program);
     for (const { name, file, unit } of job.textures) {
       const place = gl.getUniformLocation(program, name);
-      if (!place) throw new Error(`${file}: the driver knows no ${name}`);
+      if (!place) throw new Error(`${file}: the driver does not know ${name}`);
       gl.uniform1i(place, unit);
     }
     for (const { name, file } of job.blocks) {
       const index = gl.getUniformBlockIndex(program, name);
-      if (index === gl.INVALID_INDEX) throw new Error(`${file}: the driver knows no ${name}`);
+      if (index === gl.INVALID_INDEX) throw new Error(`${file}: the driver does not know ${name}`);
       const bytes = gl.getActiveUniformBlockParameter(program, index, gl.UNIFORM_BLOCK_DATA_SIZE);
       if (bytes !== PARAMS_BYTES) {
         throw new Error(`${file}: ${name} has ${bytes} bytes instead of ${PARAMS_BYTES}`);
@@ -122,7 +122,7 @@ const webgl2 = (() => {
     return (log ?? "").replaceAll("\0", "").trim();
   }
 
-  // A texture, filtered or not; its texels are as they will be stored, so that the driver has nothing to round.
+  // A texture, filtered or not. Its texels are in the stored format already, so that the driver does not round.
   function upload(gl, { binding, name, format, width, height, layers, filtered, data }) {
     const what = `table ${name}`;
     within(gl, `${what}: units`, binding + 1, "MAX_TEXTURE_IMAGE_UNITS");
@@ -136,7 +136,7 @@ const webgl2 = (() => {
       rgba32float: [gl.RGBA32F, gl.RGBA, gl.FLOAT, Float32Array],
       rgb9e5ufloat: [gl.RGB9_E5, gl.RGB, gl.UNSIGNED_INT_5_9_9_9_REV, Uint32Array],
     }[format];
-    // a copy, since views of numbers begin at multiples of their size
+    // copied, since typed arrays must begin at multiples of their element size
     const texels = new numbers(data.slice().buffer);
     const at = layers === 0 ? gl.TEXTURE_2D : gl.TEXTURE_2D_ARRAY;
     const texture = gl.createTexture();
@@ -159,7 +159,7 @@ const webgl2 = (() => {
     return { texture, at, unit: binding };
   }
 
-  // Draws the rows from `top` to before `bottom`, counted from the top.
+  // Draws the rows from `top` up to, but not including, `bottom`, counted from the top.
   async function draw({ id, size: [width, height], params, top, bottom }) {
     const held = programs.get(id);
     if (!held) throw new Error("the page has no such program");
@@ -187,7 +187,7 @@ const webgl2 = (() => {
     return pixels;
   }
 
-  // Draws into a picture of 32-bit floats from now on.
+  // Makes a picture of 32-bit floats the target of all further draws.
   function aim(gl, width, height) {
     if (target?.gl === gl && target.width === width && target.height === height) return;
     within(gl, "a picture's width", width, "MAX_RENDERBUFFER_SIZE");
@@ -207,7 +207,7 @@ const webgl2 = (() => {
     if (gl.checkFramebufferStatus(gl.FRAMEBUFFER) !== gl.FRAMEBUFFER_COMPLETE) {
       target = null;
       check(gl, "picture");
-      throw new Error("the driver does not render to 32-bit floats");
+      throw new Error("the driver cannot render to 32-bit floats");
     }
   }
 

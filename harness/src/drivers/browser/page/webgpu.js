@@ -1,4 +1,4 @@
-// WGSL through WebGPU. Pictures come back top row first.
+// Runs WGSL on WebGPU. Pictures are returned top row first.
 "use strict";
 
 const webgpu = (() => {
@@ -8,12 +8,12 @@ const webgpu = (() => {
   let device = null;
   let target = null;
 
-  // Opens a device with all that the adapter has; a lost one is replaced.
+  // Opens a device with all features and limits of the adapter, or replaces a lost one.
   async function open() {
     if (device && !device.cause) return device.driver;
     if (!navigator.gpu) throw new Error("the browser has no WebGPU");
     const adapter = await navigator.gpu.requestAdapter();
-    if (!adapter) throw new Error("WebGPU finds no adapter");
+    if (!adapter) throw new Error("WebGPU found no adapter");
     const requiredLimits = {};
     for (const name of ["maxTextureDimension2D", "maxTextureArrayLayers", "maxBufferSize"]) {
       requiredLimits[name] = adapter.limits[name];
@@ -31,7 +31,7 @@ const webgpu = (() => {
     return opened.driver;
   }
 
-  // Does something on the device; what the device has against it is an error.
+  // Does work on the device. Throws the errors that the device reports.
   async function guarded(device, action) {
     if (device.cause) throw new Error(device.cause);
     SCOPES.forEach((scope) => device.pushErrorScope(scope));
@@ -39,7 +39,8 @@ const webgpu = (() => {
     const faults = await Promise.allSettled(SCOPES.map(() => device.popErrorScope()));
     if (device.cause) throw new Error(device.cause);
     const fault = faults.map((outcome) => outcome.value ?? outcome.reason).find((found) => found);
-    // what this file throws says more than the scopes, which repeat it; what the browser throws may only follow from theirs
+    // errors thrown by this file are clearer than the scopes' errors, which repeat them; errors thrown by the browser may only be
+    // consequences of the scopes' errors
     const own = done.reason && !(done.reason instanceof DOMException);
     if (fault && !own) throw new Error(fault.message);
     if (done.status === "rejected") throw done.reason;
@@ -112,7 +113,7 @@ const webgpu = (() => {
     return texture;
   }
 
-  // Draws the rows from `top` to before `bottom`.
+  // Draws the rows from `top` up to, but not including, `bottom`.
   async function draw({ id, size, params, top, bottom }) {
     const program = programs.get(id);
     if (!program) throw new Error("the page has no such program");
