@@ -16,8 +16,8 @@
 //! The random kinds are described at [`skin`]. All of them take their sines and exponentials from `libm`, so the heights
 //! are the same numbers on every platform.
 
-mod random;
 pub mod skin;
+mod waves;
 
 use crate::error::{Error, Result};
 use crate::plan::Grating;
