@@ -9,7 +9,7 @@ use super::source::Folder;
 use crate::results::line;
 
 /// How the page looks. Its colours are chosen by the reader's system or by the button in the page.
-const STYLE: &str = include_str!("page.css");
+const STYLE: &str = concat!(include_str!("plot/plot.css"), include_str!("page.css"));
 
 /// Sorting, saving and the choice of colours; the page can be read without it.
 const SCRIPT: &str = include_str!("page.js");
