@@ -8,29 +8,22 @@ type When = fn(&Variant) -> bool;
 /// What a mode does with the entries of the canonical configuration, the mode itself apart. All others it leaves alone.
 pub(super) struct Declared {
     /// Read by every variant of the mode.
-    always: &'static [&'static str],
+    always: &'static [&'static [&'static str]],
     /// Read where a variant is such.
     sometimes: &'static [(&'static str, When)],
     /// Not read, but refused with a reason where they differ from the default, by [`super::constraints::broken`].
     pub(super) refused: &'static [&'static str],
 }
 
+/// The entries of a series of terms.
+const SERIES: &[&str] = &["basis", "terms", "min_nm", "max_nm", "table", "packing"];
+/// The entries of the coherence window.
+const WINDOW: &[&str] = &["coherence_um", "coherence", "coherence_scaling"];
+/// The entries of the gain and of the colours.
+const COLOURS: &[&str] = &["refractive_index", "shadowing", "illuminant", "colour"];
+
 const FULL: Declared = Declared {
-    always: &[
-        "basis",
-        "terms",
-        "min_nm",
-        "max_nm",
-        "table",
-        "packing",
-        "coherence_um",
-        "coherence",
-        "coherence_scaling",
-        "refractive_index",
-        "shadowing",
-        "illuminant",
-        "colour",
-    ],
+    always: &[SERIES, WINDOW, COLOURS],
     sometimes: &[
         ("term_error", chooses_terms),
         ("reconstruction", is_prefiltered),
@@ -43,20 +36,7 @@ const FULL: Declared = Declared {
 };
 
 const PQ: Declared = Declared {
-    always: &[
-        "basis",
-        "terms",
-        "window_radius",
-        "periods",
-        "min_nm",
-        "max_nm",
-        "table",
-        "packing",
-        "refractive_index",
-        "shadowing",
-        "illuminant",
-        "colour",
-    ],
+    always: &[SERIES, &["window_radius", "periods"], COLOURS],
     sometimes: &[
         ("term_error", chooses_terms),
         ("step_nm", has_a_range),
@@ -66,21 +46,7 @@ const PQ: Declared = Declared {
 };
 
 const ADAPTIVE: Declared = Declared {
-    always: &[
-        "basis",
-        "terms",
-        "min_nm",
-        "max_nm",
-        "table",
-        "packing",
-        "coherence_um",
-        "coherence",
-        "coherence_scaling",
-        "refractive_index",
-        "shadowing",
-        "illuminant",
-        "colour",
-    ],
+    always: &[SERIES, WINDOW, COLOURS],
     sometimes: &[
         ("term_error", chooses_terms),
         ("reconstruction", is_prefiltered),
@@ -91,25 +57,21 @@ const ADAPTIVE: Declared = Declared {
 
 const BAKED: Declared = Declared {
     always: &[
-        "min_nm",
-        "max_nm",
-        "table",
-        "sampling",
-        "bake_error",
-        "bake_mib",
-        "coherence_um",
-        "coherence",
-        "coherence_scaling",
-        "refractive_index",
-        "shadowing",
-        "illuminant",
-        "colour",
+        &["min_nm", "max_nm", "table", "sampling", "bake_error", "bake_mib"],
+        WINDOW,
+        COLOURS,
     ],
     sometimes: &[],
     refused: &[],
 };
 
 const GEMS: Declared = Declared { always: &[], sometimes: &[], refused: &["colour"] };
+
+impl Declared {
+    fn always_reads(&self, key: &str) -> bool {
+        key == "mode" || self.always.iter().any(|group| group.contains(&key))
+    }
+}
 
 pub(super) fn declared(mode: Mode) -> &'static Declared {
     match mode {
@@ -143,13 +105,13 @@ fn counts_replicas(variant: &Variant) -> bool {
 
 /// Whether a variant reads an entry of the canonical configuration.
 pub(super) fn reads(variant: &Variant, key: &str) -> bool {
-    let Declared { always, sometimes, .. } = declared(variant.mode);
+    let declared = declared(variant.mode);
     let is_such = |(known, is_such): &(&str, When)| *known == key && is_such(variant);
-    key == "mode" || always.contains(&key) || sometimes.iter().any(is_such)
+    declared.always_reads(key) || declared.sometimes.iter().any(is_such)
 }
 
 /// Whether variants of a mode may read an entry.
 pub(super) fn declares(mode: Mode, key: &str) -> bool {
-    let Declared { always, sometimes, .. } = declared(mode);
-    key == "mode" || always.contains(&key) || sometimes.iter().any(|(known, _)| *known == key)
+    let declared = declared(mode);
+    declared.always_reads(key) || declared.sometimes.iter().any(|(known, _)| *known == key)
 }
