@@ -1,5 +1,7 @@
 //! Pictures and float images as bytes. The only PNG writer and the only OpenEXR writer of the library.
 
+mod viridis;
+
 use std::io::Cursor;
 
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
@@ -10,6 +12,8 @@ use exr::prelude::{SmallVec, WritableImage};
 use png::{BitDepth, ColorType, Compression, Encoder, EncodingError};
 
 use crate::error::{Error, Result};
+
+pub use viridis::viridis;
 
 /// An 8-bit picture, `[row][column]`, rows from the top, sRGB.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -6,6 +6,7 @@ use std::{fs, io::Cursor, path::Path};
 use diffraction_shaders::Compiler;
 use diffraction_shaders::package::{self, Package};
 use diffraction_shaders::plan::{Container, Plan};
+use diffraction_shaders::random::SplitMix64;
 use diffraction_shaders::tables::TexelFormat;
 use diffraction_shaders::tables::container::{Atlas, Shape, decode, encode};
 use exr::image::{FlatSamples, read::read as reader};
@@ -25,12 +26,9 @@ fn shapes() -> Vec<Shape> {
 
 /// Any bits, among them those of infinities, of negative zero, of no number.
 fn bits(shape: &Shape) -> Vec<u8> {
-    let mut state = 7_u32;
-    let mut byte = || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 24) as u8
-    };
-    let mut texels: Vec<u8> = (0..shape.byte_count().unwrap()).map(|_| byte()).collect();
+    let mut random = SplitMix64::new(7);
+    let mut texels: Vec<u8> =
+        (0..shape.byte_count().unwrap()).map(|_| random.next_u64() as u8).collect();
     let special = match shape.format {
         // every word of shared exponents has a meaning, but not every one is what rounding gives
         TexelFormat::Rgb9e5Ufloat => {

@@ -6,6 +6,7 @@ use std::path::Path;
 use diffraction_shaders::Compiler;
 use diffraction_shaders::package::{MANIFEST, Package};
 use diffraction_shaders::plan::{Plan, SurfaceSpec, Target, Variant};
+use diffraction_shaders::random::SplitMix64;
 
 /// Variants that share tables and variants that differ in every axis, on surfaces of every kind of size.
 const PLAN: &str = r#"schema = 1
@@ -90,10 +91,10 @@ fn neither_order_nor_threads_show() {
     assert!(fewer.bytes(MANIFEST) != one.bytes(MANIFEST));
 }
 
-/// Fisher and Yates, with the generator of Knuth's MMIX.
-fn shuffle<T>(items: &mut [T], mut seed: u64) {
+/// Fisher and Yates.
+fn shuffle<T>(items: &mut [T], seed: u64) {
+    let mut random = SplitMix64::new(seed);
     for i in (1..items.len()).rev() {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        items.swap(i, (seed >> 33) as usize % (i + 1));
+        items.swap(i, (random.share() * (i + 1) as f64) as usize);
     }
 }

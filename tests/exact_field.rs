@@ -2,19 +2,15 @@
 
 use diffraction_shaders::field::{Domain, Field, Scratch, amplitude_brute, ensemble_brute};
 use diffraction_shaders::plan::{Coherence, Grating};
+use diffraction_shaders::random::SplitMix64;
 use diffraction_shaders::surface::HeightField;
 use diffraction_shaders::surface::synthetic::synthesise;
 use glam::DVec2;
 
 fn rough(columns: usize, rows: usize) -> HeightField {
-    let mut state = 7_u64;
-    let mut next = || {
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 40) as f64 / f64::from(1 << 24)
-    };
-    HeightField::new(columns, rows, 0.07, 0.09, (0..columns * rows).map(|_| 0.4 * next()).collect())
-        .expect("valid")
+    let mut random = SplitMix64::new(7);
+    let heights_um = (0..columns * rows).map(|_| 0.4 * random.share()).collect();
+    HeightField::new(columns, rows, 0.07, 0.09, heights_um).expect("valid")
 }
 
 /// Columns and rows shifted round, to the right and down.

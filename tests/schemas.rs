@@ -14,6 +14,7 @@ use diffraction_shaders::package::manifest::SCHEMA_VERSION;
 use diffraction_shaders::plan::{Plan, Target, vocabulary};
 use diffraction_shaders::shader::limits::Profile;
 use diffraction_shaders::shader::template::GENERATED;
+use diffraction_shaders::variant::CENTRED;
 use jsonschema::Validator;
 use schema_support::{is_of_type, places, walk};
 use serde_json::{Value, json};
@@ -482,7 +483,7 @@ fn generated_probes_are_what_they_say() {
             assert!(v.iter().all(|x| f64::from(*x as f32) == *x), "{v:?}");
         }
         let tolerance = probe["tolerance"].as_f64().unwrap();
-        assert!(tolerance >= 2e-5 * greatest("expected"));
+        assert!(tolerance >= CENTRED * greatest("expected"));
         assert!(numbers(&probe["exact"]["xyz"])[1] > 1e-4 * greatest("exact"), "{probe}");
     }
     assert!((greatest("expected") / greatest("exact") - 1.0).abs() < 0.1);

@@ -42,13 +42,6 @@ pub struct Args {
     directions: PathBuf,
 }
 
-impl Args {
-    /// Whether the runner needs the harness.
-    pub(crate) fn needs_harness(&self) -> bool {
-        self.runner.runner.is_driver()
-    }
-}
-
 /// Runs the command.
 pub fn run(args: &Args, console: &Console, drivers: Drivers) -> Result<Outcome> {
     let job = Job::new(&args.surface, &args.runner, console)?;

@@ -143,9 +143,11 @@ pub fn main(program: &Program) -> ExitCode {
         Command::List(args) => list::run(&args, &console),
         Command::Inspect(args) => inspect::run(&args, &console),
         Command::Explain(args) => explain::run(&args, &console),
-        Command::Eval(ref with) if with.needs_harness() => Err(harness::take_over(program, &args)),
+        Command::Eval(ref with) if with.runner.runner.is_driver() => {
+            Err(harness::take_over(program, &args))
+        }
         Command::Eval(args) => eval::run(&args, &console, drivers),
-        Command::Render(ref with) if with.needs_harness() => {
+        Command::Render(ref with) if with.runner.runner.is_driver() => {
             Err(harness::take_over(program, &args))
         }
         Command::Render(args) => render::run(&args, &console, drivers),

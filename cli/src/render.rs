@@ -52,13 +52,6 @@ enum Format {
     Exr,
 }
 
-impl Args {
-    /// Whether the runner needs the harness.
-    pub(crate) fn needs_harness(&self) -> bool {
-        self.runner.runner.is_driver()
-    }
-}
-
 /// Runs the command.
 pub fn run(args: &Args, console: &Console, drivers: Drivers) -> Result<Outcome> {
     let format = format(&args.out)?;

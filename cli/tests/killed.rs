@@ -10,6 +10,8 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use diffraction_shaders::random::SplitMix64;
+
 /// A plan whose generation takes a while: each of the variants has large tables of its own.
 fn plan(height_um: f64, axes: &str) -> String {
     format!(
@@ -157,22 +159,11 @@ fn files(root: &Path) -> Files {
     files
 }
 
-/// Numbers from 0 to 1, the same in every run: the generator of Knuth's MMIX.
-struct Random(u64);
-
-impl Random {
-    fn share(&mut self) -> f64 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
-
 #[test]
 fn a_run_killed_at_any_moment_leaves_a_whole_package() {
     let place = Place::new();
     assert!(place.duration >= Duration::from_millis(150), "{:?} is too short", place.duration);
-    let mut random = Random(0x5eed);
+    let mut random = SplitMix64::new(0x5eed);
     let mut seen = Vec::new();
     for tenth in 0..10 {
         let child = place.spawn_new();

@@ -4,6 +4,7 @@
 
 mod bench;
 mod compare;
+mod digits;
 mod drivers;
 mod report;
 mod restart;

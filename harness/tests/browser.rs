@@ -18,13 +18,10 @@ use diffraction_shaders::surface::HeightField;
 use diffraction_shaders::surface::synthetic::synthesise;
 use diffraction_shaders::tables::basis;
 use diffraction_shaders::tables::{Table, TexelFormat};
+use diffraction_shaders::variant::{ACROSS, CENTRED};
 
 use browser_support::{blazed, browser, centred, params};
 
-/// Greatest difference from the twin over the greatest value: arithmetic in 32 bits, centred bases.
-const CENTRED: f64 = 2e-5;
-/// Greatest difference between the two routes, over the greatest value.
-const APART: f64 = 1e-5;
 /// Deliberate faults have to show by at least this.
 const SEEN: f64 = 100.0 * CENTRED;
 const SIZE: usize = 48;
@@ -50,7 +47,7 @@ fn every_mode_agrees_with_its_twin_and_both_routes_with_each_other() {
         let factor = if variant.mode == Mode::Baked { 5.0 } else { 1.0 };
         let most = factor * CENTRED;
         assert!(gpu <= most && gl <= most, "{}: {gpu} {gl}", variant.name);
-        assert!(apart <= factor * APART, "{}: {apart}", variant.name);
+        assert!(apart <= factor * ACROSS, "{}: {apart}", variant.name);
         worst.iter_mut().zip([gpu, gl, apart]).for_each(|(most, now)| *most = most.max(now));
     }
     println!("worst: {worst:?}");

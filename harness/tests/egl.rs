@@ -11,6 +11,7 @@ use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{
     Auto, Basis, Grating, Optics, Packing, Reconstruction, Rough, Sampling, Variant,
 };
+use diffraction_shaders::random::SplitMix64;
 use diffraction_shaders::runner::{Placement, Runner, TwinRunner, rounded};
 use diffraction_shaders::shader::emit::{EmittedFile, emit};
 use diffraction_shaders::surface::HeightField;
@@ -358,12 +359,8 @@ fn surfaces() -> [HeightField; 3] {
 
 /// 500 pairs of directions, as a shader receives them; a few view along the horizon or below it.
 fn pairs() -> Vec<Directions> {
-    let mut state = 1_u64;
-    let mut next = || {
-        // Knuth's MMIX generator
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut random = SplitMix64::new(1);
+    let mut next = || random.share();
     let mut pair = || Directions {
         wi: rounded(direction(80.0 * next(), 360.0 * next())),
         wr: rounded(direction(92.0 * next(), 360.0 * next())),

@@ -16,12 +16,9 @@ use diffraction_shaders::runner::{Placement, Runner, TwinRunner};
 use diffraction_shaders::shader::emit::{EmittedFile, emit};
 use diffraction_shaders::shader::module;
 use diffraction_shaders::tables::{Table, TermScale};
+use diffraction_shaders::variant::{ACROSS, CENTRED};
 use passthrough_support::{Results, blazed, centred, fingers, texts_bound, variants};
 
-/// Greatest difference of a centred basis from the twin, over the greatest value.
-const CENTRED: f64 = 2e-5;
-/// Greatest difference of two routes, over the greatest value.
-const ROUTES: f64 = 1e-5;
 /// Deliberate faults have to show by at least this, in the map and in listed directions: ten times what is let pass.
 const SEEN: f64 = 10.0 * CENTRED;
 
@@ -93,7 +90,7 @@ fn all_routes_agree_with_each_other() {
             for (second, got) in &results[i + 1..] {
                 let errors = got.errors(expected);
                 let what = format!("{}: {first} and {second}: {errors:?}", variant.name);
-                if !errors.iter().all(|error| *error <= ROUTES) {
+                if !errors.iter().all(|error| *error <= ACROSS) {
                     wrong.push(what);
                 }
             }

@@ -17,9 +17,7 @@ use diffraction_shaders::plan::{
 use diffraction_shaders::runner::{Placement, Runner, TwinRunner, rounded};
 use diffraction_shaders::surface::HeightField;
 use diffraction_shaders::surface::synthetic::synthesise;
-
-/// Greatest arithmetic error of a centred basis, over the map's greatest value.
-const CENTRED: f64 = 2e-5;
+use diffraction_shaders::variant::CENTRED;
 
 /// The same through the linear filter of a driver that rounds its weights to 8 bits, see the table of tolerances.
 const FILTERED: f64 = 3e-3;

@@ -10,6 +10,7 @@ use crate::field::transform::{Bins, axes, heights_upwards_um, ifft2};
 use crate::optics;
 use crate::optics::brdf_map::view_directions;
 use crate::plan::Optics;
+use crate::random::SplitMix64;
 use crate::surface::HeightField;
 
 /// Number of random directions, in addition to the pixels of a map.
@@ -46,12 +47,12 @@ pub fn on_orders(
     seed: u64,
 ) -> Vec<Directions> {
     let orders = strongest(height, light);
-    let mut random = Random(seed);
+    let mut random = SplitMix64::new(seed);
     let mut out = Vec::with_capacity(count);
     while out.len() < count {
         let order = match out.len() % 4 {
             0 => DVec2::ZERO,
-            _ => orders[(random.next() * orders.len() as f64) as usize],
+            _ => orders[(random.share() * orders.len() as f64) as usize],
         };
         out.extend(near(order, optics, rotate_deg, light, &mut random));
     }
@@ -64,12 +65,12 @@ fn near(
     optics: &Optics,
     rotate_deg: f64,
     light: DVec3,
-    random: &mut Random,
+    random: &mut SplitMix64,
 ) -> Option<Directions> {
     let (sin, cos) = rotate_deg.to_radians().sin_cos();
-    let lambda_nm = 400.0 + 300.0 * random.next();
+    let lambda_nm = 400.0 + 300.0 * random.share();
     let sigma_cpum = 1.0 / (TAU * optics::window_sigma_um(optics, lambda_nm));
-    let (radius, angle) = (2.0 * sigma_cpum * random.next().sqrt(), TAU * random.next());
+    let (radius, angle) = (2.0 * sigma_cpum * random.share().sqrt(), TAU * random.share());
     let uv = lambda_nm * 1e-3 * (order + radius * DVec2::from_angle(angle));
     // (u, v) of the surface, turned back into the frame of the directions
     let uv = DVec2::new(cos * uv.x - sin * uv.y, sin * uv.x + cos * uv.y);
@@ -105,11 +106,11 @@ pub fn pool(height: &HeightField, optics: &Optics, rotate_deg: f64) -> [Vec<Dire
         }
         orders
     });
-    let mut random = Random(SEED);
+    let mut random = SplitMix64::new(SEED);
     let mut on_any_order = |i: usize, light: DVec3| {
         let orders = &orders[i % LIGHTS.len()];
         let mut draw = || {
-            let at = (random.next() * orders.len() as f64) as usize;
+            let at = (random.share() * orders.len() as f64) as usize;
             let order = orders.get(at).copied().unwrap_or_default();
             near(order, optics, rotate_deg, light, &mut random)
         };
@@ -117,16 +118,16 @@ pub fn pool(height: &HeightField, optics: &Optics, rotate_deg: f64) -> [Vec<Dire
     };
     let on_orders: Vec<Directions> =
         (0..KIND).filter_map(|i| on_any_order(i, lights[i % LIGHTS.len()])).collect();
-    let mut other = Random(SEED + 1);
+    let mut other = SplitMix64::new(SEED + 1);
     // uniform in solid angle, up to 72° from the normal
     let mut anywhere = || {
-        let (z, angle) = (0.3 + 0.7 * other.next(), TAU * other.next());
+        let (z, angle) = (0.3 + 0.7 * other.share(), TAU * other.share());
         ((1.0 - z * z).sqrt() * DVec2::from_angle(angle)).extend(z)
     };
     let mut spread: Vec<Directions> =
         (0..ANYWHERE).map(|_| Directions { wi: anywhere(), wr: anywhere() }).collect();
     spread.extend((0..2 * KIND).filter_map(|i| on_any_order(i, anywhere())));
-    let mut third = Random(SEED + 2);
+    let mut third = SplitMix64::new(SEED + 2);
     let mirror = (0..KIND)
         .filter_map(|i| near(DVec2::ZERO, optics, rotate_deg, lights[i % LIGHTS.len()], &mut third))
         .collect();
@@ -164,19 +165,6 @@ fn strongest(height: &HeightField, light: DVec3) -> Vec<DVec2> {
     ranked.sort_by(|a, b| rank(b.0).total_cmp(&rank(a.0)));
     let min = 1e-5 * largest;
     ranked.into_iter().take(ORDERS).filter(|r| r.0 >= min).map(|r| r.1).collect()
-}
-
-/// SplitMix64 (Steele, Lea & Flood 2014): numbers in [0, 1).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
 }
 
 #[cfg(test)]

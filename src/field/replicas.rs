@@ -23,9 +23,14 @@ pub fn replica_factor(t: f64, q: u32) -> f64 {
     sign * (PI * q * rest).sin() / (q * (PI * rest).sin())
 }
 
-/// `sin πt/(πt)`.
+/// `sin πt/(πt)`. The sine is taken within half a turn of its zero, so that whole `t` give 0.
 pub fn sinc(t: f64) -> f64 {
-    if t == 0.0 { 1.0 } else { (PI * t).sin() / (PI * t) }
+    if t == 0.0 {
+        return 1.0;
+    }
+    let nearest = t.round();
+    let sign = if nearest.rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 };
+    sign * (PI * (t - nearest)).sin() / (PI * t)
 }
 
 /// Amplitude of the replicas, `A(fx Lx)·A(fy Ly)·P1(f)`, `P1` the transform of one patch at a continuous frequency,
@@ -38,6 +43,17 @@ pub fn amplitude(height: &HeightField, f: DVec2, z: f64, [qx, qy]: [u32; 2]) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sinc_is_one_at_zero_and_zero_at_other_whole_turns() {
+        assert_eq!(
+            [sinc(0.0), sinc(1e-300), sinc(-3.0), sinc(70.0)].map(f64::abs),
+            [1.0, 1.0, 0.0, 0.0]
+        );
+        for t in [0.3, -0.5, 0.5, 1.4, -2.6, 17.2] {
+            assert!((sinc(t) - (PI * t).sin() / (PI * t)).abs() < 1e-14, "{t}");
+        }
+    }
 
     fn surface() -> HeightField {
         HeightField::new(4, 3, 0.3, 0.2, (0..12).map(|i| f64::from(i * i % 7) * 0.05).collect())

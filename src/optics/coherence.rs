@@ -19,7 +19,8 @@ pub const REFERENCE_NM: f64 = 550.0;
 
 /// Radiance relative to a white diffuser per unit of ρ: `s = 4π² R0 σs²/λ0²`, λ0 = 550 nm.
 pub fn diffuser_scale(optics: &Optics) -> f64 {
-    let ratio = std::f64::consts::TAU * optics.coherence_um / 4.0 / (REFERENCE_NM * 1e-3);
+    let sigma_um = window_sigma_um(optics, REFERENCE_NM);
+    let ratio = std::f64::consts::TAU * sigma_um / (REFERENCE_NM * 1e-3);
     normal_reflectance(optics.refractive_index) * ratio * ratio
 }
 

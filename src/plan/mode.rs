@@ -58,29 +58,22 @@ pub(super) enum When {
 /// The entries of the canonical configuration that a mode reads, apart from the mode itself. It ignores all others.
 pub(super) struct Declared {
     /// Entries that every variant of the mode reads.
-    pub(super) always: &'static [&'static str],
+    pub(super) always: &'static [&'static [&'static str]],
     /// Entries that a variant reads if the condition holds.
     pub(super) sometimes: &'static [(&'static str, When)],
     /// Entries that are not read, but rejected with a reason if they differ from the default, by [`super::constraints::broken`].
     pub(super) refused: &'static [&'static str],
 }
 
+/// The entries of a series of terms.
+const SERIES: &[&str] = &["basis", "terms", "min_nm", "max_nm", "table", "packing"];
+/// The entries of the coherence window.
+const WINDOW: &[&str] = &["coherence_um", "coherence", "coherence_scaling"];
+/// The entries of the gain and of the colours.
+const COLOURS: &[&str] = &["refractive_index", "shadowing", "illuminant", "colour"];
+
 const FULL: Declared = Declared {
-    always: &[
-        "basis",
-        "terms",
-        "min_nm",
-        "max_nm",
-        "table",
-        "packing",
-        "coherence_um",
-        "coherence",
-        "coherence_scaling",
-        "refractive_index",
-        "shadowing",
-        "illuminant",
-        "colour",
-    ],
+    always: &[SERIES, WINDOW, COLOURS],
     sometimes: &[
         ("term_error", When::ChoosesTerms),
         ("reconstruction", When::IsPrefiltered),
@@ -93,20 +86,7 @@ const FULL: Declared = Declared {
 };
 
 const PQ: Declared = Declared {
-    always: &[
-        "basis",
-        "terms",
-        "window_radius",
-        "periods",
-        "min_nm",
-        "max_nm",
-        "table",
-        "packing",
-        "refractive_index",
-        "shadowing",
-        "illuminant",
-        "colour",
-    ],
+    always: &[SERIES, &["window_radius", "periods"], COLOURS],
     sometimes: &[
         ("term_error", When::ChoosesTerms),
         ("step_nm", When::HasRange),
@@ -116,21 +96,7 @@ const PQ: Declared = Declared {
 };
 
 const ADAPTIVE: Declared = Declared {
-    always: &[
-        "basis",
-        "terms",
-        "min_nm",
-        "max_nm",
-        "table",
-        "packing",
-        "coherence_um",
-        "coherence",
-        "coherence_scaling",
-        "refractive_index",
-        "shadowing",
-        "illuminant",
-        "colour",
-    ],
+    always: &[SERIES, WINDOW, COLOURS],
     sometimes: &[
         ("term_error", When::ChoosesTerms),
         ("reconstruction", When::IsPrefiltered),
@@ -141,25 +107,22 @@ const ADAPTIVE: Declared = Declared {
 
 const BAKED: Declared = Declared {
     always: &[
-        "min_nm",
-        "max_nm",
-        "table",
-        "sampling",
-        "bake_error",
-        "bake_mib",
-        "coherence_um",
-        "coherence",
-        "coherence_scaling",
-        "refractive_index",
-        "shadowing",
-        "illuminant",
-        "colour",
+        &["min_nm", "max_nm", "table", "sampling", "bake_error", "bake_mib"],
+        WINDOW,
+        COLOURS,
     ],
     sometimes: &[],
     refused: &[],
 };
 
 const GEMS: Declared = Declared { always: &[], sometimes: &[], refused: &["colour"] };
+
+impl Declared {
+    /// Whether every variant of the mode reads an entry.
+    pub(super) fn always_reads(&self, key: &str) -> bool {
+        key == "mode" || self.always.iter().any(|group| group.contains(&key))
+    }
+}
 
 pub(super) fn declared(mode: Mode) -> &'static Declared {
     match mode {

@@ -1,6 +1,6 @@
 //! Which keys a variant reads.
 
-use super::mode::{Declared, When, declared};
+use super::mode::{When, declared};
 use super::{Auto, Mode, Reconstruction, Variant};
 
 impl When {
@@ -21,13 +21,13 @@ pub(super) fn is_prefiltered(variant: &Variant) -> bool {
 
 /// Whether a variant reads an entry of the canonical configuration.
 pub(super) fn reads(variant: &Variant, key: &str) -> bool {
-    let Declared { always, sometimes, .. } = declared(variant.mode);
+    let declared = declared(variant.mode);
     let is_such = |(known, when): &(&str, When)| *known == key && when.holds(variant);
-    key == "mode" || always.contains(&key) || sometimes.iter().any(is_such)
+    declared.always_reads(key) || declared.sometimes.iter().any(is_such)
 }
 
 /// Whether variants of a mode may read an entry.
 pub(super) fn declares(mode: Mode, key: &str) -> bool {
-    let Declared { always, sometimes, .. } = declared(mode);
-    key == "mode" || always.contains(&key) || sometimes.iter().any(|(known, _)| *known == key)
+    let declared = declared(mode);
+    declared.always_reads(key) || declared.sometimes.iter().any(|(known, _)| *known == key)
 }

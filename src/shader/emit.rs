@@ -150,14 +150,17 @@ struct Single {
     info: naga::valid::ModuleInfo,
 }
 
-/// A whole module with its overrides resolved.
-fn resolved(module: &Module, target: Target) -> Result<(naga::Module, naga::valid::ModuleInfo)> {
-    let constants = naga::back::PipelineConstants::default();
+/// A module with its overrides resolved: all of it, or one entry point with what it needs.
+fn resolved(
+    module: &Module,
+    target: Target,
+    entry: Option<(Stage, &str)>,
+) -> Result<(naga::Module, naga::valid::ModuleInfo)> {
     let (ir, info) = naga::back::pipeline_constants::process_overrides(
         module.ir(),
         module.info(),
-        None,
-        &constants,
+        entry.map(|(stage, name)| (stage.to_naga(), name)),
+        &naga::back::PipelineConstants::default(),
     )
     .map_err(|error| failure(module, target, error))?;
     Ok((ir.into_owned(), info.into_owned()))
@@ -179,16 +182,8 @@ fn entry_points(
 /// The entry points of a module, each in a module of its own.
 fn singles(module: &Module, target: Target) -> Result<Vec<Single>> {
     let single = |(name, stage): (&str, Stage)| {
-        let constants = naga::back::PipelineConstants::default();
-        let entry = Some((stage.to_naga(), name));
-        let (ir, info) = naga::back::pipeline_constants::process_overrides(
-            module.ir(),
-            module.info(),
-            entry,
-            &constants,
-        )
-        .map_err(|error| failure(module, target, error))?;
-        Ok(Single { name: name.to_owned(), stage, ir: ir.into_owned(), info: info.into_owned() })
+        let (ir, info) = resolved(module, target, Some((stage, name)))?;
+        Ok(Single { name: name.to_owned(), stage, ir, info })
     };
     module.entry_points().map(single).collect()
 }

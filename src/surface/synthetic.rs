@@ -17,8 +17,8 @@
 //! The random kinds are described at [`skin`]. All kinds use sines and exponentials of `libm`, so the heights are the
 //! same numbers on every platform.
 
-mod random;
 pub mod skin;
+mod waves;
 
 use crate::error::{Error, Result};
 use crate::plan::Grating;

@@ -19,31 +19,7 @@ pub(super) const ADVANCE: i64 = (font::WIDTH as i64 + 1) * FONT_SCALE;
 /// Height of a line of capitals.
 pub(super) const LINE: i64 = 7 * FONT_SCALE;
 
-/// Viridis (van der Walt & Smith 2015, CC0), a perceptually uniform colour map, at multiples of 1/8.
-const VIRIDIS: [Colour; 9] = [
-    [68, 1, 84],
-    [71, 44, 122],
-    [59, 81, 139],
-    [44, 113, 142],
-    [33, 144, 141],
-    [39, 173, 129],
-    [92, 200, 99],
-    [170, 220, 50],
-    [253, 231, 37],
-];
-
-/// The colour of a number from 0 to 1. Other numbers get the colour of the nearer end.
-pub(super) fn viridis(share: f64) -> Colour {
-    let place = share.clamp(0.0, 1.0) * 8.0;
-    let low = (place as usize).min(7);
-    let part = place - low as f64;
-    let mix = |c: usize| {
-        f64::from(VIRIDIS[low][c]) * (1.0 - part) + f64::from(VIRIDIS[low + 1][c]) * part
-    };
-    [0, 1, 2].map(|c| mix(c).round() as u8)
-}
-
-/// Position of a label relative to its point.
+/// Where a label stands relative to its point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Align {
     Left,

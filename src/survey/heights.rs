@@ -1,9 +1,9 @@
 //! A picture of the heights.
 
+use crate::encode::viridis;
 use crate::error::Result;
 use crate::surface::HeightField;
 
-use super::canvas::viridis;
 use super::plot::{Plot, PlotRange};
 
 /// Maximum side of the area.

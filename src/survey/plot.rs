@@ -1,6 +1,8 @@
 //! A plot: an area with axes, and a colour bar.
 
-use super::canvas::{ADVANCE, Align, Canvas, INK, LINE, viridis};
+use crate::encode::viridis;
+
+use super::canvas::{ADVANCE, Align, Canvas, INK, LINE};
 
 /// Space around the area for ticks, labels and the title.
 const LEFT: i64 = 6 * ADVANCE + 8;

@@ -5,15 +5,17 @@ use std::f64::consts::TAU;
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 
+use crate::encode::viridis;
 use crate::error::Result;
 use crate::field::transform::{Bins, axes, heights_upwards_um, ifft2};
+use crate::optics::REFERENCE_NM;
 use crate::surface::HeightField;
 
-use super::canvas::{NIGHT, viridis};
+use super::canvas::NIGHT;
 use super::plot::{Plot, PlotRange};
 
-/// Wavelength of the picture, nm. Both directions are along the normal, so `w = -2`.
-const LAMBDA_NM: f64 = 550.0;
+/// Wavelength of the picture, nm; both directions along the normal, so `w = -2`.
+const LAMBDA_NM: f64 = REFERENCE_NM;
 
 /// Side of the area, pixels.
 const SIDE: i64 = 720;

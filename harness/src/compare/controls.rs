@@ -9,6 +9,7 @@ use std::collections::btree_map::Entry;
 use diffraction_shaders::error::Result;
 use diffraction_shaders::field::comparison_directions::on_orders;
 use diffraction_shaders::field::reference::Directions;
+use diffraction_shaders::optics::REFERENCE_NM;
 use diffraction_shaders::optics::brdf_map::view_directions;
 use diffraction_shaders::optics::colour_difference::{auto_exposure, colour_difference};
 use diffraction_shaders::optics::direction;
@@ -133,13 +134,13 @@ pub const CONTROLS: [Control; 10] = [
         name: "weights without jacobian",
         mode: Mode::Adaptive,
         filtered: false,
-        // weights per wavenumber: too small by λ²; normalised at 0.55 µm
+        // weights per wavenumber, λ² times too small; 550 nm keeps its own
         spoil: |p, _| {
             let (width, mut rows) = (p.spectrum.width, p.spectrum.texels.chunks_mut(4));
             // row 1 has no weights
             let first = rows.by_ref().take(width).collect::<Vec<_>>();
             for texel in first.into_iter().chain(rows.skip(width)).filter(|t| t[3] > 0.0) {
-                let jacobian = (texel[3] / 0.55).powi(2);
+                let jacobian = (texel[3] / (REFERENCE_NM * 1e-3)).powi(2);
                 texel[..3].iter_mut().for_each(|weight| *weight /= jacobian);
             }
         },

@@ -21,17 +21,18 @@ mod user_folder;
 mod server;
 
 use std::fmt;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::plan::Target;
-use diffraction_shaders::runner::{Placement, Progress};
+use diffraction_shaders::runner::Placement;
 use diffraction_shaders::shader::emit::{EmittedFile, emit};
 use diffraction_shaders::shader::module::Module;
 use serde_json::{Value, json};
 
-use super::driver::{BAND_ROWS, BoundTable, Driver, DriverRunner, Prepared};
+use super::driver::{BoundTable, Driver, DriverRunner, Prepared};
 use super::stages::stages;
 
 pub use drive::{Driven, drive_page};
@@ -258,21 +259,14 @@ impl Driver for Web {
         self.compile(module.name(), &files, entry, tables)
     }
 
-    fn draw(
+    fn rows(
         &self,
         pipeline: &Pipeline,
-        [width, height]: [u32; 2],
+        size: [u32; 2],
         params: &[f32; 8],
-        progress: Progress<'_>,
+        band: Range<u32>,
     ) -> Result<Vec<[f32; 4]>> {
-        let mut pixels = Vec::with_capacity(width as usize * height as usize);
-        for top in (0..height).step_by(BAND_ROWS as usize) {
-            let band = top..height.min(top + BAND_ROWS);
-            pixels.extend(pipeline.rows([width, height], params, band.clone())?);
-            // no job is running here, so `progress` may draw, too
-            progress(band.len() * width as usize);
-        }
-        Ok(pixels)
+        pipeline.rows(size, params, band)
     }
 }
 

@@ -1,6 +1,7 @@
 //! What all drivers share: the pictures that they draw, the tables, and the meaning of the pixels.
 
 use std::cell::RefCell;
+use std::ops::Range;
 
 use diffraction_shaders::diagnostic::Diagnostic;
 use diffraction_shaders::error::{Error, Result};
@@ -19,9 +20,9 @@ use diffraction_shaders::tables::{
 use diffraction_shaders::variant::Form;
 use glam::DVec3;
 
-/// Number of rows drawn at once. Between bands progress is reported and an interrupt is noticed.
-pub(super) const BAND_ROWS: u32 = 16;
-/// Number of directions in a row of the probe's picture.
+/// Rows of a picture that are drawn at once.
+const BAND_ROWS: u32 = 16;
+/// Directions in a row of the probe's picture.
 const PROBE_WIDTH: usize = 512;
 /// Maximum number of rows of the probe's picture. Its table of directions has twice as many, which every driver supports.
 const PROBE_ROWS: usize = 1024;
@@ -45,14 +46,33 @@ pub trait Driver {
         tables: &[BoundTable<'_>],
     ) -> Result<Self::Pipeline>;
 
-    /// Draws a picture of `[width, height]` pixels, `[row][column]`, top row first. `params` is the block `Params`.
-    fn draw(
+    /// Draws the rows `band`, counted from the top, of a picture of `[width, height]` pixels, `[row][column]`; `params` is the
+    /// block `Params`.
+    fn rows(
         &self,
         pipeline: &Self::Pipeline,
         size: [u32; 2],
         params: &[f32; 8],
-        progress: Progress<'_>,
+        band: Range<u32>,
     ) -> Result<Vec<[f32; 4]>>;
+
+    /// Draws a whole picture in bands, so that progress shows and an interrupt is heard.
+    fn draw(
+        &self,
+        pipeline: &Self::Pipeline,
+        [width, height]: [u32; 2],
+        params: &[f32; 8],
+        progress: Progress<'_>,
+    ) -> Result<Vec<[f32; 4]>> {
+        let mut pixels = Vec::with_capacity(width as usize * height as usize);
+        for top in (0..height).step_by(BAND_ROWS as usize) {
+            let band = top..height.min(top + BAND_ROWS);
+            pixels.extend(self.rows(pipeline, [width, height], params, band.clone())?);
+            // nothing is under way here: whoever is told may draw by itself
+            progress(band.len() * width as usize);
+        }
+        Ok(pixels)
+    }
 }
 
 /// A variant on a surface with everything that its shader needs. Negative controls spoil its fields on purpose.

@@ -15,14 +15,15 @@ mod device;
 mod pipeline;
 
 use std::fmt;
+use std::ops::Range;
 
 use diffraction_shaders::error::Result;
 use diffraction_shaders::plan::Target;
-use diffraction_shaders::runner::{Placement, Progress};
+use diffraction_shaders::runner::Placement;
 use diffraction_shaders::shader::emit::{EmittedFile, emit};
 use diffraction_shaders::shader::module::Module;
 
-use super::driver::{BAND_ROWS, BoundTable, Driver, DriverRunner, Prepared};
+use super::driver::{BoundTable, Driver, DriverRunner, Prepared};
 use super::stages::stages;
 
 use device::Device;
@@ -131,20 +132,13 @@ impl Driver for Egl {
         self.compile(module.name(), &files, entry, tables)
     }
 
-    fn draw(
+    fn rows(
         &self,
         pipeline: &Pipeline,
-        [width, height]: [u32; 2],
+        size: [u32; 2],
         params: &[f32; 8],
-        progress: Progress<'_>,
+        band: Range<u32>,
     ) -> Result<Vec<[f32; 4]>> {
-        let mut pixels = Vec::with_capacity(width as usize * height as usize);
-        for top in (0..height).step_by(BAND_ROWS as usize) {
-            let band = top..height.min(top + BAND_ROWS);
-            pixels.extend(pipeline.rows([width, height], params, band.clone())?);
-            // the context is not current here, so `progress` may use another one
-            progress(band.len() * width as usize);
-        }
-        Ok(pixels)
+        pipeline.rows(size, params, band)
     }
 }

@@ -9,20 +9,20 @@
 mod compile;
 
 use std::fmt;
+use std::ops::Range;
 use std::path::PathBuf;
 
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::plan::Target;
-use diffraction_shaders::runner::Progress;
 use diffraction_shaders::shader::emit::{BindingKind, EmittedFile, emit};
-use diffraction_shaders::shader::module::{self, Module};
+use diffraction_shaders::shader::module::{Module, Stage};
 
 use crate::process::{GLSLANG, GLSLANG_PACKAGE, on_path};
 
-use super::driver::PARAMS;
-use super::driver::{BoundTable, Driver, DriverRunner};
+use super::driver::{BoundTable, Driver, DriverRunner, PARAMS};
 use super::gpu::{Backend, Gpu, Pipeline, Program, Shader, Texture, Uniform};
 use super::shader;
+use super::stages::stages;
 
 /// A variant's emitted SPIR-V or HLSL on one adapter.
 pub type PassthroughRunner<'a> = DriverRunner<'a, Passthrough>;
@@ -96,11 +96,10 @@ impl Passthrough {
         entry: &str,
         tables: &[BoundTable<'_>],
     ) -> Result<Pipeline> {
-        let vertex = stage(name, files, module::Stage::Vertex, None)?;
-        let fragment = stage(name, files, module::Stage::Fragment, Some(entry))?;
+        let [vertex, fragment] = stages(name, files, entry)?;
         let mut textures: Vec<Texture<'_>> = Vec::new();
         let mut uniform = None;
-        for binding in vertex.file.bindings.iter().chain(&fragment.file.bindings) {
+        for binding in vertex.0.bindings.iter().chain(&fragment.0.bindings) {
             let place = binding.emitted_binding.unwrap_or(binding.binding);
             let table = tables.iter().find(|(at, _)| *at == binding.binding);
             match (binding.kind, table) {
@@ -117,13 +116,14 @@ impl Passthrough {
                 _ => {}
             }
         }
-        let [vertex_words, fragment_words] =
-            [&vertex, &fragment].map(|stage| compile::words(self.compiler.as_deref(), name, stage));
+        let words = |file, stage| compile::words(self.compiler.as_deref(), name, file, stage);
+        let vertex_words = words(vertex, Stage::Vertex)?;
+        let fragment_words = words(fragment, Stage::Fragment)?;
         self.gpu.program(&Program {
             name,
-            shader: Shader::Spirv { vertex: &vertex_words?, fragment: &fragment_words? },
-            vertex_entry: vertex.entry,
-            fragment_entry: fragment.entry,
+            shader: Shader::Spirv { vertex: &vertex_words, fragment: &fragment_words },
+            vertex_entry: vertex.1,
+            fragment_entry: fragment.1,
             textures,
             // every picture brings its parameters
             uniform: uniform.or(Some(Uniform { binding: 0, size: size_of::<[f32; 8]>() as u32 })),
@@ -148,38 +148,15 @@ impl Driver for Passthrough {
         self.compile(module.name(), &files, entry, tables)
     }
 
-    fn draw(
+    fn rows(
         &self,
         pipeline: &Pipeline,
         size: [u32; 2],
         params: &[f32; 8],
-        progress: Progress<'_>,
+        band: Range<u32>,
     ) -> Result<Vec<[f32; 4]>> {
-        self.gpu.draw(pipeline, size, params, progress)
+        self.gpu.rows(pipeline, size, params, band)
     }
-}
-
-/// An entry point and its file.
-struct Entry<'a> {
-    file: &'a EmittedFile,
-    stage: module::Stage,
-    entry: &'a str,
-}
-
-fn stage<'a>(
-    name: &str,
-    files: &'a [EmittedFile],
-    stage: module::Stage,
-    wanted: Option<&str>,
-) -> Result<Entry<'a>> {
-    let all = files.iter().flat_map(|file| file.entry_points.iter().map(move |e| (file, e)));
-    let mut matching = all
-        .filter(|(_, e)| e.stage == stage && wanted.is_none_or(|name| name == e.source_name))
-        .map(|(file, e)| Entry { file, stage, entry: &e.emitted_name });
-    matching.next().ok_or_else(|| {
-        let cause = format!("no emitted file has {}", wanted.unwrap_or("a vertex stage"));
-        Error::new(name, cause)
-    })
 }
 
 /// The compiler that a language needs.

@@ -1,14 +1,14 @@
 //! Runs the specialised WGSL on a driver, through wgpu.
 
 use std::borrow::Cow;
-use std::ops::ControlFlow;
+use std::ops::Range;
 
 use diffraction_shaders::error::Result;
-use diffraction_shaders::runner::{Placement, Progress};
+use diffraction_shaders::runner::Placement;
 use diffraction_shaders::shader::module::Module;
 use diffraction_shaders::tables::{SAMPLER, Table, TexelFormat};
 
-use super::driver::{BAND_ROWS, BoundTable, Driver, DriverRunner, Prepared};
+use super::driver::{BoundTable, Driver, DriverRunner, Prepared};
 use super::gpu::{Gpu, Pipeline, Program, Shader, Texture, TextureFormat, TextureLayout, Uniform};
 
 /// A variant's shader on one adapter.
@@ -45,19 +45,14 @@ impl Driver for Gpu {
         })
     }
 
-    fn draw(
+    fn rows(
         &self,
         pipeline: &Pipeline,
-        [width, height]: [u32; 2],
+        size: [u32; 2],
         params: &[f32; 8],
-        progress: Progress<'_>,
+        band: Range<u32>,
     ) -> Result<Vec<[f32; 4]>> {
-        let mut before = 0;
-        pipeline.render_bands(width, height, bytemuck::bytes_of(params), BAND_ROWS, |done, _| {
-            progress((done - before) as usize * width as usize);
-            before = done;
-            ControlFlow::Continue(())
-        })
+        pipeline.rows(size, bytemuck::bytes_of(params), band)
     }
 }
 

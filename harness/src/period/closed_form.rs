@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use diffraction_shaders::field::replicas::sinc;
 use diffraction_shaders::plan::Grating;
 use rustfft::num_complex::Complex64;
 
@@ -108,11 +109,6 @@ impl ClosedForm {
             }
         }
     }
-}
-
-/// `sin πt/(πt)`.
-fn sinc(t: f64) -> f64 {
-    if t.abs() < 1e-6 { 1.0 - (PI * t).powi(2) / 6.0 } else { (PI * t).sin() / (PI * t) }
 }
 
 #[cfg(test)]

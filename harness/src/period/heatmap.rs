@@ -1,7 +1,10 @@
 //! Draws the response over wavelength and viewing angle, with the periods beside it.
 
+use diffraction_shaders::encode::viridis;
 use diffraction_shaders::error::{Error, Result};
+use plotters::chart::MeshStyle;
 use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use super::{Measurement, Protocol};
@@ -121,12 +124,7 @@ fn draw_map(area: &Area<'_>, m: &Measurement, protocol: &Protocol) -> Drawn {
         row.peak.map(|p| Circle::new((p.theta_deg, row.lambda_nm), 2, PEAK.stroke_width(1)))
     });
     chart.draw_series(circles).map_err(|e| e.to_string())?;
-    chart
-        .configure_mesh()
-        .disable_mesh()
-        .axis_style(INK)
-        .label_style(("sans-serif", 13).into_font().color(&INK))
-        .axis_desc_style(("sans-serif", 14).into_font().color(&INK))
+    styled(&mut chart.configure_mesh())
         .x_labels(13)
         .x_label_formatter(&|x| format!("{x:.0}"))
         .y_label_formatter(&|y| format!("{y:.0}"))
@@ -136,7 +134,17 @@ fn draw_map(area: &Area<'_>, m: &Measurement, protocol: &Protocol) -> Drawn {
         .map_err(|e| e.to_string())
 }
 
-/// Level of every cell: of its largest sample, or of the previous sample if it has no sample.
+type Mesh<'c, 'm, 's> = MeshStyle<'c, 'm, RangedCoordf64, RangedCoordf64, SVGBackend<'s>>;
+
+/// Axes without a grid.
+fn styled<'a, 'c, 'm, 's>(mesh: &'a mut Mesh<'c, 'm, 's>) -> &'a mut Mesh<'c, 'm, 's> {
+    mesh.disable_mesh()
+        .axis_style(INK)
+        .label_style(("sans-serif", 13).into_font().color(&INK))
+        .axis_desc_style(("sans-serif", 14).into_font().color(&INK))
+}
+
+/// Level of every cell: of its largest sample, or of the sample before it where it has none.
 fn levels(samples: &[(f64, f64)], largest: f64) -> Vec<usize> {
     let mut cells = vec![f64::NAN; CELLS];
     for (theta_deg, response) in samples {
@@ -156,20 +164,9 @@ fn levels(samples: &[(f64, f64)], largest: f64) -> Vec<usize> {
     cells.iter().map(level).collect()
 }
 
-/// Dark blue over green to cream, with evenly increasing lightness.
 fn colour(level: usize) -> RGBColor {
-    const STOPS: [[f64; 3]; 6] = [
-        [12.0, 16.0, 42.0],
-        [34.0, 52.0, 124.0],
-        [28.0, 110.0, 150.0],
-        [60.0, 165.0, 120.0],
-        [180.0, 210.0, 70.0],
-        [255.0, 250.0, 215.0],
-    ];
-    let place = level as f64 / LEVELS as f64 * (STOPS.len() - 1) as f64;
-    let at = (place as usize).min(STOPS.len() - 2);
-    let mix = |c: usize| STOPS[at][c] + (place - at as f64) * (STOPS[at + 1][c] - STOPS[at][c]);
-    RGBColor(mix(0) as u8, mix(1) as u8, mix(2) as u8)
+    let [r, g, b] = viridis(level as f64 / LEVELS as f64);
+    RGBColor(r, g, b)
 }
 
 fn draw_periods(
@@ -199,12 +196,7 @@ fn draw_periods(
         .build_cartesian_2d(least - pad..most + pad, low..high)
         .map_err(|e| e.to_string())?;
     let digits = (2.0 - (most - least + pad).log10().floor()).clamp(0.0, 4.0) as usize;
-    chart
-        .configure_mesh()
-        .disable_mesh()
-        .axis_style(INK)
-        .label_style(("sans-serif", 13).into_font().color(&INK))
-        .axis_desc_style(("sans-serif", 14).into_font().color(&INK))
+    styled(&mut chart.configure_mesh())
         .x_labels(4)
         .y_labels(0)
         .x_label_formatter(&|x| format!("{x:.digits$}"))

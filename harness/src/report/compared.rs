@@ -7,7 +7,7 @@ use super::gap::nothing;
 use super::merge::{Results, Unit, unique};
 use super::number::{self, figure};
 use super::summary::PARTS;
-use super::table::{Cell, Head, Row, table};
+use super::table::{Cell, Head, Row, heads, table};
 use crate::results::{Compare, Part};
 
 /// The section.
@@ -208,8 +208,7 @@ fn numbers(unit: &Unit<'_>) -> Markup {
         "allowed",
         "by",
     ];
-    let heads = names.map(|name| Head(name.into(), ""));
     let caption =
         format!("{} on {}, light {}", unit.variant, unit.surface, number::light(unit.light));
-    table(&format!("{}-data", unit.anchor), &caption, &heads, &rows)
+    table(&format!("{}-data", unit.anchor), &caption, &heads(names), &rows)
 }

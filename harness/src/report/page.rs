@@ -8,8 +8,8 @@ use sha2::{Digest, Sha256};
 use super::source::Folder;
 use crate::results::line;
 
-/// The style. The reader's system or the button in the page selects light or dark colours.
-const STYLE: &str = include_str!("page.css");
+/// How the page looks. Its colours are chosen by the reader's system or by the button in the page.
+const STYLE: &str = concat!(include_str!("plot/plot.css"), include_str!("page.css"));
 
 /// The script for sorting, saving and the choice of colours. The page can be read without it.
 const SCRIPT: &str = include_str!("page.js");

@@ -4,17 +4,23 @@
 //! in a letter in the legend.
 
 mod axis;
-pub(super) mod labels;
+mod labels;
 
 use maud::{Markup, html};
 
-pub(super) use axis::{Fitted, PlotAxis, Scale, fit};
+pub(super) use axis::{PlotAxis, Scale};
+
+use axis::{Fitted, fit};
+use labels::arrange;
 
 /// Width and height of the plot, in its own units.
 const SIZE: [f64; 2] = [440.0, 320.0];
 
-/// Margins: left, top, right, bottom.
-const MARGIN: [f64; 4] = [64.0, 14.0, 18.0, 46.0];
+/// Edges of the area of its points: left, top, right, bottom.
+const AREA: [f64; 4] = [64.0, 14.0, 422.0, 274.0];
+
+/// The colours and lines of drawings.
+pub(super) const STYLE: &str = include_str!("plot/plot.css");
 
 /// A plot.
 pub(super) struct Plot {
@@ -54,56 +60,107 @@ pub(super) struct Point {
     pub(super) link: String,
 }
 
-/// Draws a plot with its legend below.
+/// An area with an axis below and an axis to its left.
+pub(super) struct Frame {
+    /// Its edges: left, top, right, bottom.
+    area: [f64; 4],
+    /// The axis to the right.
+    pub(super) x: Fitted,
+    /// The axis upwards.
+    pub(super) y: Fitted,
+}
+
+impl Frame {
+    /// Fits both axes to the values on them.
+    pub(super) fn new(
+        area: [f64; 4],
+        x: (&PlotAxis, impl Iterator<Item = f64>),
+        y: (&PlotAxis, impl Iterator<Item = f64>),
+    ) -> Frame {
+        let [left, top, right, bottom] = area;
+        Frame { area, x: fit(x.0, x.1, [left, right]), y: fit(y.0, y.1, [bottom, top]) }
+    }
+
+    /// Where a point lies in the drawing.
+    pub(super) fn place(&self, at: [f64; 2]) -> [f64; 2] {
+        [self.x.place(at[0]), self.y.place(at[1])]
+    }
+
+    /// The points of a line, as SVG has them.
+    pub(super) fn line(&self, points: impl Iterator<Item = [f64; 2]>) -> String {
+        let places = points.map(|at| self.place(at)).map(|[x, y]| format!("{},{}", r(x), r(y)));
+        places.collect::<Vec<_>>().join(" ")
+    }
+
+    /// The grid with the numbers at its lines, and what is on the axes.
+    pub(super) fn axes(&self, x: &PlotAxis, y: &PlotAxis) -> Markup {
+        let [left, top, right, bottom] = self.area;
+        let middle = [0.5 * (left + right), 0.5 * (top + bottom)].map(r);
+        html! {
+            g.grid {
+                @for (at, text) in self.x.ticks() {
+                    line x1=(r(*at)) x2=(r(*at)) y1=(top) y2=(bottom) {}
+                    text x=(r(*at)) y=(bottom + 16.0) text-anchor="middle" { (text) }
+                }
+                @for (at, text) in self.y.ticks() {
+                    line x1=(left) x2=(right) y1=(r(*at)) y2=(r(*at)) {}
+                    text x=(left - 7.0) y=(r(*at + 4.0)) text-anchor="end" { (text) }
+                }
+            }
+            text.axis x=(middle[0]) y=(bottom + 38.0) text-anchor="middle" { (x.label) }
+            text.axis transform={ "translate(" (left - 53.0) " " (middle[1]) ") rotate(-90)" } text-anchor="middle" { (y.label) }
+        }
+    }
+
+    /// A point with its mark; `label` is where its label stands.
+    pub(super) fn dot(&self, series: usize, point: &Point, label: Option<[f64; 2]>) -> Markup {
+        let at = self.place(point.at);
+        html! {
+            @if let Some([from, to]) = point.spread {
+                line.spread x1=(r(self.x.place(from))) x2=(r(self.x.place(to))) y1=(r(at[1])) y2=(r(at[1])) {}
+            }
+            a href=[(!point.link.is_empty()).then(|| format!("#{}", point.link))] {
+                (mark(series, at))
+                title { (point.note) }
+                @if let Some([x, y]) = label {
+                    text.label x=(r(x)) y=(r(y)) text-anchor="middle" { (point.label) }
+                }
+            }
+        }
+    }
+
+    /// Where the labels of points stand, in the order of the points; inside the area, or up to `right`.
+    pub(super) fn labels(&self, points: &[&Point], right: f64) -> Vec<Option<[f64; 2]>> {
+        let marks: Vec<([f64; 2], &str)> =
+            points.iter().map(|p| (self.place(p.at), p.label.as_str())).collect();
+        let [left, top, _, bottom] = self.area;
+        arrange(&marks, [left, top, right, bottom])
+    }
+}
+
+/// Draws a plot, its legend below.
 pub(super) fn draw(plot: &Plot) -> Markup {
-    let all = || plot.series.iter().flat_map(|s| &s.points);
-    let x = fit(
-        &plot.x,
-        all().flat_map(|p| p.spread.unwrap_or([p.at[0]; 2]).into_iter().chain([p.at[0]])),
-        [MARGIN[0], SIZE[0] - MARGIN[2]],
-    );
-    let y = fit(&plot.y, all().map(|p| p.at[1]), [SIZE[1] - MARGIN[3], MARGIN[1]]);
-    let place = |at: [f64; 2]| [x.place(at[0]), y.place(at[1])];
-    let marks: Vec<([f64; 2], &str)> = all().map(|p| (place(p.at), p.label.as_str())).collect();
-    let mut beside =
-        labels::arrange(&marks, [MARGIN[0], MARGIN[1], SIZE[0], SIZE[1] - MARGIN[3]]).into_iter();
-    let (bottom, right) = (SIZE[1] - MARGIN[3], SIZE[0] - MARGIN[2]);
+    let all: Vec<&Point> = plot.series.iter().flat_map(|s| &s.points).collect();
+    let along = all.iter().flat_map(|p| {
+        let [from, to] = p.spread.unwrap_or([p.at[0]; 2]);
+        [from, to, p.at[0]]
+    });
+    let frame = Frame::new(AREA, (&plot.x, along), (&plot.y, all.iter().map(|p| p.at[1])));
+    let mut beside = frame.labels(&all, SIZE[0]).into_iter();
     html! {
         div.plot {
             svg viewBox={ "0 0 " (SIZE[0]) " " (SIZE[1]) } role="img" aria-label=(plot.title) {
-                g.grid {
-                    @for (at, text) in x.ticks() {
-                        line x1=(r(*at)) x2=(r(*at)) y1=(MARGIN[1]) y2=(bottom) {}
-                        text x=(r(*at)) y=(bottom + 16.0) text-anchor="middle" { (text) }
-                    }
-                    @for (at, text) in y.ticks() {
-                        line x1=(MARGIN[0]) x2=(right) y1=(r(*at)) y2=(r(*at)) {}
-                        text x=(MARGIN[0] - 7.0) y=(r(*at + 4.0)) text-anchor="end" { (text) }
-                    }
-                }
-                text.axis x=((MARGIN[0] + right) / 2.0) y=(SIZE[1] - 8.0) text-anchor="middle" { (plot.x.label) }
-                text.axis transform={ "translate(11 " (r((MARGIN[1] + bottom) / 2.0)) ") rotate(-90)" } text-anchor="middle" { (plot.y.label) }
+                (frame.axes(&plot.x, &plot.y))
                 @if !plot.front.is_empty() {
-                    polyline.front points=(points(plot.front.iter().map(|at| place(*at)))) {}
+                    polyline.front points=(frame.line(plot.front.iter().copied())) {}
                 }
                 @for (number, series) in plot.series.iter().enumerate() {
-                    g class={ "s" (number % MARKS) } {
+                    g class=(class(number)) {
                         @if series.joined {
-                            polyline points=(points(series.points.iter().map(|p| place(p.at)))) {}
+                            polyline points=(frame.line(series.points.iter().map(|p| p.at))) {}
                         }
                         @for point in &series.points {
-                            @let at = place(point.at);
-                            @if let Some([from, to]) = point.spread {
-                                line.spread x1=(r(x.place(from))) x2=(r(x.place(to))) y1=(r(at[1])) y2=(r(at[1])) {}
-                            }
-                            @let label = beside.next().flatten();
-                            a href=[(!point.link.is_empty()).then(|| format!("#{}", point.link))] {
-                                (mark(number, at))
-                                title { (point.note) }
-                                @if let Some([lx, ly]) = label {
-                                    text.label x=(r(lx)) y=(r(ly)) text-anchor="middle" { (point.label) }
-                                }
-                            }
+                            (frame.dot(number, point, beside.next().flatten()))
                         }
                     }
                 }
@@ -116,13 +173,18 @@ pub(super) fn draw(plot: &Plot) -> Markup {
 /// Number of marks and colours.
 const MARKS: usize = 8;
 
+/// The class of a series, which has its colour.
+pub(super) fn class(series: usize) -> String {
+    format!("s{}", series % MARKS)
+}
+
 fn legend(series: &[Series]) -> Markup {
     html! {
         ul.legend {
             @for (number, series) in series.iter().enumerate() {
                 li {
                     svg viewBox="0 0 14 14" aria-hidden="true" {
-                        g class={ "s" (number % MARKS) } { (mark(number, [7.0, 7.0])) }
+                        g class=(class(number)) { (mark(number, [7.0, 7.0])) }
                     }
                     @if series.joined { b { (letter(number)) } " " }
                     (series.name)
@@ -156,11 +218,7 @@ pub(super) fn mark(series: usize, [x, y]: [f64; 2]) -> Markup {
     html! { path.mark d=(path) transform={ "translate(" (r(x)) " " (r(y)) ")" } {} }
 }
 
-fn points(places: impl Iterator<Item = [f64; 2]>) -> String {
-    places.map(|[x, y]| format!("{},{}", r(x), r(y))).collect::<Vec<_>>().join(" ")
-}
-
-/// Rounds to a tenth of a unit, finer than any screen.
+/// A tenth of a unit is finer than any screen.
 pub(super) fn r(value: f64) -> f64 {
     (value * 10.0).round() / 10.0
 }

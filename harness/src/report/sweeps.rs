@@ -9,7 +9,7 @@ use super::gap::nothing;
 use super::merge::{Results, Unit, unique};
 use super::number::{self, figure};
 use super::plot::{Plot, PlotAxis, Point, Scale, Series, draw};
-use super::table::{self, Cell, Head, Row, table};
+use super::table::{self, Cell, Row, heads, table};
 
 use group::{Group, Value, groups};
 
@@ -197,5 +197,5 @@ fn numbers(id: &str, title: &str, group: &Group<'_>) -> Markup {
         "max |Δ|",
         "route",
     ];
-    table(id, title, &names.map(|name| Head(name.to_owned(), "")), &rows)
+    table(id, title, &heads(names), &rows)
 }

@@ -164,23 +164,9 @@ pub fn relative_radiance(
     params: &MeshParams,
     size: [u32; 2],
 ) -> Result<Vec<[f32; 4]>> {
-    let targets = Targets { pictures: 1, multisampled: false };
     let module = prepared.module(prepared.spectrum.width)?;
-    let program = MeshProgram {
-        name: &prepared.placement.variant.name,
-        wgsl: module.text(),
-        vertex_entry: "mesh_vert",
-        fragment_entry: "mesh",
-        textures: textures(prepared, &mesh.orientation),
-        colours: None,
-        uniforms: vec![(MESH_PARAMS, 4 * PARAMS_NUMBERS)],
-        add: false,
-    };
-    let pipeline = gpu.mesh_program(&program, targets)?;
-    let buffers = gpu.mesh(&mesh.vertices, &mesh.triangles)?;
-    let block = params_bytes(params);
-    let passes: [MeshPass<'_>; 1] = [(&pipeline, &[&block])];
-    let pictures = gpu.draw_mesh(&mesh.name, &buffers, &passes, targets, size)?;
+    let tables = textures(prepared, &mesh.orientation);
+    let pictures = single(gpu, prepared, mesh, params, size, (module.text(), "mesh", 1), tables)?;
     Ok(pictures.into_iter().flatten().collect())
 }
 
@@ -192,15 +178,35 @@ pub fn directions(
     params: &MeshParams,
     size: [u32; 2],
 ) -> Result<Vec<Option<(Directions, f64)>>> {
-    let targets = Targets { pictures: 2, multisampled: false };
     let text = text(prepared)?;
     let map = vec![orientation_texture(&mesh.orientation)];
+    let pictures = single(gpu, prepared, mesh, params, size, (&text, "scene_directions", 2), map)?;
+    let vector = |c: &[f32; 4]| glam::Vec3::new(c[0], c[1], c[2]).as_dvec3();
+    let used = |(wi, wr): (&[f32; 4], &[f32; 4])| {
+        let directions = Directions { wi: vector(wi), wr: vector(wr) };
+        (wr[3] > 0.0).then(|| (directions, f64::from(wi[3])))
+    };
+    Ok(pictures[0].iter().zip(&pictures[1]).map(used).collect())
+}
+
+/// A pass with one sample to a pixel that reads nothing but the package's own parameters and `textures`; `(text, entry,
+/// number of pictures)`.
+fn single(
+    gpu: &Gpu,
+    prepared: &Prepared<'_>,
+    mesh: &Mesh,
+    params: &MeshParams,
+    size: [u32; 2],
+    (wgsl, fragment_entry, pictures): (&str, &str, usize),
+    textures: Vec<Texture<'_>>,
+) -> Result<Vec<Vec<[f32; 4]>>> {
+    let targets = Targets { pictures, multisampled: false };
     let program = MeshProgram {
         name: &prepared.placement.variant.name,
-        wgsl: &text,
+        wgsl,
         vertex_entry: "mesh_vert",
-        fragment_entry: "scene_directions",
-        textures: map,
+        fragment_entry,
+        textures,
         colours: None,
         uniforms: vec![(MESH_PARAMS, 4 * PARAMS_NUMBERS)],
         add: false,
@@ -209,13 +215,7 @@ pub fn directions(
     let buffers = gpu.mesh(&mesh.vertices, &mesh.triangles)?;
     let block = params_bytes(params);
     let passes: [MeshPass<'_>; 1] = [(&pipeline, &[&block])];
-    let pictures = gpu.draw_mesh(&mesh.name, &buffers, &passes, targets, size)?;
-    let vector = |c: &[f32; 4]| glam::Vec3::new(c[0], c[1], c[2]).as_dvec3();
-    let used = |(wi, wr): (&[f32; 4], &[f32; 4])| {
-        let directions = Directions { wi: vector(wi), wr: vector(wr) };
-        (wr[3] > 0.0).then(|| (directions, f64::from(wi[3])))
-    };
-    Ok(pictures[0].iter().zip(&pictures[1]).map(used).collect())
+    gpu.draw_mesh(&mesh.name, &buffers, &passes, targets, size)
 }
 
 /// The shader of a variant with the harness's shading appended.

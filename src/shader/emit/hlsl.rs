@@ -13,7 +13,7 @@ mod sampler;
 /// Binding `B` is register `bB`, `tB` or `sB`. Numbers are unique over all kinds, so that compilers from HLSL to
 /// Vulkan, where all kinds share one set of numbers, need no shifts. A group other than 0 is a register space.
 pub fn emit(module: &Module) -> Result<Vec<EmittedFile>> {
-    let (ir, info) = resolved(module, Target::Hlsl)?;
+    let (ir, info) = resolved(module, Target::Hlsl, None)?;
     let fail = |cause: String| failure(module, Target::Hlsl, cause);
     let (text, entries) = write(&ir, &info, places(&ir)).map_err(fail)?;
     let text = sampler::plain(&text, &ir, true).map_err(fail)?;

@@ -10,7 +10,7 @@ use super::{EmittedFile, UNCHECKED, bindings, entry_points, failure, hlsl, resol
 
 /// Binding `b` of group 0 is slot `buffer(b)`, `texture(b)` or `sampler(b)` of every entry point that reads it.
 pub fn emit(module: &Module) -> Result<Vec<EmittedFile>> {
-    let (ir, info) = resolved(module, Target::Msl)?;
+    let (ir, info) = resolved(module, Target::Msl, None)?;
     let fail = |cause: String| failure(module, Target::Msl, cause);
     let resources = msl::EntryPointResources { resources: slots(&ir), ..Default::default() };
     let names = module.entry_points().map(|(name, _): (&str, Stage)| name.to_owned());

@@ -7,8 +7,9 @@
 
 use crate::error::{Error, Result};
 use crate::plan::Rough;
+use crate::random::SplitMix64;
 use crate::surface::synthetic::grid;
-use crate::surface::synthetic::random::{SplitMix64, Waves};
+use crate::surface::synthetic::waves::Waves;
 use crate::surface::{HeightField, MAX_HEIGHT_UM, check_pixels, check_um};
 
 /// Streams of the random generator, one per use.
@@ -25,7 +26,7 @@ const SWELL: u64 = 4;
 pub fn bumps(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<HeightField> {
     let lattice = Lattice::new(rough, 1.0, subject, notes)?;
     let (nx, ny, disorder) = (lattice.columns, lattice.rows, 1.0 - rough.regularity);
-    let mut random = SplitMix64::new(rough.seed, PLACES);
+    let mut random = SplitMix64::stream(rough.seed, PLACES);
     let domes: Vec<(f64, f64, f64)> = (0..nx * ny)
         .map(|i| {
             // every other row is shifted by half a cell; if the number of rows is odd, the last row is not shifted
@@ -63,13 +64,13 @@ pub fn fingers(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<
     let lattice = Lattice::new(rough, 2.6, subject, notes)?;
     let (nx, ny, n, disorder) =
         (lattice.columns, lattice.rows, rough.pixels, 1.0 - rough.regularity);
-    let mut random = SplitMix64::new(rough.seed, PLACES);
+    let mut random = SplitMix64::stream(rough.seed, PLACES);
     let centres: Vec<f64> = (0..nx).map(|_| 0.5 + 0.35 * disorder * random.signed()).collect();
     // position of every tip, in sheets: [sheet][column]
     let tips: Vec<f64> = (0..nx * ny).map(|_| 0.45 * disorder * random.signed()).collect();
-    let meander = Waves::new(&mut SplitMix64::new(rough.seed, WARP), n, 5, 3, 4);
-    let edges = Waves::new(&mut SplitMix64::new(rough.seed, SHEETS), n, 5, 5, 2);
-    let swell = Waves::new(&mut SplitMix64::new(rough.seed, SWELL), n, 5, 3, 3);
+    let meander = Waves::new(&mut SplitMix64::stream(rough.seed, WARP), n, 5, 3, 4);
+    let edges = Waves::new(&mut SplitMix64::stream(rough.seed, SHEETS), n, 5, 5, 2);
+    let swell = Waves::new(&mut SplitMix64::stream(rough.seed, SWELL), n, 5, 3, 3);
     lattice.field(rough, |i, j| {
         let (x, y) = lattice.cell(i, j);
         let x = x + 0.045 * nx as f64 * disorder * meander.at(i, j);
@@ -114,8 +115,8 @@ pub fn rows(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<Hei
     let lattice = Lattice::new(rough, 0.6, subject, notes)?;
     let (nx, ny, n, disorder) =
         (lattice.columns, lattice.rows, rough.pixels, 1.0 - rough.regularity);
-    let mut random = SplitMix64::new(rough.seed, PLACES);
-    // every furrow starts at a random y
+    let mut random = SplitMix64::stream(rough.seed, PLACES);
+    // every furrow starts anywhere along y
     let starts: Vec<f64> = (0..nx).map(|_| random.share()).collect();
     let pits: Vec<(f64, f64, f64)> = (0..nx * ny)
         .map(|_| {
@@ -123,7 +124,7 @@ pub fn rows(rough: &Rough, subject: &str, notes: &mut Vec<String>) -> Result<Hei
             (x, y, 0.45 * (1.0 - 0.6 * disorder * random.share()))
         })
         .collect();
-    let meander = Waves::new(&mut SplitMix64::new(rough.seed, WARP), n, 4, 4, 2);
+    let meander = Waves::new(&mut SplitMix64::stream(rough.seed, WARP), n, 4, 4, 2);
     lattice.field(rough, |i, j| {
         let (x, y) = lattice.cell(i, j);
         let x = x + 0.007 * nx as f64 * disorder * meander.at(i, j);

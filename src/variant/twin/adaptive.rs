@@ -138,7 +138,7 @@ fn node_pace(twin: &Twin<'_>, form: &Lobes, range: DVec2) -> f64 {
     if twin.is_monochromatic() {
         return 0.0;
     }
-    (range.y - range.x) / (f64::from(form.corridor.nodes) - 5.0)
+    (range.y - range.x) / (f64::from(form.corridor.nodes) - 1.0 - 2.0 * f64::from(OUTER_NODES))
 }
 
 /// Wavenumber of a node.

@@ -9,6 +9,7 @@ use std::f64::consts::PI;
 use glam::{DVec2, DVec3};
 use rustfft::num_complex::Complex64;
 
+use crate::field::replicas;
 use crate::variant::Pq;
 
 use super::Twin;
@@ -53,12 +54,7 @@ fn replica_factor(place: f64, periods: f64) -> f64 {
 
 /// `sin πt/(πt)`. The template uses the series of the sine, which is exact to 4e-10.
 fn sinc(turns: f64) -> f64 {
-    let nearest = (turns + 0.5).floor();
-    if turns.abs() < 1e-5 {
-        return 1.0 - (PI * turns).powi(2) / 6.0;
-    }
-    let sign = if nearest.rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 };
-    sign * (PI * (turns - nearest)).sin() / (PI * turns)
+    replicas::sinc(turns)
 }
 
 /// `(p + iq)(r + is)`; its imaginary part is `ps + qr`.

@@ -2,6 +2,7 @@
 
 use crate::bench::scaling::Swept;
 use crate::bench::stats::exponent;
+use crate::commands::digits::digits;
 use crate::results::Bench;
 
 use diffraction_cli::list::table;
@@ -169,12 +170,6 @@ pub(super) fn scalings(scalings: &[(Swept, Vec<Point>)]) -> String {
         text.push('\n');
     }
     text
-}
-
-/// Four significant digits.
-fn digits(value: f64) -> String {
-    let places = (3.0 - value.abs().max(1e-9).log10().floor()).clamp(0.0, 4.0) as usize;
-    format!("{value:.places$}")
 }
 
 #[cfg(test)]

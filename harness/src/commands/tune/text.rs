@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::commands::digits::digits;
 use crate::results::{LightError, Tune, Verdict};
 use crate::tune::prune::mib;
 
@@ -163,10 +164,4 @@ fn lost(records: &[Tune], all: bool) -> String {
         }
     }
     text
-}
-
-/// Four significant digits.
-fn digits(value: f64) -> String {
-    let places = (3.0 - value.abs().max(1e-9).log10().floor()).clamp(0.0, 4.0) as usize;
-    format!("{value:.places$}")
 }

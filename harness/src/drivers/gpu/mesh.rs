@@ -8,7 +8,7 @@ use diffraction_shaders::variant::mesh::Vertex;
 
 use super::guard::Shared;
 use super::program::{Texture, dimension, layout_entry, linear, samplers, upload};
-use super::readback::read_back;
+use super::readback::read_rows;
 use crate::drivers::ColourMap;
 
 /// Count of numbers in a vertex: position, normal, tangent, texture coordinates, angle.
@@ -335,7 +335,11 @@ pub(super) fn draw(
         pass.draw_indexed(0..mesh.count, 0, 0..1);
     }
     shared.queue.submit([encoder.finish()]);
-    single.iter().map(|texture| read_back(shared, name, texture)).collect()
+    let read = |texture| {
+        let encoder = shared.device.create_command_encoder(&Default::default());
+        read_rows(shared, name, encoder, texture, 0..height)
+    };
+    single.iter().map(read).collect()
 }
 
 /// The picture with its mipmaps, read through the sRGB curve.

@@ -2,13 +2,14 @@
 
 use std::{
     fmt,
-    ops::{ControlFlow, Range},
-    sync::{Arc, Mutex, mpsc},
+    ops::Range,
+    sync::{Arc, Mutex},
 };
 
 use diffraction_shaders::error::{Error, Result};
 
 use super::guard::{Shared, lock};
+use super::readback::{read_rows, row_bytes};
 
 /// The format of the render target.
 pub(super) const TARGET: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
@@ -31,38 +32,24 @@ impl Pipeline {
     ///
     /// `uniform` holds the bytes of the uniform block; empty if the program has no uniform block.
     pub fn render(&self, width: u32, height: u32, uniform: &[u8]) -> Result<Vec<[f32; 4]>> {
-        self.render_bands(width, height, uniform, height, |_, _| ControlFlow::Continue(()))
+        self.rows([width, height], uniform, 0..height)
     }
 
-    /// Like [`render`](Self::render), in bands of at most `rows` rows, each a submission of its own.
-    ///
-    /// After each band `progress` gets the number of finished rows and their total. If it breaks, no further band is drawn and the
-    /// result is an error that says so. The pixels do not depend on `rows`.
-    pub fn render_bands(
+    /// The rows `band` of [`render`](Self::render)'s frame: nothing else is drawn, and the pixels are the same.
+    pub fn rows(
         &self,
-        width: u32,
-        height: u32,
+        [width, height]: [u32; 2],
         uniform: &[u8],
-        rows: u32,
-        mut progress: impl FnMut(u32, u32) -> ControlFlow<()>,
+        band: Range<u32>,
     ) -> Result<Vec<[f32; 4]>> {
         self.check(width, height, uniform)?;
-        // read back in pieces well below any max_buffer_size
-        let max = ((64 << 20) / row_bytes(width)).max(1);
-        let rows = rows.clamp(1, max);
         let target = self.target(width, height)?;
-        let mut pixels = Vec::with_capacity(width as usize * height as usize);
-        let mut done = 0;
-        while done < height {
-            let band = done..height.min(done + rows);
-            done = band.end;
-            self.shared.guarded(&self.name, || self.read(&target, uniform, band, &mut pixels))?;
-            if progress(done, height).is_break() && done < height {
-                return Err(Error::new(
-                    &self.name,
-                    format!("interrupted after {done} of {height} rows"),
-                ));
-            }
+        // what is read back at once: well below any max_buffer_size
+        let most = ((64 << 20) / row_bytes(width, PIXEL_BYTES)).max(1);
+        let mut pixels = Vec::with_capacity(width as usize * band.len());
+        for top in band.clone().step_by(most as usize) {
+            let part = top..band.end.min(top + most);
+            pixels.extend(self.shared.guarded(&self.name, || self.read(&target, uniform, part))?);
         }
         *lock(&self.kept) = Some(target);
         Ok(pixels)
@@ -122,14 +109,7 @@ impl Pipeline {
         })
     }
 
-    /// Records the rows `band` of a frame.
-    fn draw(&self, target: &Target, uniform: &[u8], band: Range<u32>) -> wgpu::CommandEncoder {
-        let mut encoder = self.encoder(uniform);
-        self.pass(&mut encoder, target, band, None);
-        encoder
-    }
-
-    /// An empty recording. Uploads the bytes of the uniform block.
+    /// An empty recording; hands over the bytes of the uniform block.
     pub(super) fn encoder(&self, uniform: &[u8]) -> wgpu::CommandEncoder {
         if let Some((buffer, _)) = &self.uniform {
             self.shared.queue.write_buffer(buffer, 0, uniform);
@@ -167,65 +147,11 @@ impl Pipeline {
         pass.draw(0..3, 0..1);
     }
 
-    /// Draws the rows `band` and appends them to `pixels`.
-    fn read(
-        &self,
-        target: &Target,
-        uniform: &[u8],
-        band: Range<u32>,
-        pixels: &mut Vec<[f32; 4]>,
-    ) -> Result<()> {
-        let (device, queue) = (&self.shared.device, &self.shared.queue);
-        let rows = band.end - band.start;
-        let stride = row_bytes(target.width);
-        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("rows"),
-            size: u64::from(stride) * u64::from(rows),
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
-        let mut encoder = self.draw(target, uniform, band.clone());
-        encoder.copy_texture_to_buffer(
-            wgpu::TexelCopyTextureInfo {
-                texture: &target.texture,
-                mip_level: 0,
-                origin: wgpu::Origin3d { x: 0, y: band.start, z: 0 },
-                aspect: wgpu::TextureAspect::All,
-            },
-            wgpu::TexelCopyBufferInfo {
-                buffer: &buffer,
-                layout: wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(stride),
-                    rows_per_image: None,
-                },
-            },
-            wgpu::Extent3d { width: target.width, height: rows, depth_or_array_layers: 1 },
-        );
-        let submission = queue.submit([encoder.finish()]);
-        let (sender, receiver) = mpsc::channel();
-        let slice = buffer.slice(..);
-        slice.map_async(wgpu::MapMode::Read, move |outcome| {
-            // the receiver lives longer than the mapping, or the result is not needed
-            let _ = sender.send(outcome);
-        });
-        let unread = || Error::new(&self.name, "the frame cannot be read back");
-        let outcome = loop {
-            self.shared.wait(&self.name, &submission)?;
-            match receiver.try_recv() {
-                Ok(outcome) => break outcome,
-                Err(mpsc::TryRecvError::Empty) => {}
-                Err(mpsc::TryRecvError::Disconnected) => return Err(unread()),
-            }
-        };
-        outcome.map_err(|e| unread().source(e))?;
-        let view = slice.get_mapped_range().map_err(|e| unread().source(e))?;
-        for row in view.chunks_exact(stride as usize) {
-            let texels = &row[..(target.width * PIXEL_BYTES) as usize];
-            let texels = texels.chunks_exact(PIXEL_BYTES as usize);
-            pixels.extend(texels.map(bytemuck::pod_read_unaligned::<[f32; 4]>));
-        }
-        Ok(())
+    /// Draws the rows `band` and reads them back.
+    fn read(&self, target: &Target, uniform: &[u8], band: Range<u32>) -> Result<Vec<[f32; 4]>> {
+        let mut encoder = self.encoder(uniform);
+        self.pass(&mut encoder, target, band.clone(), None);
+        read_rows(&self.shared, &self.name, encoder, &target.texture, band)
     }
 }
 
@@ -243,9 +169,4 @@ pub(super) struct Target {
     height: u32,
     texture: wgpu::Texture,
     view: wgpu::TextureView,
-}
-
-/// Bytes of a row in the buffer for reading back.
-fn row_bytes(width: u32) -> u32 {
-    (width * PIXEL_BYTES).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)
 }

@@ -2,14 +2,12 @@
 //!
 //! Time stamps are taken around render passes: around compute passes some software drivers return invented numbers.
 
-use std::{
-    sync::mpsc,
-    time::{Duration, Instant},
-};
+use std::time::{Duration, Instant};
 
-use diffraction_shaders::error::{Error, Result};
+use diffraction_shaders::error::Result;
 
 use super::guard::lock;
+use super::readback::read_buffer;
 use super::render::{Pipeline, Target};
 
 /// Size of the two time stamps in bytes.
@@ -88,18 +86,10 @@ impl Pipeline {
         queries: &Queries,
         submission: &wgpu::SubmissionIndex,
     ) -> Result<Option<Duration>> {
-        let unread = || Error::new(&self.name, "the time stamps cannot be read back");
-        let (sender, receiver) = mpsc::channel();
-        let slice = queries.read.slice(..);
-        slice.map_async(wgpu::MapMode::Read, move |outcome| {
-            // the receiver lives longer than the mapping, or the result is not needed
-            let _ = sender.send(outcome);
-        });
-        self.shared.wait(&self.name, submission)?;
-        receiver.try_recv().map_err(|e| unread().source(e))?.map_err(|e| unread().source(e))?;
-        let bytes = slice.get_mapped_range().map_err(|e| unread().source(e))?;
-        let ticks: Vec<u64> =
-            bytes.chunks_exact(8).map(bytemuck::pod_read_unaligned::<u64>).collect();
+        let read = (&queries.read, submission);
+        let ticks = read_buffer(&self.shared, &self.name, "the time stamps", read, |bytes| {
+            bytes.chunks_exact(8).map(bytemuck::pod_read_unaligned::<u64>).collect::<Vec<_>>()
+        })?;
         let period_ns = f64::from(self.shared.queue.get_timestamp_period());
         let between =
             ticks.last().zip(ticks.first()).and_then(|(last, first)| last.checked_sub(*first));

@@ -7,8 +7,9 @@ use std::time::Duration;
 
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::plan::Target;
+use diffraction_shaders::shader::module::Stage;
 
-use super::Entry;
+use crate::drivers::stages::StageFile;
 use crate::process::{accepted, hlsl_to_spirv, on_path};
 
 /// Maximum time of a tool for one file.
@@ -16,21 +17,25 @@ const TIME_LIMIT: Duration = Duration::from_secs(60);
 
 /// The words of an entry point: the file itself, or what `compiler` compiles from it. `name` is the variant's name, for errors.
 ///
-/// If `spirv-val` is installed and rejects them, that is an error.
-pub(super) fn words(compiler: Option<&Path>, name: &str, entry: &Entry<'_>) -> Result<Vec<u32>> {
-    let subject = format!("{name}: {}: {}", entry.file.name, entry.entry);
+/// What `spirv-val` has against them is an error, where it is installed.
+pub(super) fn words(
+    compiler: Option<&Path>,
+    name: &str,
+    (file, entry): StageFile<'_>,
+    stage: Stage,
+) -> Result<Vec<u32>> {
+    let subject = format!("{name}: {}: {entry}", file.name);
     let fail = |cause: String| Error::new(&subject, cause);
     let folder = tempfile::tempdir()
         .map_err(|e| fail("a temporary folder cannot be created".to_owned()).source(e))?;
     let spirv = folder.path().join("shader.spv");
-    let unwritten = |e| fail(format!("{}: cannot be written or read", spirv.display())).source(e);
-    let bytes = match (entry.file.target, compiler) {
-        (Target::Spirv, _) => entry.file.bytes.clone(),
+    let unwritten = |e| fail(format!("{}: cannot be used", spirv.display())).source(e);
+    let bytes = match (file.target, compiler) {
+        (Target::Spirv, _) => file.bytes.clone(),
         (Target::Hlsl, Some(compiler)) => {
             let text = folder.path().join("shader.hlsl");
-            fs::write(&text, &entry.file.bytes).map_err(unwritten)?;
-            hlsl_to_spirv(compiler, &text, (entry.entry, entry.stage), &spirv, TIME_LIMIT)
-                .map_err(fail)?;
+            fs::write(&text, &file.bytes).map_err(unwritten)?;
+            hlsl_to_spirv(compiler, &text, (entry, stage), &spirv, TIME_LIMIT).map_err(fail)?;
             fs::read(&spirv).map_err(unwritten)?
         }
         (target, _) => return Err(fail(format!("this route does not run {}", target.as_str()))),
