@@ -21,7 +21,6 @@ mod user_folder;
 mod server;
 
 use std::fmt;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -257,16 +256,6 @@ impl Driver for Web {
     ) -> Result<Pipeline> {
         let files = emit(module, self.api.target())?;
         self.compile(module.name(), &files, entry, tables)
-    }
-
-    fn rows(
-        &self,
-        pipeline: &Pipeline,
-        size: [u32; 2],
-        params: &[f32; 8],
-        band: Range<u32>,
-    ) -> Result<Vec<[f32; 4]>> {
-        pipeline.rows(size, params, band)
     }
 }
 

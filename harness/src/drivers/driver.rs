@@ -30,10 +30,17 @@ const PROBE_ROWS: usize = 1024;
 /// A table, and its binding in group 0 of the templates.
 pub type BoundTable<'a> = (u32, &'a Table);
 
+/// A compiled entry point with its tables.
+pub trait Rows {
+    /// Draws the rows `band`, counted from the top, of a picture of `[width, height]` pixels, `[row][column]`; `params` is the
+    /// block `Params`.
+    fn rows(&self, size: [u32; 2], params: &[f32; 8], band: Range<u32>) -> Result<Vec<[f32; 4]>>;
+}
+
 /// A driver that runs the shaders of variants.
 pub trait Driver {
     /// A compiled entry point with its tables.
-    type Pipeline;
+    type Pipeline: Rows;
 
     /// Name of the route.
     fn route(&self) -> String;
@@ -46,17 +53,7 @@ pub trait Driver {
         tables: &[BoundTable<'_>],
     ) -> Result<Self::Pipeline>;
 
-    /// Draws the rows `band`, counted from the top, of a picture of `[width, height]` pixels, `[row][column]`; `params` is the
-    /// block `Params`.
-    fn rows(
-        &self,
-        pipeline: &Self::Pipeline,
-        size: [u32; 2],
-        params: &[f32; 8],
-        band: Range<u32>,
-    ) -> Result<Vec<[f32; 4]>>;
-
-    /// Draws a whole picture in bands, so that progress shows and an interrupt is heard.
+    /// Draws a whole picture of `[width, height]` pixels in bands, so that progress shows and an interrupt is heard.
     fn draw(
         &self,
         pipeline: &Self::Pipeline,
@@ -67,7 +64,7 @@ pub trait Driver {
         let mut pixels = Vec::with_capacity(width as usize * height as usize);
         for top in (0..height).step_by(BAND_ROWS as usize) {
             let band = top..height.min(top + BAND_ROWS);
-            pixels.extend(self.rows(pipeline, [width, height], params, band.clone())?);
+            pixels.extend(pipeline.rows([width, height], params, band.clone())?);
             // nothing is under way here: whoever is told may draw by itself
             progress(band.len() * width as usize);
         }

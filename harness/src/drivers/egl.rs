@@ -15,7 +15,6 @@ mod device;
 mod pipeline;
 
 use std::fmt;
-use std::ops::Range;
 
 use diffraction_shaders::error::Result;
 use diffraction_shaders::plan::Target;
@@ -130,15 +129,5 @@ impl Driver for Egl {
     ) -> Result<Pipeline> {
         let files = emit(module, self.dialect().target())?;
         self.compile(module.name(), &files, entry, tables)
-    }
-
-    fn rows(
-        &self,
-        pipeline: &Pipeline,
-        size: [u32; 2],
-        params: &[f32; 8],
-        band: Range<u32>,
-    ) -> Result<Vec<[f32; 4]>> {
-        pipeline.rows(size, params, band)
     }
 }

@@ -9,7 +9,6 @@
 mod compile;
 
 use std::fmt;
-use std::ops::Range;
 use std::path::PathBuf;
 
 use diffraction_shaders::error::{Error, Result};
@@ -146,16 +145,6 @@ impl Driver for Passthrough {
     ) -> Result<Pipeline> {
         let files = emit(module, self.language.target())?;
         self.compile(module.name(), &files, entry, tables)
-    }
-
-    fn rows(
-        &self,
-        pipeline: &Pipeline,
-        size: [u32; 2],
-        params: &[f32; 8],
-        band: Range<u32>,
-    ) -> Result<Vec<[f32; 4]>> {
-        self.gpu.rows(pipeline, size, params, band)
     }
 }
 

@@ -8,7 +8,7 @@ use diffraction_shaders::runner::Placement;
 use diffraction_shaders::shader::module::Module;
 use diffraction_shaders::tables::{SAMPLER, Table, TexelFormat};
 
-use super::driver::{BoundTable, Driver, DriverRunner, Prepared};
+use super::driver::{BoundTable, Driver, DriverRunner, Prepared, Rows};
 use super::gpu::{Gpu, Pipeline, Program, Shader, Texture, TextureFormat, TextureLayout, Uniform};
 
 /// A variant's shader on one adapter.
@@ -44,15 +44,11 @@ impl Driver for Gpu {
             uniform: Some(Uniform { binding: 0, size: size_of::<[f32; 8]>() as u32 }),
         })
     }
+}
 
-    fn rows(
-        &self,
-        pipeline: &Pipeline,
-        size: [u32; 2],
-        params: &[f32; 8],
-        band: Range<u32>,
-    ) -> Result<Vec<[f32; 4]>> {
-        pipeline.rows(size, bytemuck::bytes_of(params), band)
+impl Rows for Pipeline {
+    fn rows(&self, size: [u32; 2], params: &[f32; 8], band: Range<u32>) -> Result<Vec<[f32; 4]>> {
+        Pipeline::rows(self, size, bytemuck::bytes_of(params), band)
     }
 }
 

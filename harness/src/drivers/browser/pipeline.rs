@@ -8,7 +8,7 @@ use diffraction_shaders::tables::{SAMPLER, Table};
 use serde_json::{Value, json};
 
 use super::{Api, BoundTable, Browser, Web, lock};
-use crate::drivers::driver::PARAMS;
+use crate::drivers::driver::{PARAMS, Rows};
 use crate::drivers::stages::StageFile;
 
 /// A compiled program with its tables. The page frees it when it is dropped.
@@ -50,14 +50,10 @@ impl Pipeline {
         web.browser.call(name, &job, &payload)?;
         Ok(Pipeline { browser: web.browser.clone(), api: web.api, id, name: name.to_owned() })
     }
+}
 
-    /// Draws and reads a band of rows of a picture, counted from the top.
-    pub(super) fn rows(
-        &self,
-        size: [u32; 2],
-        params: &[f32; 8],
-        band: Range<u32>,
-    ) -> Result<Vec<[f32; 4]>> {
+impl Rows for Pipeline {
+    fn rows(&self, size: [u32; 2], params: &[f32; 8], band: Range<u32>) -> Result<Vec<[f32; 4]>> {
         let job = json!({
             "job": "draw",
             "api": self.api.route(),

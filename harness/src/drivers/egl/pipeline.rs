@@ -11,6 +11,7 @@ use diffraction_shaders::tables::{SAMPLER, Table};
 use super::BoundTable;
 use super::context::{Context, Current};
 use super::device::Device;
+use crate::drivers::driver::Rows;
 
 /// A compiled program with its tables, in a context of its own.
 pub struct Pipeline {
@@ -37,14 +38,10 @@ impl Pipeline {
         drop(current);
         Ok(Pipeline { context, name: name.to_owned(), size: Cell::new(None) })
     }
+}
 
-    /// Draws and reads a band of rows of a picture, counted from the top.
-    pub(super) fn rows(
-        &self,
-        size: [u32; 2],
-        params: &[f32; 8],
-        band: Range<u32>,
-    ) -> Result<Vec<[f32; 4]>> {
+impl Rows for Pipeline {
+    fn rows(&self, size: [u32; 2], params: &[f32; 8], band: Range<u32>) -> Result<Vec<[f32; 4]>> {
         let current = self.context.current(&self.name)?;
         let max = ("GL_MAX_RENDERBUFFER_SIZE", glow::MAX_RENDERBUFFER_SIZE);
         let width = within(&current, "a picture's width", size[0] as usize, max)?;
