@@ -1,0 +1,11 @@
+//! The commands of the program, as processes.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps fails with the error")]
+
+mod bad_input;
+mod committed;
+mod explain;
+mod inspect;
+mod list;
+mod program;
+mod surfaces;

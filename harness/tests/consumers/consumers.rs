@@ -1,0 +1,224 @@
+//! A generated package in renderers that are not ours: plain wgpu, OpenGL from Python, three.js in a browser. Each evaluates
+//! the package's probes by its own code and must be within their tolerances; each is then wrong on purpose, and must not be.
+
+use crate::support::tools::missing;
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+use std::time::Duration;
+
+use diffraction_harness::drivers::browser::{check_page, drive_page};
+use diffraction_shaders::Compiler;
+use diffraction_shaders::input;
+use diffraction_shaders::package::write;
+use serde_json::{Value, json};
+
+#[path = "../../../examples/wgpu_probe.rs"]
+#[allow(dead_code, reason = "an example has a main function")]
+mod example;
+
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+/// A wrong integration must be so far beyond tolerance.
+const CAUGHT: f64 = 5.0;
+/// A change that everybody sees, of a picture's mean, 0 to 255.
+const SEEN: f64 = 0.2;
+
+#[test]
+fn wgpu_passes_the_probes() {
+    let gpu = match example::draw::connect() {
+        Ok(gpu) => gpu,
+        Err(e) => return missing(&format!("wgpu: {e}")),
+    };
+    let evaluate = |folder: PathBuf| example::run(&gpu, &folder).unwrap();
+    let results: Vec<Value> = variants().into_iter().map(evaluate).collect();
+    let driver = results[0]["driver"].as_str().unwrap().to_owned();
+    assert!(driver.starts_with("vulkan"), "{driver}");
+    check("wgpu", &json!(results));
+}
+
+#[test]
+fn opengl_from_python_passes_the_probes() {
+    let python = Path::new(ROOT).join("target/python/bin/python");
+    if !python.exists() {
+        return missing("target/python with examples/moderngl/requirements.txt");
+    }
+    let script = Path::new(ROOT).join("examples/moderngl/probe.py");
+    let run = Command::new(&python).arg("-B").arg(script).arg(package()).output().unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let found: Value = serde_json::from_slice(&run.stdout).unwrap();
+    check(found["driver"].as_str().unwrap(), &found["results"]);
+}
+
+#[test]
+fn examples_draw_maps() {
+    let gpu = match example::draw::connect() {
+        Ok(gpu) => gpu,
+        Err(e) => return missing(&format!("wgpu: {e}")),
+    };
+    let python = Path::new(ROOT).join("target/python/bin/python");
+    if !python.exists() {
+        return missing("target/python with examples/moderngl/requirements.txt");
+    }
+    let folders =
+        variants().into_iter().filter(|folder| folder.parent().unwrap().ends_with("fingers"));
+    let place = tempfile::tempdir().unwrap();
+    let script = Path::new(ROOT).join("examples/moderngl/draw.py");
+    for folder in folders {
+        let name = folder.display();
+        let pixels =
+            example::draw::run(&gpu, &folder, example::draw::MAP, 256, &[0; 4 * 256 * 256]);
+        let by_wgpu = image::RgbaImage::from_raw(256, 256, pixels.unwrap()).unwrap();
+        let picture = place.path().join("map.png");
+        let run = Command::new(&python).arg("-B").arg(&script).arg(&folder).arg(&picture).output();
+        let run = run.unwrap();
+        assert!(run.status.success(), "{name}: {}", String::from_utf8_lossy(&run.stderr));
+        let by_python = image::open(&picture).unwrap().to_rgba8();
+        // the same to a few shades, and not the same upside down
+        let differ = |flip: bool| {
+            let row = |y: u32| if flip { 255 - y } else { y };
+            let pairs =
+                by_wgpu.enumerate_pixels().map(|(x, y, p)| (p, by_python.get_pixel(x, row(y))));
+            pairs.filter(|(a, b)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 8)).count()
+        };
+        println!("{name}: {} pixels differ, {} upside down", differ(false), differ(true));
+        // the rim may take part or not
+        assert!(differ(false) < 100, "{name}: {} pixels differ", differ(false));
+        assert!(differ(true) > 3000, "{name}: {} pixels differ upside down", differ(true));
+    }
+}
+
+#[test]
+fn the_gallery_passes_the_probes_and_reacts() {
+    let Some(page) = gallery() else { return };
+    for api in ["webgl2", "webgpu"] {
+        let address = format!("driver.html?api={api}&surface=fingers");
+        let driven = match drive_page(page, &address, Duration::from_secs(240)) {
+            Ok(driven) => driven,
+            Err(e) => return missing(&e.to_string()),
+        };
+        let found = driven.posted;
+        assert_eq!(found["failed"], Value::Null, "{api}: {}", found["failed"]);
+        println!("{api}: {} first picture after {} ms", found["driver"], found["first_picture_ms"]);
+        // from the cheapest on, which has a table of colours
+        let shown = found["variants"].as_array().unwrap();
+        assert!(shown[0].as_str().unwrap().starts_with("baked") && shown.len() >= 3, "{shown:?}");
+        assert_eq!(driven.console, Vec::<String>::new(), "{api}");
+        assert_eq!((&found["message"], &found["errors"]), (&Value::Null, &json!([])), "{api}");
+        assert!(
+            found["checked"].as_str().unwrap().contains("64 probes within tolerance"),
+            "{found}"
+        );
+        check(api, &found["probes"]);
+        let changes = found["changes"].as_object().unwrap();
+        assert!(changes.len() >= 14, "{api}: {changes:?}");
+        for (what, change) in changes {
+            let change = change.as_f64().unwrap();
+            if ["same again", "another renderer and back"].contains(&what.as_str()) {
+                assert!(change < SEEN, "{api}: {what}: {change}");
+            } else if what == "another variant" {
+                // the same light, summed instead of read from a table
+                assert!(change > 0.0 && change < 5.0 * SEEN, "{api}: {what}: {change}");
+            } else {
+                assert!(change > SEEN, "{api}: {what} changes the picture by {change} only");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_gallery_opens_from_disk_and_fits_a_phone() {
+    let Some(page) = gallery() else { return };
+    for width in [390, 1280] {
+        let picture = page.join(format!("{width}.png"));
+        let found = match check_page(&page.join("index.html"), [width, 844], Some(&picture)) {
+            Ok(found) => found,
+            Err(e) => return missing(&e.to_string()),
+        };
+        assert_eq!((found.width, found.scroll_width), (width, width));
+        assert_eq!(found.console, Vec::<String>::new());
+        // the body is there: more than one colour, where only the canvas is
+        let picture = image::open(&picture).unwrap().to_rgb8();
+        let colours: BTreeSet<[u8; 3]> = picture
+            .enumerate_pixels()
+            .filter(|(x, y, _)| *x < 300 && *y < 400)
+            .map(|(.., p)| p.0)
+            .collect();
+        assert!(colours.len() > 50, "{width}: {} colours", colours.len());
+    }
+}
+
+/// Results of all variants are there, within tolerance, and wrong ones are caught.
+fn check(who: &str, results: &Value) {
+    let results = results.as_array().unwrap();
+    let of = |key: &str| -> BTreeSet<&str> {
+        results.iter().map(|r| r[key].as_str().unwrap()).collect()
+    };
+    let (surfaces, variants) = (of("surface"), of("variant"));
+    assert!(surfaces.len() >= 3 && variants.len() >= 3, "{who}: {surfaces:?}, {variants:?}");
+    assert_eq!(results.len(), surfaces.len() * variants.len(), "{who}");
+    let mut most = 0.0_f64;
+    for result in results {
+        let name = format!("{who}: {} {}", result["surface"], result["variant"]);
+        assert_eq!(result["count"], 64, "{name}");
+        let worst = result["worst"].as_f64().unwrap();
+        assert!(worst <= 1.0, "{name}: {worst} times its tolerance");
+        most = most.max(worst);
+        for (what, beyond) in result["controls"].as_object().unwrap() {
+            // grooves along y are their own mirror image
+            if what == "flipped bitangent" && result["surface"] == "blazed" {
+                continue;
+            }
+            let beyond = beyond.as_f64().unwrap();
+            assert!(beyond > CAUGHT, "{name}: {what} passes with {beyond} times its tolerance");
+        }
+        assert_eq!(result["controls"].as_object().unwrap().len(), 2, "{name}");
+    }
+    println!("{who}: {} variants, at worst {most:.2e} of the tolerance", results.len());
+}
+
+/// The gallery's package, made once.
+fn package() -> &'static Path {
+    static PACKAGE: OnceLock<PathBuf> = OnceLock::new();
+    PACKAGE.get_or_init(|| {
+        let plan = input::read_plan(&Path::new(ROOT).join("plans/gallery.toml")).unwrap();
+        // no cache: another build's numbers prove nothing
+        let package = Compiler::new(&plan).compile().unwrap_or_else(|e| panic!("{e}"));
+        let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("gallery-package");
+        write(&package, &out).unwrap();
+        out
+    })
+}
+
+fn variants() -> Vec<PathBuf> {
+    let below = |folder: &Path| -> Vec<PathBuf> {
+        let mut all: Vec<PathBuf> =
+            fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
+        all.sort();
+        all
+    };
+    below(&package().join("shaders")).iter().flat_map(|surface| below(surface)).collect()
+}
+
+/// The gallery with that package, built once, with the page that drives it; none where node or its modules are missing.
+fn gallery() -> Option<&'static Path> {
+    static GALLERY: OnceLock<Option<PathBuf>> = OnceLock::new();
+    let built = GALLERY.get_or_init(|| {
+        let source = Path::new(ROOT).join("gallery");
+        if !source.join("node_modules/three").is_dir() {
+            missing("gallery/node_modules: npm ci");
+            return None;
+        }
+        let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("gallery-page");
+        let mut build = Command::new("node");
+        build.arg(source.join("build.mjs")).arg("--package").arg(package()).arg("--out").arg(&out);
+        let run = build.output().unwrap();
+        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+        for file in ["driver.html", "driver.js"] {
+            fs::copy(source.join("test").join(file), out.join(file)).unwrap();
+        }
+        Some(out)
+    });
+    built.as_deref()
+}

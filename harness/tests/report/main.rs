@@ -1,0 +1,8 @@
+//! The page of results.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps fails with the error")]
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod report;

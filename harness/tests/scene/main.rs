@@ -1,0 +1,9 @@
+//! Bodies with a variant as their skin.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps fails with the error")]
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod scene;
+mod scene_files;

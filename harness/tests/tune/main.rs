@@ -1,0 +1,8 @@
+//! The search for the cheapest variant.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps fails with the error")]
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod tune;

@@ -1,0 +1,10 @@
+//! Text: templates, modules, emission.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps fails with the error")]
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod emit;
+mod module;
+mod template;

@@ -1,0 +1,15 @@
+//! How variants compute: every mode's twin against the exact reference.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps fails with the error")]
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod adaptive;
+mod baked;
+mod gems;
+mod mesh_frame;
+mod modes;
+mod pq;
+mod prefiltered;
+mod quantised;
