@@ -108,7 +108,11 @@ fn touches(code: &str) -> bool {
 
 #[test]
 fn uses_are_found_in_all_their_forms() {
-    let text = "use crate::a::X; // crate::no\n/// crate::no\nuse crate::{b, c::{d, e as f},\n  g};\nlet x = crate :: h::i();";
+    let text = r#"use crate::a::X; // crate::no
+/// crate::no
+use crate::{b, c::{d, e as f},
+  g};
+let x = crate :: h::i();"#;
     let found: Vec<String> = uses(text, "crate").iter().map(|path| path.join("::")).collect();
     assert_eq!(found, ["a::X", "b", "c::d", "c::e", "g", "h::i"]);
 }

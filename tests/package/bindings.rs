@@ -52,7 +52,7 @@ fn bindings_say_what_the_manifest_says() {
         let path = format!("shaders/tiny/{name}/bindings.rs");
         String::from_utf8(package.bytes(&path).unwrap().to_vec()).unwrap()
     };
-    let checks = "
+    let checks = r#"
 const _: () = {
     assert!(PARAMS_GROUP == 0 && PARAMS_BINDING == 0);
     assert!(TERMS_BINDING == 1 && SPECTRUM_BINDING == 2 && DIRECTIONS_BINDING == 3);
@@ -64,7 +64,7 @@ const _: () = {
     let size = TERMS_TABLE.width * TERMS_TABLE.height * TERMS_TABLE.layers * TEXEL;
     assert!(TERMS_TABLE.bytes == size as usize);
 };
-";
+"#;
     let paired = "const LAYERS: u32 = 2; const TEXEL: u32 = 16;";
     let single = "const LAYERS: u32 = 2; const TEXEL: u32 = 8;";
     for (name, numbers) in [("full-taylor-t3", paired), ("one", single)] {

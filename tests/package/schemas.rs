@@ -164,7 +164,14 @@ fn forms() -> String {
     ];
     let preset = |(table, sampling): (&str, &str)| {
         format!(
-            "[[preset]]\nname = \"baked-{table}-{sampling}\"\nmode = \"baked\"\ntable = \"{table}\"\nsampling = \"{sampling}\"\nbake_error = 10.0\nbake_mib = 0.25\n"
+            r#"[[preset]]
+name = "baked-{table}-{sampling}"
+mode = "baked"
+table = "{table}"
+sampling = "{sampling}"
+bake_error = 10.0
+bake_mib = 0.25
+"#
         )
     };
     FORMS.replace("BAKED", &baked.map(preset).concat())
@@ -392,7 +399,17 @@ fn wrong_values(schema: &Value, value: &Value) -> Vec<Value> {
 /// A sum over lobes says what bounds its loops, the same number as in its text.
 #[test]
 fn bounds_of_lobes_are_those_of_the_text() {
-    let text = "schema = 1\n[[surface]]\nname = \"blazed\"\ngrating = { kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 60 }\n[variants]\nmode = \"adaptive\"\nterms = 9\ncoherence = [\"single\", \"ensemble\"]\n[targets]\nemit = [\"wgsl\"]\n";
+    let text = r#"schema = 1
+[[surface]]
+name = "blazed"
+grating = { kind = "blazed", period_um = 2.5, height_um = 0.3, pixels = 60 }
+[variants]
+mode = "adaptive"
+terms = 9
+coherence = ["single", "ensemble"]
+[targets]
+emit = ["wgsl"]
+"#;
     let plan = Plan::parse(text, Path::new("plan.toml")).unwrap();
     let package = Compiler::new(&plan).compile().unwrap_or_else(|e| panic!("{e}"));
     let schema = schema("variant");

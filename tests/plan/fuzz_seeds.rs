@@ -176,7 +176,13 @@ fn texts(floats: &[f32], wide: &[u16]) -> Seeds {
     let u2: Vec<u8> = wide.iter().flat_map(|v| v.to_le_bytes()).collect();
     let field =
         HeightField::new(COLUMNS, ROWS, 0.1, 0.1, floats.iter().map(|&v| v.into()).collect());
-    let gsf = "XRes = 5\nYRes = 3\nXReal = 5e-7\nXYUnits = nm\nZUnits = µm\nTitle = a title\n";
+    let gsf = r#"XRes = 5
+YRes = 3
+XReal = 5e-7
+XYUnits = nm
+ZUnits = µm
+Title = a title
+"#;
     vec![
         ("npy/f4.npy".into(), support::npy_of("<f4", false, "(3, 5)", &f4)),
         ("npy/f8.npy".into(), support::npy_of(">f8", true, "(3, 5)", &f8)),

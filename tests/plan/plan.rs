@@ -6,7 +6,11 @@ use std::path::Path;
 use diffraction_shaders::input::read_plan;
 use diffraction_shaders::plan::{Auto, Basis, Mode, Packing, Plan, SurfaceSource, Target, Variant};
 
-const SURFACE: &str = "schema = 1\n[[surface]]\nname = \"a\"\ngrating = { kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 100 }\n";
+const SURFACE: &str = r#"schema = 1
+[[surface]]
+name = "a"
+grating = { kind = "blazed", period_um = 2.5, height_um = 0.3, pixels = 100 }
+"#;
 
 fn parse(text: &str) -> Plan {
     Plan::parse(text, Path::new("plans/plan.toml")).unwrap()
@@ -52,7 +56,10 @@ fn faults_of_the_file_are_told() {
             vec!["plan.toml:2: unknown key surfaces (did you mean \"surface\"?)"],
         ),
         (
-            "schema = 1\n[surface]\nname = \"a\"\n",
+            r#"schema = 1
+[surface]
+name = "a"
+"#,
             vec!["surface = {…}: is no array of tables", "[[surface]]"],
         ),
     ] {
@@ -92,8 +99,14 @@ fn faults_of_a_surface_are_told() {
         ("name = \"..\"\nfile = \"x.png\"".into(), "is not a valid name"),
         ("name = \"\"\nfile = \"x.png\"".into(), "is not a valid name"),
         ("name = 3\nfile = \"x.png\"".into(), "surface[1].name = 3: is an integer"),
-        ("name = \"a\"\nfile = \"x.png\"\nsize_um = 3\npixel_um = 0.01".into(), "size_um and pixel_um both set the scale"),
-        ("name = \"a\"\nfile = \"x.png\"\nheight_um = 3\nz_unit_um = 1".into(), "height_um and z_unit_um both set the heights"),
+        (r#"name = "a"
+file = "x.png"
+size_um = 3
+pixel_um = 0.01"#.into(), "size_um and pixel_um both set the scale"),
+        (r#"name = "a"
+file = "x.png"
+height_um = 3
+z_unit_um = 1"#.into(), "height_um and z_unit_um both set the heights"),
         ("name = \"a\"\nfile = \"x.png\"\npixel_um = 0.2".into(), "pixel_um = 0.2: a pitch above a quarter of the shortest wavelength, 0.095 µm"),
         ("name = \"a\"\nfile = \"x.png\"\nlevel = \"plain\"".into(), "level = \"plain\": unknown value (did you mean \"plane\"?)"),
         ("name = \"a\"\nfile = \"x.png\"\nclip_percent = 50".into(), "clip_percent = 50: must be from 0 to below 50"),
@@ -109,10 +122,18 @@ fn faults_of_a_surface_are_told() {
             "surface.a.grating.y.pixels = 5: a pitch of 0.2000 µm",
         ),
     ] {
-        let told = errors(&format!("schema = 1\n[[surface]]\n{text}\n"));
+        let told = errors(&format!(r#"schema = 1
+[[surface]]
+{text}
+"#));
         assert!(told.contains(expected), "{text}\n told {told}\n not {expected}");
     }
-    let twice = errors(&format!("{SURFACE}[[surface]]\nname = \"a\"\nfile = \"x.png\"\n"));
+    let twice = errors(&format!(
+        r#"{SURFACE}[[surface]]
+name = "a"
+file = "x.png"
+"#
+    ));
     assert!(
         twice.contains("plan.toml:6: surface[2].name = \"a\": is the name of another surface"),
         "{twice}"
@@ -194,27 +215,45 @@ fn faults_of_optics_variants_presets_and_targets_are_told() {
         ("[variants]\nterm_error = 0", "term_error = 0: must be above 0"),
         ("[variants]\nperiods = [[1, 2, 3]]", "periods[1] = [1, 2, 3]: has 3 numbers, not two"),
         (
-            "[[preset]]\nname = \"p\"\nmode = \"baked\"\nbake_error = 0",
+            r#"[[preset]]
+name = "p"
+mode = "baked"
+bake_error = 0"#,
             "plan.toml:8: preset.p.bake_error = 0: ",
         ),
         (
-            "[[preset]]\nname = \"p\"\nreconstruction = \"prefiltered\"\ncoherence = \"ensemble\"",
+            r#"[[preset]]
+name = "p"
+reconstruction = "prefiltered"
+coherence = "ensemble""#,
             "coherence = \"ensemble\": a prefiltered table holds amplitudes",
         ),
         (
-            "[[preset]]\nname = \"p\"\nreconstruction = \"prefiltered\"\ncoherence_scaling = \"wavelength\"",
+            r#"[[preset]]
+name = "p"
+reconstruction = "prefiltered"
+coherence_scaling = "wavelength""#,
             "a prefiltered table contains one window",
         ),
         (
-            "[[preset]]\nname = \"p\"\nreconstruction = \"prefiltered\"\nmode = \"pq\"",
+            r#"[[preset]]
+name = "p"
+reconstruction = "prefiltered"
+mode = "pq""#,
             "pq has no coherence window",
         ),
         (
-            "[[preset]]\nname = \"p\"\nreconstruction = \"prefiltered\"\nhoist = false",
+            r#"[[preset]]
+name = "p"
+reconstruction = "prefiltered"
+hoist = false"#,
             "a prefiltered table is read without such a loop",
         ),
         (
-            "[[preset]]\nname = \"p\"\nreconstruction = \"prefiltered\"\nsampling = \"filter\"",
+            r#"[[preset]]
+name = "p"
+reconstruction = "prefiltered"
+sampling = "filter""#,
             "cannot filter tables of 32-bit floats; use table = \"f16\"",
         ),
         (
@@ -224,7 +263,10 @@ fn faults_of_optics_variants_presets_and_targets_are_told() {
         ("[[preset]]\nname = \"p\"\nterms = [31]", "preset.p.terms = [31]: is an array"),
         ("[[preset]]\nname = \"texts\"", "is the name of a built-in preset"),
         (
-            "[[preset]]\nname = \"p\"\n[[preset]]\nname = \"p\"",
+            r#"[[preset]]
+name = "p"
+[[preset]]
+name = "p""#,
             "plan.toml:8: preset.p.name = \"p\": is the name of another variant",
         ),
         ("[variants]\n[[preset]]\nname = \"full-taylor-t31\"", "is the name of another variant"),
@@ -242,7 +284,14 @@ fn faults_of_optics_variants_presets_and_targets_are_told() {
 
 #[test]
 fn all_faults_are_told_in_the_order_of_the_text() {
-    let told = errors("schema = 3\n[optics]\ncoherence_um = -1\n[[surface]]\nname = \"Ä\"\n");
+    let told = errors(
+        r#"schema = 3
+[optics]
+coherence_um = -1
+[[surface]]
+name = "Ä"
+"#,
+    );
     let lines: Vec<&str> = told.lines().map(|line| line.split(": ").next().unwrap()).collect();
     assert_eq!(lines, ["plan.toml:1", "plan.toml:3", "plan.toml:5"]);
 }
@@ -287,8 +336,15 @@ fn paths_are_relative_to_the_plan_and_marks_of_other_systems_do_no_harm() {
 #[test]
 fn the_product_varies_its_first_axis_slowest_and_presets_follow() {
     let plan = with(concat!(
-        "[[preset]]\nname = \"zz\"\nterms = 9\n",
-        "[variants]\nhoist = [true, false]\nterms = [5, 3]\nbasis = [\"taylor-zero\", \"taylor\"]\n",
+        r#"[[preset]]
+name = "zz"
+terms = 9
+"#,
+        r#"[variants]
+hoist = [true, false]
+terms = [5, 3]
+basis = ["taylor-zero", "taylor"]
+"#,
     ));
     let expected = [
         "full-taylor-zero-t5",
@@ -330,7 +386,13 @@ fn names_hold_what_was_configured_and_stay() {
     // What is configured under [optics] is in the names too, whoever else varies it.
     assert_eq!(names(&with("[optics]\ncoherence_um = 30\n")), ["full-taylor-t31-lc30"]);
     assert_eq!(
-        names(&with("[optics]\ncoherence_um = 30\n[variants]\ncoherence_um = [30, 65]\n")),
+        names(&with(
+            r#"[optics]
+coherence_um = 30
+[variants]
+coherence_um = [30, 65]
+"#
+        )),
         ["full-taylor-t31-lc30", "full-taylor-t31"]
     );
     let files =
@@ -347,10 +409,18 @@ fn names_hold_what_was_configured_and_stay() {
 #[test]
 fn names_and_hashes_tell_configurations_apart() {
     let plan = with(concat!(
-        "[variants]\nbasis = [\"taylor\", \"taylor-zero\"]\nterms = [1, 11, \"auto\"]\nterm_error = [1e-3, 1e-4]\n",
+        r#"[variants]
+basis = ["taylor", "taylor-zero"]
+terms = [1, 11, "auto"]
+term_error = [1e-3, 1e-4]
+"#,
         "window_radius = [1, 11, \"auto\"]\n",
         "wavelengths = [{}, { step_nm = 2 }, { min_nm = 400 }, { min_nm = 500, max_nm = 500, step_nm = 1 }, { min_nm = 500, max_nm = 500, step_nm = 2 }]\n",
-        "packing = [\"paired\", \"single\"]\nhoist = [true, false]\ncoherence_um = [65, 6.5]\nrefractive_index = [1.5, 1.6]\n",
+        r#"packing = ["paired", "single"]
+hoist = [true, false]
+coherence_um = [65, 6.5]
+refractive_index = [1.5, 1.6]
+"#,
     ));
     let mut names: Vec<_> = plan.variants.iter().map(|variant| &variant.name).collect();
     let mut hashes: Vec<_> = plan.variants.iter().map(Variant::hash).collect();
@@ -387,7 +457,10 @@ fn the_canonical_text_is_what_the_hash_is_of() {
 #[test]
 fn modes_leave_out_what_they_do_not_read() {
     let plan = with(concat!(
-        "[variants]\nmode = [\"full\", \"baked\", \"adaptive\"]\nreconstruction = [\"window\", \"prefiltered\"]\n",
+        r#"[variants]
+mode = ["full", "baked", "adaptive"]
+reconstruction = ["window", "prefiltered"]
+"#,
         "wavelengths = [{ step_nm = 5 }, { step_nm = 2.5 }]\nperiods = [\"auto\"]\n",
     ));
     assert_eq!(
@@ -408,7 +481,10 @@ fn modes_leave_out_what_they_do_not_read() {
 #[test]
 fn sampling_counts_where_something_is_read_between_texels() {
     let plan = with(concat!(
-        "[variants]\nmode = [\"full\", \"adaptive\", \"pq\"]\ntable = [\"f16\"]\n",
+        r#"[variants]
+mode = ["full", "adaptive", "pq"]
+table = ["f16"]
+"#,
         "reconstruction = [\"window\", \"prefiltered\"]\nsampling = [\"load\", \"filter\"]\n",
         "window_radius = [1, 2]\n",
     ));
@@ -437,8 +513,18 @@ fn sampling_counts_where_something_is_read_between_texels() {
 #[test]
 fn presets_take_defaults_and_optics_but_not_the_axes() {
     let plan = with(concat!(
-        "[optics]\ncoherence_um = 30\n[variants]\nterms = [5]\n",
-        "[[preset]]\nname = \"p\"\nrefractive_index = 1.6\n[[preset]]\nname = \"same\"\nterms = 5\n",
+        r#"[optics]
+coherence_um = 30
+[variants]
+terms = [5]
+"#,
+        r#"[[preset]]
+name = "p"
+refractive_index = 1.6
+[[preset]]
+name = "same"
+terms = 5
+"#,
     ));
     let preset = plan.variant(Some("p")).unwrap();
     assert_eq!(preset.terms, Auto::Value(31));
@@ -481,7 +567,13 @@ fn the_shortest_wavelength_of_the_variants_sets_the_pitch() {
 
 #[test]
 fn the_built_in_preset_is_found_by_its_exact_name_only() {
-    let plan = with("[optics]\ncoherence_um = 30\n[variants]\nterms = [3, 5]\n");
+    let plan = with(
+        r#"[optics]
+coherence_um = 30
+[variants]
+terms = [3, 5]
+"#,
+    );
     let texts = plan.variant(Some("texts")).unwrap();
     assert_eq!(
         (texts.basis, texts.terms, texts.packing),

@@ -6,8 +6,11 @@ use std::time::{Duration, Instant};
 use diffraction_shaders::error::Error;
 use diffraction_shaders::plan::Plan;
 
-const HEAD: &str = "schema = 1\n[[surface]]\nname = \"a\"\n\
-    grating = { kind = \"flat\", period_um = 1, pixels = 20 }\n";
+const HEAD: &str = r#"schema = 1
+[[surface]]
+name = "a"
+grating = { kind = "flat", period_um = 1, pixels = 20 }
+"#;
 
 /// Far above what each of these takes, far below what a quadratic reader would need.
 const LIMIT: Duration = Duration::from_secs(15);
@@ -77,7 +80,10 @@ fn many_of_everything() {
     assert!(parsed(&presets).is_ok_and(|plan| plan.variants.len() > 100_000));
     let surfaces = filled(|i| {
         format!(
-            "[[surface]]\nname = \"s{i}\"\ngrating = {{ kind = \"flat\", period_um = 1, pixels = 20 }}\n"
+            r#"[[surface]]
+name = "s{i}"
+grating = {{ kind = "flat", period_um = 1, pixels = 20 }}
+"#
         )
     });
     assert!(parsed(&surfaces).is_ok_and(|plan| plan.surfaces.len() > 40_000));

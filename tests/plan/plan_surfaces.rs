@@ -15,7 +15,17 @@ const GRATING: &str =
 
 fn text(first: &str, second: &str, rest: &str) -> String {
     format!(
-        "schema = 1\n[[surface]]\nname = \"a\"\n{GRATING}\n{first}\n[[surface]]\nname = \"card\"\n{GRATING}\n{second}\n{rest}\n"
+        r#"schema = 1
+[[surface]]
+name = "a"
+{GRATING}
+{first}
+[[surface]]
+name = "card"
+{GRATING}
+{second}
+{rest}
+"#
     )
 }
 
@@ -43,7 +53,18 @@ fn optics_of_a_surface_win_over_those_of_the_plan_and_stated_values_over_both() 
     let plan = plan(
         "",
         "optics = { refractive_index = 1.8, coherence_um = 20 }",
-        "[optics]\ncoherence_um = 40\nrefractive_index = 1.6\n[variants]\nterms = [3, 5]\ncoherence_um = [30, 65]\n[[preset]]\nname = \"plain\"\n[[preset]]\nname = \"own\"\nrefractive_index = 1.6\n",
+        r#"[optics]
+coherence_um = 40
+refractive_index = 1.6
+[variants]
+terms = [3, 5]
+coherence_um = [30, 65]
+[[preset]]
+name = "plain"
+[[preset]]
+name = "own"
+refractive_index = 1.6
+"#,
     );
     let numbers = |variant: &str, surface: &str| {
         let Optics { refractive_index, coherence_um, .. } = on(&plan, variant, surface).optics;
@@ -76,7 +97,14 @@ fn what_a_mode_does_not_read_stays_at_its_default_on_every_surface() {
     let plan = plan(
         "",
         "optics = { coherence_um = 20, refractive_index = 1.8 }",
-        "[[preset]]\nname = \"gems\"\nmode = \"gems\"\n[[preset]]\nname = \"copies\"\nmode = \"pq\"\nperiods = [3, 4]\n",
+        r#"[[preset]]
+name = "gems"
+mode = "gems"
+[[preset]]
+name = "copies"
+mode = "pq"
+periods = [3, 4]
+"#,
     );
     let gems = plan.variant(Some("gems")).unwrap();
     assert_eq!(on(&plan, "gems", "card"), gems);
@@ -90,7 +118,12 @@ fn what_the_optics_of_a_surface_make_impossible_is_a_gap_there() {
     let plan = plan(
         "",
         "optics = { coherence = \"ensemble\" }",
-        "[variants]\nmode = [\"full\", \"pq\"]\nterms = 3\n[targets]\nemit = \"wgsl\"\n",
+        r#"[variants]
+mode = ["full", "pq"]
+terms = 3
+[targets]
+emit = "wgsl"
+"#,
     );
     assert_eq!(on(&plan, "full-taylor-t3", "card").optics.coherence, Coherence::Ensemble);
     let refused = plan.variant(Some("pq-taylor-t3")).unwrap().on(surface(&plan, "card"));
@@ -112,7 +145,20 @@ fn presets_are_for_the_surfaces_that_they_name() {
     let plan = plan(
         "",
         "",
-        "[[preset]]\nname = \"foil\"\nsurfaces = [\"card\"]\nterms = 3\n[[preset]]\nname = \"both\"\nterms = 3\n[[preset]]\nname = \"word\"\nsurfaces = \"a\"\nterms = 4\n[targets]\nemit = \"wgsl\"\n",
+        r#"[[preset]]
+name = "foil"
+surfaces = ["card"]
+terms = 3
+[[preset]]
+name = "both"
+terms = 3
+[[preset]]
+name = "word"
+surfaces = "a"
+terms = 4
+[targets]
+emit = "wgsl"
+"#,
     );
     assert!(plan.variant(Some("foil")).unwrap().on(surface(&plan, "a")).is_none());
     let names = |name: &str| -> Vec<String> {
@@ -140,7 +186,14 @@ fn presets_are_for_the_surfaces_that_they_name() {
 
 #[test]
 fn a_surface_without_variants_is_said() {
-    let plan = plan("", "", "[[preset]]\nname = \"foil\"\nsurfaces = [\"card\"]\n");
+    let plan = plan(
+        "",
+        "",
+        r#"[[preset]]
+name = "foil"
+surfaces = ["card"]
+"#,
+    );
     assert_eq!(plan.notes, ["a: no variant is for this surface"]);
     let alone = Plan { surfaces: plan.surfaces[..1].to_vec(), ..plan.clone() };
     let told = Compiler::new(&alone).compile().unwrap_err().to_string();
@@ -152,7 +205,13 @@ fn a_surface_without_variants_is_said() {
 fn the_pitch_of_a_surface_follows_its_own_variants() {
     let rest = |surfaces: &str| {
         format!(
-            "[[preset]]\nname = \"short\"\nsurfaces = [\"{surfaces}\"]\n[[preset]]\nname = \"long\"\nwavelengths = {{ min_nm = 500 }}\n"
+            r#"[[preset]]
+name = "short"
+surfaces = ["{surfaces}"]
+[[preset]]
+name = "long"
+wavelengths = {{ min_nm = 500 }}
+"#
         )
     };
     // 0.1 µm: enough for 400 nm, too coarse for 380 nm
@@ -241,12 +300,32 @@ fn illuminants_of_surfaces_are_read_from_files() {
 /// Two surfaces of the same heights: each has what a plan of its optics alone would give it.
 #[test]
 fn a_package_has_the_optics_of_each_surface() {
-    const REST: &str = "[[preset]]\nname = \"sum\"\nterms = 3\nwavelengths = { step_nm = 100 }\n[[preset]]\nname = \"stated\"\nterms = 3\nrefractive_index = 1.4\nwavelengths = { step_nm = 100 }\n[[preset]]\nname = \"colours\"\nmode = \"baked\"\nbake_error = 10\nbake_mib = 0.25\n[targets]\nemit = [\"wgsl\", \"glsl-es300\"]\n";
+    const REST: &str = r#"[[preset]]
+name = "sum"
+terms = 3
+wavelengths = { step_nm = 100 }
+[[preset]]
+name = "stated"
+terms = 3
+refractive_index = 1.4
+wavelengths = { step_nm = 100 }
+[[preset]]
+name = "colours"
+mode = "baked"
+bake_error = 10
+bake_mib = 0.25
+[targets]
+emit = ["wgsl", "glsl-es300"]
+"#;
     let own = "optics = { refractive_index = 1.8, coherence_um = 5, illuminant = \"A\" }";
     let both = plan("", own, REST);
     let (made, gaps) = package(&both);
     assert_eq!(gaps, [""; 0]);
-    let alone = "[optics]\nrefractive_index = 1.8\ncoherence_um = 5\nilluminant = \"A\"\n";
+    let alone = r#"[optics]
+refractive_index = 1.8
+coherence_um = 5
+illuminant = "A"
+"#;
     let (expected, _) = package(&plan("", "", &format!("{alone}{REST}")));
     let (plain, _) = package(&plan("", "", REST));
     let of = |package: &Package, surface: &str| -> Vec<(String, Vec<u8>)> {

@@ -96,8 +96,7 @@ fn one_error_of_three_variants_is_one_diagnostic() {
 }
 
 /// A shader that keeps every rule.
-const CLEAN: &str = "\
-struct Params {
+const CLEAN: &str = r#"struct Params {
     rows: array<vec4f, 4>,
     view: mat4x4f,
 }
@@ -124,7 +123,7 @@ fn vert(@builtin(vertex_index) index: u32) -> Vertex {
 fn map(@builtin(position) position: vec4f) -> @location(0) vec4f {
     return vec4f(shade(position.xy), 1.0);
 }
-";
+"#;
 
 fn contract() -> Contract {
     let entry_points = [("vert", Stage::Vertex), ("map", Stage::Fragment)];

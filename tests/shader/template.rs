@@ -64,7 +64,13 @@ fn an_import_that_is_dropped_does_not_count() {
 
 #[test]
 fn constants_that_the_text_uses_are_declared() {
-    let template = "// top\n#constants\nx = B + A; // C\n#ifdef F\nD\n#endif\n";
+    let template = r#"// top
+#constants
+x = B + A; // C
+#ifdef F
+D
+#endif
+"#;
     let mut defines = flags([("F", false)]);
     for (name, value, meaning) in [
         ("B", Value::F32(0.5), "half, µm"),

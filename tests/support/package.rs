@@ -17,8 +17,7 @@ pub const TARGETS: [Target; 6] =
     [Target::Wgsl, Target::Glsl450, Target::GlslEs300, Target::Spirv, Target::Hlsl, Target::Msl];
 
 /// The root of the small test shader, with resources like those of the shipped ones.
-pub const ROOT: &str = "\
-// A small shader with the resources of the real ones.
+pub const ROOT: &str = r#"// A small shader with the resources of the real ones.
 struct Params {
     scale: vec4f,
     gain: vec4f,
@@ -52,11 +51,10 @@ fn map(@location(0) place: vec2f) -> @location(0) vec4f {
 }
 
 #import probe
-";
+"#;
 
 /// The core function of the test shader.
-pub const CORE: &str = "\
-fn diffraction(wi: vec3f, wr: vec3f) -> vec3f {
+pub const CORE: &str = r#"fn diffraction(wi: vec3f, wr: vec3f) -> vec3f {
     return tristimulus(wi, wr) * SCALE;
 }
 
@@ -83,11 +81,10 @@ fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
     }
     return sum;
 }
-";
+"#;
 
 /// The second fragment shader of the test shader.
-pub const PROBE: &str = "\
-@group(0) @binding(3) var directions: texture_2d<f32>;
+pub const PROBE: &str = r#"@group(0) @binding(3) var directions: texture_2d<f32>;
 
 @fragment
 fn probe(@builtin(position) position: vec4f) -> @location(0) vec4f {
@@ -96,7 +93,7 @@ fn probe(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let wr = textureLoad(directions, vec2i(1, row), 0).xyz;
     return vec4f(diffraction(wi, wr) * params.gain.xyz, 1.0);
 }
-";
+"#;
 
 /// Templates of the test shader.
 pub fn sources() -> Sources {
@@ -143,20 +140,20 @@ pub fn package() -> Package {
 pub fn package_in(targets: &[Target]) -> Package {
     let folder = tempfile::tempdir().unwrap();
     let plan = folder.path().join("plan.toml");
-    let text = "schema = 1
+    let text = r#"schema = 1
 [[surface]]
-name = \"tiny\"
-grating = { kind = \"blazed\", period_um = 1.0, height_um = 0.1, pixels = 16 }
+name = "tiny"
+grating = { kind = "blazed", period_um = 1.0, height_um = 0.1, pixels = 16 }
 [variants]
-mode = [\"full\"]
+mode = ["full"]
 terms = [3]
 [[preset]]
-name = \"one\"
-mode = \"full\"
+name = "one"
+mode = "full"
 terms = 2
-packing = \"single\"
+packing = "single"
 hoist = false
-";
+"#;
     fs::write(&plan, text).unwrap();
     let plan = input::read_plan(&plan).unwrap_or_else(|errors| panic!("{errors:#?}"));
     let compiler = Compiler::new(&plan).targets(targets);

@@ -58,7 +58,15 @@ fn truncated_files() {
         ("f.npy", npy_of("<f4", false, "(6, 10)", &bytes)),
         (
             "g.gsf",
-            gsf("XRes = 10\nYRes = 6\nXReal = 1e-6\nYReal = 1e-6\nZUnits = m\n", &[1e-7; 60]),
+            gsf(
+                r#"XRes = 10
+YRes = 6
+XReal = 1e-6
+YReal = 1e-6
+ZUnits = m
+"#,
+                &[1e-7; 60],
+            ),
         ),
     ];
     for (name, whole) in files {
@@ -250,16 +258,43 @@ fn gsf_errors() {
     );
     assert_says(open("a.gsf", &gsf("XRes = 0\nYRes = 2\n", &[])), &["0 × 2"]);
     assert_says(
-        open("a.gsf", &gsf("XRes = 2\nYRes = 2\nXReal = -1\n", &[0.0; 4])),
+        open(
+            "a.gsf",
+            &gsf(
+                r#"XRes = 2
+YRes = 2
+XReal = -1
+"#,
+                &[0.0; 4],
+            ),
+        ),
         &["XReal = -1"],
     );
     assert_says(
-        open("a.gsf", &gsf("XRes = 2\nYRes = 2\nnonsense\n", &[0.0; 4])),
+        open(
+            "a.gsf",
+            &gsf(
+                r#"XRes = 2
+YRes = 2
+nonsense
+"#,
+                &[0.0; 4],
+            ),
+        ),
         &["line 4", "nonsense"],
     );
     assert_says(open("a.gsf", &gsf("XRes = 2\nYRes = 2\n", &[0.0; 5])), &["16 bytes", "20"]);
     assert_says(
-        open("a.gsf", &gsf("XRes = 2\nYRes = 2\nZUnits = V\n", &[0.0; 4])),
+        open(
+            "a.gsf",
+            &gsf(
+                r#"XRes = 2
+YRes = 2
+ZUnits = V
+"#,
+                &[0.0; 4],
+            ),
+        ),
         &["not a unit of length", "z_unit_um"],
     );
     assert_says(open("a.gsf", b"Gwyddion Simple Field 1.0\nXRes = 2\n"), &["NUL"]);

@@ -113,8 +113,15 @@ fn gsf_carries_its_own_scale_with_oblong_pixels() {
     let metres: Vec<f32> = greys().into_iter().map(|g| f32::from(g) * 1e-8).collect();
     // titles of four lengths run through every amount of padding
     for title in ["", "a", "ab", "abc"] {
-        let header =
-            format!("XRes = 5\nYRes = 3\nXReal = 1e-6\nYReal=3e-7\nZUnits = m\nTitle = {title}\n");
+        let header = format!(
+            r#"XRes = 5
+YRes = 3
+XReal = 1e-6
+YReal=3e-7
+ZUnits = m
+Title = {title}
+"#
+        );
         let dir = folder();
         let source =
             FileSource { pixel_um: None, ..floats(&put(&dir, "a.gsf", &gsf(&header, &metres))) };
@@ -130,7 +137,13 @@ fn gsf_carries_its_own_scale_with_oblong_pixels() {
 #[test]
 fn a_scale_in_the_plan_overrides_that_of_a_gsf_and_says_so() {
     let dir = folder();
-    let header = "XRes = 5\nYRes = 3\nXReal = 1e-6\nYReal = 3e-7\nXYUnits = m\nZUnits = m\n";
+    let header = r#"XRes = 5
+YRes = 3
+XReal = 1e-6
+YReal = 3e-7
+XYUnits = m
+ZUnits = m
+"#;
     let path = put(&dir, "a.gsf", &gsf(header, &[0.0; 15]));
     let wide =
         read(&FileSource { size_um: Some(2.0), pixel_um: None, ..floats(&path) }, "probe").unwrap();

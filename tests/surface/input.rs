@@ -45,7 +45,11 @@ fn every_unreadable_surface_is_an_error_of_one_run() {
     let plan = folder.path().join("plan.toml");
     let more = PLAN.replace(
         "[variants]",
-        "[[surface]]\nname = \"bad\"\nfile = \"bad.txt\"\npixel_um = 0.05\n[variants]",
+        r#"[[surface]]
+name = "bad"
+file = "bad.txt"
+pixel_um = 0.05
+[variants]"#,
     );
     fs::write(&plan, more).unwrap();
     fs::write(folder.path().join("bad.txt"), "1 2\nx y\n").unwrap();

@@ -132,7 +132,11 @@ fn relief_and_tilt_are_those_of_the_formula() {
 
 fn plan(rest: &str) -> Plan {
     let text = format!(
-        "schema = 1\n[[surface]]\nname = \"probe\"\ngrating = {{ kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 100 }}\n{rest}"
+        r#"schema = 1
+[[surface]]
+name = "probe"
+grating = {{ kind = "blazed", period_um = 2.5, height_um = 0.3, pixels = 100 }}
+{rest}"#
     );
     let dir = folder();
     input::read_plan(&put(&dir, "plan.toml", text.as_bytes())).unwrap()
@@ -144,7 +148,12 @@ fn inspected(plan: &Plan, spec: &SurfaceSpec) -> Survey {
 
 #[test]
 fn terms_window_and_cost_are_those_of_the_plan() {
-    let plan = plan("[variants]\nmode = [\"full\"]\nterms = [\"auto\"]\n");
+    let plan = plan(
+        r#"[variants]
+mode = ["full"]
+terms = ["auto"]
+"#,
+    );
     let found = inspected(&plan, &plan.surfaces[0]);
     assert_eq!((found.wanted_nm, found.wanted_pitch_um), (380.0, 0.095));
     assert_eq!(found.terms[0].terms, [14, 16, 18]);

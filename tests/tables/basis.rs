@@ -34,7 +34,15 @@ const BLAZED: &str =
 const BASES: [Basis; 2] = [Basis::Chebyshev, Basis::Optimal];
 
 fn plan(surface: &str, keys: &str) -> (HeightField, Plan) {
-    let text = format!("schema = 1\n[[surface]]\nname = \"a\"\n{surface}\n[variants]\n{keys}\n");
+    let text = format!(
+        r#"schema = 1
+[[surface]]
+name = "a"
+{surface}
+[variants]
+{keys}
+"#
+    );
     let plan = Plan::parse(&text, Path::new("plan.toml")).unwrap_or_else(|e| panic!("{keys}: {e}"));
     (load(&plan.surfaces[0]).unwrap().field, plan)
 }
@@ -212,7 +220,11 @@ fn colours_with_few_terms() {
             [("optimal", 5, 0.5), ("optimal", 6, 0.1), ("chebyshev", 11, 0.1)]
         {
             let keys = format!(
-                "{MODES}coherence = [\"single\", \"ensemble\"]\nbasis = \"{basis}\"\nterms = {terms}\ntable = [\"f32\", \"f16\"]\npacking = [\"paired\", \"single\"]"
+                r#"{MODES}coherence = ["single", "ensemble"]
+basis = "{basis}"
+terms = {terms}
+table = ["f32", "f16"]
+packing = ["paired", "single"]"#
             );
             let (height, plan) = plan(&surface, &keys);
             let isolated = |v: &&Variant| Form::new(v, &height).is_ok();
@@ -233,7 +245,10 @@ fn colours_with_few_terms() {
 fn exchanged_coefficients_change_the_colours() {
     let (height, plan) = plan(
         FINGERS,
-        "mode = \"full\"\nbasis = [\"optimal\", \"chebyshev\"]\nterms = 6\nwavelengths = { step_nm = 20 }",
+        r#"mode = "full"
+basis = ["optimal", "chebyshev"]
+terms = 6
+wavelengths = { step_nm = 20 }"#,
     );
     for variant in &plan.variants {
         assert!(difference(&height, variant, true).de2000.p95 > 2.0, "{}", variant.name);
@@ -243,7 +258,11 @@ fn exchanged_coefficients_change_the_colours() {
 #[test]
 fn every_mode_and_form_compiles_for_every_target() {
     let keys = format!(
-        "{MODES}basis = [\"optimal\", \"chebyshev\"]\nterms = [1, 5, \"auto\"]\ncoherence = [\"single\", \"ensemble\"]\ntable = [\"f32\", \"f16\"]\npacking = [\"paired\", \"single\"]"
+        r#"{MODES}basis = ["optimal", "chebyshev"]
+terms = [1, 5, "auto"]
+coherence = ["single", "ensemble"]
+table = ["f32", "f16"]
+packing = ["paired", "single"]"#
     );
     let (height, plan) = plan(BLAZED, &keys);
     let count = |mode| plan.variants.iter().filter(|v| v.mode == mode).count();

@@ -200,18 +200,18 @@ fn atlases_are_about_square_and_hold_every_layer() {
 
 fn package(tables: &str) -> Package {
     let text = format!(
-        "schema = 1
+        r#"schema = 1
 [[surface]]
-name = \"tiny\"
-grating = {{ kind = \"blazed\", period_um = 1.0, height_um = 0.1, pixels = 16 }}
+name = "tiny"
+grating = {{ kind = "blazed", period_um = 1.0, height_um = 0.1, pixels = 16 }}
 [variants]
 terms = [3]
-table = [\"f32\", \"f16\"]
-packing = [\"paired\", \"single\"]
+table = ["f32", "f16"]
+packing = ["paired", "single"]
 [targets]
-emit = [\"wgsl\"]
+emit = ["wgsl"]
 tables = {tables}
-"
+"#
     );
     let plan = Plan::parse(&text, Path::new("plan.toml")).unwrap();
     Compiler::new(&plan).compile().unwrap_or_else(|e| panic!("{e}"))

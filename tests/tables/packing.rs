@@ -18,21 +18,37 @@ use diffraction_shaders::variant::Form;
 use serde_json::Value;
 
 fn plan(surfaces: &str, keys: &str) -> Plan {
-    let text = format!("schema = 1\n{surfaces}[variants]\n{keys}\n");
+    let text = format!(
+        r#"schema = 1
+{surfaces}[variants]
+{keys}
+"#
+    );
     Plan::parse(&text, Path::new("plan.toml")).unwrap_or_else(|e| panic!("{keys}: {e}"))
 }
 
-const BLAZED: &str = "[[surface]]\nname = \"blazed\"\ngrating = { kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 100 }\n";
-const FINGERS: &str = "[[surface]]\nname = \"fingers\"\ngrating = { kind = \"fingers\", size_um = 6, pixels = 96, pitch_um = 1.1, height_um = 0.3, seed = 1 }\n";
-const FLAT: &str =
-    "[[surface]]\nname = \"flat\"\ngrating = { kind = \"flat\", period_um = 25, pixels = 300 }\n";
+const BLAZED: &str = r#"[[surface]]
+name = "blazed"
+grating = { kind = "blazed", period_um = 2.5, height_um = 0.3, pixels = 100 }
+"#;
+const FINGERS: &str = r#"[[surface]]
+name = "fingers"
+grating = { kind = "fingers", size_um = 6, pixels = 96, pitch_um = 1.1, height_um = 0.3, seed = 1 }
+"#;
+const FLAT: &str = r#"[[surface]]
+name = "flat"
+grating = { kind = "flat", period_um = 25, pixels = 300 }
+"#;
 
 /// Rounded tables against the unrounded ones of the same variant.
 #[test]
 fn sixteen_bits_with_scales_keep_the_colours() {
     let plan = plan(
         &format!("{BLAZED}{FINGERS}"),
-        "mode = [\"full\", \"pq\", \"adaptive\"]\nterms = \"auto\"\ntable = [\"f16\", \"f32\"]\npacking = [\"paired\", \"single\"]",
+        r#"mode = ["full", "pq", "adaptive"]
+terms = "auto"
+table = ["f16", "f32"]
+packing = ["paired", "single"]"#,
     );
     for spec in &plan.surfaces {
         let height = &load(spec).unwrap().field;

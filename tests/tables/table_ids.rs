@@ -171,7 +171,11 @@ fn a_forgotten_input_shows() {
 #[test]
 fn filtering_and_loading_share_a_table() {
     let text = format!(
-        "{SURFACES}[variants]\nmode = \"baked\"\ntable = \"f16\"\nsampling = [\"load\", \"filter\"]\n"
+        r#"{SURFACES}[variants]
+mode = "baked"
+table = "f16"
+sampling = ["load", "filter"]
+"#
     );
     let plan = Plan::parse(&text, Path::new("plan.toml")).unwrap();
     let surface = SurfaceInput::read(&plan.surfaces[0]).unwrap();

@@ -24,7 +24,16 @@ const CROSSED: &str = "{ kind = \"crossed\", x = { kind = \"sinusoidal\", period
 
 fn read(surface: &str, keys: &str) -> (HeightField, Variant) {
     let text = format!(
-        "schema = 1\n[[surface]]\nname = \"a\"\n{surface}\n[variants]\nmode = \"adaptive\"\nterms = \"auto\"\nterm_error = 1e-6\n{keys}\n"
+        r#"schema = 1
+[[surface]]
+name = "a"
+{surface}
+[variants]
+mode = "adaptive"
+terms = "auto"
+term_error = 1e-6
+{keys}
+"#
     );
     let plan = Plan::parse(&text, Path::new("plan.toml")).unwrap_or_else(|e| panic!("{text}: {e}"));
     (load(&plan.surfaces[0]).unwrap().field, plan.variants[0].clone())

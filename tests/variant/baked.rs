@@ -25,7 +25,14 @@ const VISIBLE: Wavelengths = Wavelengths { min_nm: 380.0, max_nm: 780.0, step_nm
 
 fn read(grating: &str, keys: &str) -> (HeightField, Variant) {
     let text = format!(
-        "schema = 1\n[[surface]]\nname = \"a\"\ngrating = {grating}\n[variants]\nmode = \"baked\"\n{keys}\n"
+        r#"schema = 1
+[[surface]]
+name = "a"
+grating = {grating}
+[variants]
+mode = "baked"
+{keys}
+"#
     );
     let plan = Plan::parse(&text, Path::new("plan.toml")).unwrap();
     (load(&plan.surfaces[0]).unwrap().field, plan.variants[0].clone())

@@ -13,7 +13,13 @@ use glam::DVec3;
 
 fn read(grating: &str) -> (HeightField, Variant) {
     let text = format!(
-        "schema = 1\n[[surface]]\nname = \"a\"\ngrating = {grating}\n[variants]\nmode = \"gems\"\n"
+        r#"schema = 1
+[[surface]]
+name = "a"
+grating = {grating}
+[variants]
+mode = "gems"
+"#
     );
     let plan = Plan::parse(&text, Path::new("plan.toml")).unwrap();
     (load(&plan.surfaces[0]).unwrap().field, plan.variants[0].clone())

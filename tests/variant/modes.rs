@@ -11,7 +11,11 @@ use diffraction_shaders::shader::specialise;
 use diffraction_shaders::shader::template::Sources;
 use diffraction_shaders::variant::Form;
 
-const SURFACE: &str = "schema = 1\n[[surface]]\nname = \"a\"\ngrating = { kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 100 }\n";
+const SURFACE: &str = r#"schema = 1
+[[surface]]
+name = "a"
+grating = { kind = "blazed", period_um = 2.5, height_um = 0.3, pixels = 100 }
+"#;
 
 fn plan(keys: &str) -> Plan {
     let text = format!("{SURFACE}[variants]\n{keys}\n");
@@ -30,7 +34,10 @@ fn every_shader_that_the_constraints_leave_compiles_for_every_target() {
         "mode = [\"full\", \"pq\", \"adaptive\", \"gems\", \"baked\"]\nterms = 5\n",
         "sampling = [\"load\", \"filter\"]\nbake_mib = 1\n",
         "wavelengths = [{}, { min_nm = 550, max_nm = 550 }]\n",
-        "table = [\"f32\", \"f16\"]\npacking = [\"paired\", \"single\"]\nhoist = [true, false]\n",
+        r#"table = ["f32", "f16"]
+packing = ["paired", "single"]
+hoist = [true, false]
+"#,
         "coherence = [\"single\", \"ensemble\"]\ncoherence_scaling = [\"fixed\", \"wavelength\"]\n",
         "shadowing = [true, false]\ncolour = [\"srgb\", \"thesis\"]\n",
     ));
@@ -80,7 +87,12 @@ fn combinations_without_a_meaning_are_rejected_with_the_reason() {
             told.contains("every combination of [variants] is rejected") && told.contains(reason),
             "{keys}: {told}"
         );
-        let text = format!("{SURFACE}[[preset]]\nname = \"p\"\n{keys}\n");
+        let text = format!(
+            r#"{SURFACE}[[preset]]
+name = "p"
+{keys}
+"#
+        );
         let told = Plan::parse(&text, Path::new("plan.toml")).expect_err(keys).to_string();
         assert!(told.contains("plan.toml:") && told.contains(reason), "{keys}: {told}");
     }
@@ -99,11 +111,20 @@ fn names_and_hashes_hold_what_the_mode_reads() {
             "adaptive-taylor-t31-f16-ensemble",
         ),
         (
-            "mode = \"baked\"\nterms = 3\nbasis = \"optimal\"\ntable = \"rgb9e5\"\nsampling = \"filter\"\nbake_mib = 8",
+            r#"mode = "baked"
+terms = 3
+basis = "optimal"
+table = "rgb9e5"
+sampling = "filter"
+bake_mib = 8"#,
             "baked-rgb9e5-filter-m8",
         ),
         (
-            "mode = \"gems\"\nterms = 3\nbasis = \"taylor-zero\"\nhoist = false\nrefractive_index = 1.6",
+            r#"mode = "gems"
+terms = 3
+basis = "taylor-zero"
+hoist = false
+refractive_index = 1.6"#,
             "gems",
         ),
     ] {

@@ -20,7 +20,15 @@ use rustfft::num_complex::Complex64;
 
 fn variant(keys: &str) -> Variant {
     let text = format!(
-        "schema = 1\n[[surface]]\nname = \"a\"\ngrating = {{ kind = \"flat\", period_um = 2.5, pixels = 100 }}\n[variants]\nterms = \"auto\"\nterm_error = 1e-12\n{keys}\n"
+        r#"schema = 1
+[[surface]]
+name = "a"
+grating = {{ kind = "flat", period_um = 2.5, pixels = 100 }}
+[variants]
+terms = "auto"
+term_error = 1e-12
+{keys}
+"#
     );
     let plan = Plan::parse(&text, Path::new("plan.toml")).unwrap_or_else(|e| panic!("{keys}: {e}"));
     plan.variants[0].clone()

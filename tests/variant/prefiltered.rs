@@ -24,7 +24,19 @@ const BUMPS: &str =
 
 fn read(grating: &str, keys: &str) -> (HeightField, Variant) {
     let text = format!(
-        "schema = 1\n[[surface]]\nname = \"a\"\ngrating = {grating}\n[variants]\nmode = \"adaptive\"\nbasis = \"optimal\"\nterms = 6\nreconstruction = \"prefiltered\"\ntable = \"f16\"\ncoherence_um = 16\n{keys}\n"
+        r#"schema = 1
+[[surface]]
+name = "a"
+grating = {grating}
+[variants]
+mode = "adaptive"
+basis = "optimal"
+terms = 6
+reconstruction = "prefiltered"
+table = "f16"
+coherence_um = 16
+{keys}
+"#
     );
     let plan = Plan::parse(&text, Path::new("plan.toml")).unwrap_or_else(|e| panic!("{text}: {e}"));
     (load(&plan.surfaces[0]).unwrap().field, plan.variants[0].clone())

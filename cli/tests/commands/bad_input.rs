@@ -114,7 +114,12 @@ fn plans() {
         (
             GOOD.replace(
                 grating,
-                &format!("{grating}\n[[surface]]\nname = \"grating\"\n{grating}"),
+                &format!(
+                    r#"{grating}
+[[surface]]
+name = "grating"
+{grating}"#
+                ),
             ),
             &["grating", "name"],
         ),
@@ -167,7 +172,12 @@ fn surface_files() {
     };
     let gsf = |side: usize, data: &[u8]| {
         let header = format!(
-            "Gwyddion Simple Field 1.0\nXRes = {side}\nYRes = {side}\nXReal = 1e-6\nYReal = 1e-6\n"
+            r#"Gwyddion Simple Field 1.0
+XRes = {side}
+YRes = {side}
+XReal = 1e-6
+YReal = 1e-6
+"#
         );
         let mut bytes = header.into_bytes();
         bytes.extend(vec![0; 4 - bytes.len() % 4]);
@@ -209,7 +219,10 @@ fn surface_files() {
         ("file = \"grey.png\"\nsize_um = 1.0", &["grey.png", "height_um"]),
         ("file = \"grey.png\"\nheight_um = 0.3", &["size_um", "pixel_um"]),
         (
-            "file = \"grey.png\"\nheight_um = 0.3\nsize_um = 1.0\npixel_um = 0.1",
+            r#"file = "grey.png"
+height_um = 0.3
+size_um = 1.0
+pixel_um = 0.1"#,
             &["size_um", "pixel_um"],
         ),
         ("file = \"grey.png\"\nheight_um = 0.3\nsize_um = -1.0", &["size_um = -1"]),

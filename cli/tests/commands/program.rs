@@ -5,18 +5,18 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-const PLAN: &str = "schema = 1
+const PLAN: &str = r#"schema = 1
 [[surface]]
-name = \"own\"
-grating = { kind = \"blazed\", period_um = 2.0, height_um = 0.2, pixels = 40 }
+name = "own"
+grating = { kind = "blazed", period_um = 2.0, height_um = 0.2, pixels = 40 }
 [[preset]]
-name = \"small\"
-mode = \"full\"
+name = "small"
+mode = "full"
 terms = 5
 wavelengths = { min_nm = 400, max_nm = 700, step_nm = 100 }
 [targets]
-emit = [\"wgsl\"]
-";
+emit = ["wgsl"]
+"#;
 
 /// Answers with its version, else says its arguments, one on a line, and how it was called.
 const HARNESS: &str = "#!/bin/sh

@@ -8,7 +8,18 @@ use serde_json::Value;
 
 const GRATING: &str =
     "grating = { kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 100 }";
-const REST: &str = "[[preset]]\nname = \"sum\"\nterms = 9\n[[preset]]\nname = \"foil\"\nsurfaces = [\"card\"]\nterms = 8\n[[preset]]\nname = \"copies\"\nmode = \"pq\"\nterms = 9\n";
+const REST: &str = r#"[[preset]]
+name = "sum"
+terms = 9
+[[preset]]
+name = "foil"
+surfaces = ["card"]
+terms = 8
+[[preset]]
+name = "copies"
+mode = "pq"
+terms = 9
+"#;
 
 fn diffraction(folder: &Path, args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_diffraction"))
@@ -23,7 +34,16 @@ fn diffraction(folder: &Path, args: &[&str]) -> Output {
 fn folder(own: &str, optics: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let plan = format!(
-        "schema = 1\n[[surface]]\nname = \"a\"\n{GRATING}\n[[surface]]\nname = \"card\"\n{GRATING}\n{own}\n{optics}\n{REST}"
+        r#"schema = 1
+[[surface]]
+name = "a"
+{GRATING}
+[[surface]]
+name = "card"
+{GRATING}
+{own}
+{optics}
+{REST}"#
     );
     fs::write(folder.path().join("plan.toml"), plan).unwrap();
     let directions = "theta_i,phi_i,theta_r,phi_r\n20,0,20,180\n20,0,50,180\n";

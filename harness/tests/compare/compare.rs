@@ -193,10 +193,27 @@ fn made(behaviour: Behaviour) -> (Kept, usize) {
 fn surfaces_have_their_own_optics_and_presets() {
     const GRATING: &str =
         "grating = { kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 60 }";
-    const REST: &str = "[variants]\nmode = [\"full\", \"pq\"]\nterms = [19]\n[[preset]]\nname = \"foil\"\nsurfaces = [\"card\"]\nmode = \"adaptive\"\nterms = 19\n";
+    const REST: &str = r#"[variants]
+mode = ["full", "pq"]
+terms = [19]
+[[preset]]
+name = "foil"
+surfaces = ["card"]
+mode = "adaptive"
+terms = 19
+"#;
     let of = |own: &str, optics: &str| {
         let plan = format!(
-            "schema = 1\n[[surface]]\nname = \"a\"\n{GRATING}\n[[surface]]\nname = \"card\"\n{GRATING}\n{own}\n{optics}\n{REST}"
+            r#"schema = 1
+[[surface]]
+name = "a"
+{GRATING}
+[[surface]]
+name = "card"
+{GRATING}
+{own}
+{optics}
+{REST}"#
         );
         compared_of(&plan, &[], false)
     };

@@ -249,13 +249,14 @@ impl Variant<'_> {
             Dialect::GlslEs300 => "#version 300 es\nprecision highp float;\nprecision highp int;\n",
         };
         let vertex = format!(
-            "{head}void main() {{
+            r#"{head}void main() {{
     vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
     gl_Position = vec4(corner, 0.0, 1.0);
-}}\n"
+}}
+"#
         );
         let fragment = format!(
-            "{head}{}
+            r#"{head}{}
 uniform highp sampler2D engine_directions;
 uniform Engine {{ vec4 unused_light; vec4 opaque; }};
 layout(location = 0) out vec4 colour;
@@ -264,7 +265,8 @@ void main() {{
     vec3 wi = texelFetch(engine_directions, ivec2(at.x, 0), 0).xyz;
     vec3 wr = texelFetch(engine_directions, ivec2(at.x, 1), 0).xyz;
     colour = vec4(at.y == 0 ? tristimulus(wi, wr) : diffraction(wi, wr), opaque.x);
-}}\n",
+}}
+"#,
             self.text("glsl450")
         );
         let tables = self.tables();
@@ -311,7 +313,7 @@ void main() {{
             text = text.replace(&declared, &format!(" {name} : register(t{});", table.binding));
         }
         let text = format!(
-            "{text}
+            r#"{text}
 Texture2D<float4> engine_directions : register(t{DIRECTIONS});
 cbuffer Engine : register(b0) {{ float4 unused_light; float4 opaque; }}
 float4 engine_vertex(uint i : SV_VertexID) : SV_Position {{
@@ -323,7 +325,8 @@ float4 engine_pixel(float4 place : SV_Position) : SV_Target0 {{
     float3 wr = engine_directions.Load(int3(at.x, 1, 0)).xyz;
     if (at.y == 0) {{ return float4(tristimulus(wi, wr), opaque.x); }}
     return float4(diffraction(wi, wr), opaque.x);
-}}\n"
+}}
+"#
         );
         let point = |stage, name: &str| EntryPoint {
             stage,
@@ -375,7 +378,7 @@ float4 engine_pixel(float4 place : SV_Position) : SV_Target0 {{
             })
             .collect();
         let wgsl = format!(
-            "{text}
+            r#"{text}
 {variables}@group(0) @binding({DIRECTIONS}) var engine_directions: texture_2d<f32>;
 @group(0) @binding(0) var<uniform> opaque: vec4f;
 @vertex fn engine_vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {{
@@ -387,7 +390,8 @@ float4 engine_pixel(float4 place : SV_Position) : SV_Target0 {{
     let wr = textureLoad(engine_directions, vec2i(at.x, 1), 0).xyz;
     if (at.y == 0) {{ return vec4f({}, opaque.x); }}
     return vec4f({}, opaque.x);
-}}\n",
+}}
+"#,
             call("tristimulus"),
             call("diffraction")
         );

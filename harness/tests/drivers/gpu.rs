@@ -66,14 +66,14 @@ fn array(
 #[test]
 fn the_first_row_is_at_the_top() {
     // normalised device coordinates, handed on by the vertex stage: independent of where a backend has its origin
-    let shader = "
+    let shader = r#"
 struct Corner { @builtin(position) place: vec4f, @location(0) ndc: vec2f }
 @vertex fn vertex(@builtin(vertex_index) i: u32) -> Corner {
     let ndc = vec2f(f32(i & 1u), f32(i >> 1u)) * 4.0 - 1.0;
     return Corner(vec4f(ndc, 0.0, 1.0), ndc);
 }
 @fragment fn fragment(at: Corner) -> @location(0) vec4f { return vec4f(at.ndc, at.place.xy); }
-";
+"#;
     let (width, height) = (7, 5);
     on_both(|gpu| {
         let pipeline = gpu.program(&program(shader, vec![], None)).expect("valid program");
@@ -105,11 +105,11 @@ fn array_texels_arrive_exactly() {
         }
         // layers beside each other: column = layer * width + x
         let shader = format!(
-            "@group(0) @binding(0) var table: texture_2d_array<f32>;
+            r#"@group(0) @binding(0) var table: texture_2d_array<f32>;
              @fragment fn fragment(@builtin(position) p: vec4f) -> @location(0) vec4f {{
                  let at = vec2i(p.xy);
                  return textureLoad(table, vec2i(at.x % {width}, at.y), at.x / {width}, 0);
-             }}"
+             }}"#
         );
         on_both(|gpu| {
             let table = array(TextureFormat::Rgba32Float, width, height, layers, bytes.clone());
@@ -133,11 +133,11 @@ fn array_texels_arrive_exactly() {
 
 #[test]
 fn every_format_is_read_and_large_textures_go_up_in_pieces() {
-    let shader = "@group(0) @binding(0) var table: texture_2d_array<f32>;
+    let shader = r#"@group(0) @binding(0) var table: texture_2d_array<f32>;
         @fragment fn fragment(@builtin(position) p: vec4f) -> @location(0) vec4f {
             let side = textureDimensions(table);
             return textureLoad(table, vec2u(u32(p.x), side.y - 1u), 1, 0);
-        }";
+        }"#;
     let last = |format: TextureFormat, height: u32, texel: &[u8]| {
         let mut bytes = vec![0; 2 * height as usize * 2 * texel.len()];
         let end = bytes.len();

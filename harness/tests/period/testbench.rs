@@ -19,7 +19,15 @@ const GRATING_NM: f64 = 0.5;
 
 fn variant(keys: &str) -> Variant {
     let text = format!(
-        "schema = 1\n[[surface]]\nname = \"a\"\ngrating = {{ kind = \"flat\", period_um = 2.5, pixels = 100 }}\n[variants]\nterms = \"auto\"\nterm_error = 1e-6\n{keys}\n"
+        r#"schema = 1
+[[surface]]
+name = "a"
+grating = {{ kind = "flat", period_um = 2.5, pixels = 100 }}
+[variants]
+terms = "auto"
+term_error = 1e-6
+{keys}
+"#
     );
     let plan = Plan::parse(&text, Path::new("plan.toml")).unwrap_or_else(|e| panic!("{keys}: {e}"));
     plan.variants[0].clone()
@@ -133,7 +141,11 @@ fn blazed_gratings_have_the_stated_periods() {
 /// A few samples find what every point of the grid finds, on lobes that overlap too.
 #[test]
 fn the_grid_need_not_be_filled() {
-    let rough = "schema = 1\n[[surface]]\nname = \"a\"\ngrating = { kind = \"fingers\", size_um = 24.2, pixels = 400, pitch_um = 1.1, height_um = 0.3, seed = 1 }\n";
+    let rough = r#"schema = 1
+[[surface]]
+name = "a"
+grating = { kind = "fingers", size_um = 24.2, pixels = 400, pitch_um = 1.1, height_um = 0.3, seed = 1 }
+"#;
     let plan = Plan::parse(rough, Path::new("plan.toml")).unwrap();
     let rough = load(&plan.surfaces[0]).unwrap().field;
     let sparse = Wavelengths { min_nm: 380.0, max_nm: 780.0, step_nm: 40.0 };
@@ -265,7 +277,13 @@ fn the_picture_names_its_axes_and_the_table_reads_back() {
 fn windows_of_a_scan_agree_between_modes_and_differ_from_each_other() {
     let Some(path) = data::find("elaphe_65um.png") else { return };
     let text = format!(
-        "schema = 1\n[[surface]]\nname = \"elaphe\"\nfile = {:?}\nsize_um = 65.0\nheight_um = 0.375\n",
+        r#"schema = 1
+[[surface]]
+name = "elaphe"
+file = {:?}
+size_um = 65.0
+height_um = 0.375
+"#,
         path.canonicalize().unwrap()
     );
     let plan = Plan::parse(&text, Path::new("plan.toml")).unwrap();

@@ -320,12 +320,33 @@ fn a_front_keeps_equals_and_drops_what_is_beaten() {
 #[test]
 fn a_preset_is_read_like_one_of_the_plan() {
     let plan = plan();
-    let read = plan.preset("[[preset]]\nname = \"x\"\nterms = \"auto\"\n").expect("a preset");
+    let read = plan
+        .preset(
+            r#"[[preset]]
+name = "x"
+terms = "auto"
+"#,
+        )
+        .expect("a preset");
     assert_eq!((read.terms, read.name.as_str()), (Auto::Auto, "x"));
     for (text, told) in [
         ("", "is not exactly one [[preset]]"),
-        ("[[preset]]\nname = \"x\"\nterm = 3\n", "did you mean \"terms\""),
-        ("[[preset]]\nname = \"x\"\n[[preset]]\nname = \"y\"\nterms = 4\n", "is not one"),
+        (
+            r#"[[preset]]
+name = "x"
+term = 3
+"#,
+            "did you mean \"terms\"",
+        ),
+        (
+            r#"[[preset]]
+name = "x"
+[[preset]]
+name = "y"
+terms = 4
+"#,
+            "is not one",
+        ),
         ("[optics]\ncoherence_um = 3\n", "unknown key optics"),
         ("[[preset", "preset:1"),
     ] {
