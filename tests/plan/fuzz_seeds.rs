@@ -73,7 +73,7 @@ fn seeds_and_dictionary_have_every_key_and_word_of_a_plan() {
     assert!(missing.is_empty(), "fuzz/dictionaries/plan.dict lacks {missing:?}");
 }
 
-/// `cargo test --release --test fuzz_seeds -- --ignored` writes the seeds of the files anew.
+/// `cargo test --release --test plan -- --ignored fuzz_seeds` writes the seeds of the files anew.
 #[test]
 #[ignore = "writes into the repository"]
 fn write() {

@@ -20,7 +20,7 @@ use crate::root;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   cargo xtask test
-  cargo xtask test -- --test gpu           run only the tests of harness/tests/gpu.rs
+  cargo xtask test -- --test drivers       run only the tests of harness/tests/drivers
   cargo xtask test --no-setup -- -- bands  run only tests whose name contains `bands`
 
 Exit code 0: all steps passed. 1: a step failed. 2: a step could not run, or a tool is missing.")]

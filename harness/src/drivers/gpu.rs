@@ -112,7 +112,7 @@ mod tests {
     #[test]
     fn a_lost_device_is_an_error_and_stays_one() {
         for backend in [Backend::Vulkan, Backend::Gl] {
-            // harness/tests/gpu.rs decides whether a driver is required
+            // tests decide whether a driver is required
             let Ok(gpu) = Gpu::open(backend, None) else { continue };
             let wgsl = "
                 @vertex fn v(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
