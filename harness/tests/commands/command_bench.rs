@@ -1,9 +1,8 @@
 //! `cargo xtask bench` as a user runs it, on whatever adapters there are.
 
-use crate::support::tools;
-use std::fs;
+use crate::{folder_with, run, without_driver};
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use diffraction_harness::results::{self, Bench, Record};
 
@@ -32,24 +31,11 @@ fn bench(folder: &Path, args: &[&str]) -> Output {
 
 fn against(baseline: &str, folder: &Path, args: &[&str]) -> Output {
     let fixed = ["bench", "--size", "8", "--seconds", "0", "--baseline", baseline];
-    let mut command = Command::new(env!("CARGO_BIN_EXE_diffraction-harness"));
-    command.args(fixed).args(args).current_dir(folder).output().unwrap()
+    run(folder, &[&fixed[..], args].concat())
 }
 
 fn folder() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("plan.toml"), PLAN).unwrap();
-    folder
-}
-
-/// Whether there is no driver here; a failure where the tools are required.
-fn without_driver(done: &Output) -> bool {
-    let text = String::from_utf8_lossy(&done.stderr);
-    let missing = text.contains("no adapter to measure on");
-    if missing {
-        tools::missing(text);
-    }
-    missing
+    folder_with(PLAN)
 }
 
 fn benches(records: &[Record]) -> Vec<&Bench> {

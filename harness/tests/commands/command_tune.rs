@@ -1,9 +1,9 @@
 //! `cargo xtask tune` as a user runs it, on whatever adapter there is.
 
-use crate::support::tools;
+use crate::{folder_with, run, without_driver};
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use diffraction_harness::results::{self, Record, Tune, Verdict};
 use diffraction_shaders::plan::Plan;
@@ -22,24 +22,11 @@ terms = 2
 /// Measures as little as there can be.
 fn tune(folder: &Path, args: &[&str]) -> Output {
     let fixed = ["tune", "--size", "8", "--seconds", "0", "--light", "20,0"];
-    let mut command = Command::new(env!("CARGO_BIN_EXE_diffraction-harness"));
-    command.args(fixed).args(args).current_dir(folder).output().unwrap()
+    run(folder, &[&fixed[..], args].concat())
 }
 
 fn folder() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("plan.toml"), PLAN).unwrap();
-    folder
-}
-
-/// Whether there is no driver here; a failure where the tools are required.
-fn without_driver(done: &Output) -> bool {
-    let text = String::from_utf8_lossy(&done.stderr);
-    let missing = text.contains("no adapter");
-    if missing {
-        tools::missing(text);
-    }
-    missing
+    folder_with(PLAN)
 }
 
 fn tunes(folder: &Path) -> Vec<Tune> {
