@@ -156,7 +156,7 @@ impl Package {
         Package::default()
     }
 
-    /// Adds a file. The path is relative, of plain parts with `/`, and new; none of its folders is a file.
+    /// Adds a file. The path is relative, of plain parts with `/`, and new. Its folders must not be files of the package.
     pub fn insert(
         &mut self,
         path: &str,
@@ -221,7 +221,7 @@ impl Package {
         self.seal_as(GENERATED_BY, index)
     }
 
-    /// Like [`Package::seal`], for a folder that another command writes, which `generated_by` tells.
+    /// Like [`Package::seal`], for a folder of another command, which `generated_by` names.
     pub fn seal_as(&mut self, generated_by: &str, index: BTreeMap<String, Value>) -> Result<()> {
         #[derive(Serialize)]
         struct Manifest<'a> {

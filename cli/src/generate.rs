@@ -110,7 +110,7 @@ fn build(
     let package = package?;
     package.notes().iter().for_each(|note| console.note(note));
     if let Some(expected) = expected {
-        // it may be kept before the files are written, for it tells what they have to hold
+        // it may be kept before the files are written: it states what they must hold
         expected.keep(&Stamp::new(&package, expected.inputs.clone(), package.notes().to_vec())?);
     }
     Ok(Some(package))
@@ -149,7 +149,7 @@ fn run_with(
     };
     if args.check {
         let report = package::check(&package, &args.out)?;
-        console.data(&spoken(&told(&report, args)))?;
+        console.data(&spoken(&stale_text(&report, args)))?;
         return Ok(if report.is_stale() { Outcome::Findings } else { Outcome::Done });
     }
     let written = match package::write_unless(&package, &args.out, &cancel) {
@@ -166,7 +166,7 @@ fn run_with(
     let (out, files) = (args.out.display(), written.files);
     console.note(&format!("{out}: {files} files, {mib:.1} MiB"));
     console.note(&format!(
-        "next: cargo xtask validate {out}; cargo xtask list tells what each variant costs"
+        "next: cargo xtask validate {out}; cargo xtask list prints the cost of each variant"
     ));
     Ok(Outcome::Done)
 }
@@ -183,7 +183,7 @@ fn select(args: &Args, plan: &Plan, cache: PathBuf) -> Result<Selection> {
     })
 }
 
-fn told(report: &Report, args: &Args) -> String {
+fn stale_text(report: &Report, args: &Args) -> String {
     let groups = [
         ("changed", &report.changed),
         ("missing", &report.missing),
@@ -282,8 +282,8 @@ mod tests {
                     package.seal(BTreeMap::new())?;
                     Ok(Some(package))
                 });
-            let told = done.map_err(|error| format!("told: {error:#}"));
-            assert_eq!(told, Ok(Outcome::Done));
+            let outcome = done.map_err(|error| format!("{error:#}"));
+            assert_eq!(outcome, Ok(Outcome::Done));
             if !forever {
                 return;
             }
@@ -319,9 +319,9 @@ mod tests {
         let out = begun(base.path());
         let before = fs::read(out.join("manifest.json")).unwrap();
         let done = child_in(base.path(), "ulimit -f 8;").output().unwrap();
-        let told = String::from_utf8_lossy(&done.stderr);
+        let text = String::from_utf8_lossy(&done.stderr);
         assert!(done.status.code().is_some(), "killed by a signal: {:?}", done.status);
-        assert!(told.contains("cannot be written: File too large"), "{told}");
+        assert!(text.contains("cannot be written: File too large"), "{text}");
         assert_eq!(fs::read(out.join("manifest.json")).unwrap(), before);
         assert_eq!(fs::read_dir(base.path()).unwrap().count(), 2, "the plan and the output");
     }

@@ -65,7 +65,7 @@ pub trait Driver {
         for top in (0..height).step_by(BAND_ROWS as usize) {
             let band = top..height.min(top + BAND_ROWS);
             pixels.extend(pipeline.rows([width, height], params, band.clone())?);
-            // nothing is under way here: whoever is told may draw by itself
+            // no picture is in progress here, so `progress` may draw, too
             progress(band.len() * width as usize);
         }
         Ok(pixels)

@@ -107,7 +107,7 @@ pub fn search<E>(
     Ok(states.into_iter().map(|state| state.unwrap_or_else(unreached)).collect())
 }
 
-/// The candidates worth timing, fewest texels first: those within the budget, and a few that are slightly over it and read fewer
+/// The candidates worth timing, in the order of their texels: those within the budget, and a few that are slightly over it and read fewer
 /// texels, so that the front of time and error continues beyond the budget.
 pub fn to_time(candidates: &[Candidate], states: &[State], budget_de: f64) -> Vec<usize> {
     let measured: Vec<(usize, f64)> =
