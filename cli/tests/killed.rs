@@ -1,4 +1,6 @@
 //! A run that dies, or that cannot write, leaves the previous output whole, and the next run cleans up after it.
+//!
+//! A binary of its own: it kills processes at moments that other tests beside it would move.
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, reason = "a test that unwraps fails with the error")]
 

@@ -224,7 +224,7 @@ fn child() {
 #[cfg(unix)]
 fn child_command(out: &Path, shell: &str) -> Command {
     let mut command = Command::new("sh");
-    command.args(["-c", &format!("{shell} exec \"$0\" --exact child --nocapture")]);
+    command.args(["-c", &format!("{shell} exec \"$0\" --exact package::child --nocapture")]);
     command.arg(std::env::current_exe().unwrap()).env("PACKAGE_TEST_OUT", out);
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     command

@@ -36,12 +36,13 @@ pub struct Args {
 /// Runs the command. 0: all steps passed. 1: a step failed. 2: a step could not run, or a tool is missing.
 pub fn run(args: &Args) -> anyhow::Result<ExitCode> {
     let root = root();
+    let begun = Instant::now();
     if !args.no_setup
         && let setup::Outcome::Missing = setup::run(root)?
     {
         return Ok(ExitCode::from(2));
     }
-    let mut done = Vec::new();
+    let mut done = vec![Done { name: "setup", outcome: Outcome::Passed, time: begun.elapsed() }];
     for step in steps(&args.cargo_test) {
         eprintln!("\n== {}: cargo {}", step.name, step.arguments.join(OsStr::new(" ")).display());
         let begun = Instant::now();
@@ -60,6 +61,7 @@ pub fn run(args: &Args) -> anyhow::Result<ExitCode> {
     for Done { name, outcome, time } in &done {
         eprintln!("{name:<20} {:<10} {:7.1} s", outcome.word(), time.as_secs_f64());
     }
+    eprintln!("{:<31} {:7.1} s", "together", begun.elapsed().as_secs_f64());
     Ok(ExitCode::from(exit_code(&done)))
 }
 
@@ -89,6 +91,8 @@ fn steps(cargo_test: &[OsString]) -> Vec<Step> {
         arguments: format!("{command} {rest}").split_whitespace().map(OsString::from).collect(),
         environment: &[],
     };
+    let mut build = step("build of the tests", "test", &format!("{shared} --no-run"));
+    build.arguments.extend(cargo_test.iter().take_while(|word| *word != "--").cloned());
     let mut test = step("tests", "test", &format!("{shared} --no-fail-fast"));
     test.arguments.extend_from_slice(cargo_test);
     test.environment = &[
@@ -103,6 +107,7 @@ fn steps(cargo_test: &[OsString]) -> Vec<Step> {
         step("formatting", "fmt", "--all -- --check"),
         step("lints", "clippy", &format!("{shared} --all-targets -- -D warnings")),
         doc,
+        build,
         test,
     ]
 }
@@ -179,7 +184,7 @@ mod tests {
             .filter(|s| s.arguments.contains(&"--workspace".into()))
             .map(|s| s.name)
             .collect();
-        assert_eq!(with, ["lints", "documentation", "tests"]);
-        assert!(steps[3].arguments.ends_with(&["--test".into(), "gpu".into()]));
+        assert_eq!(with, ["lints", "documentation", "build of the tests", "tests"]);
+        assert!(steps[4].arguments.ends_with(&["--test".into(), "gpu".into()]));
     }
 }
