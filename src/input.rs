@@ -41,7 +41,7 @@ pub fn read_plan(path: &Path) -> Result<Plan, Vec<Error>> {
         }
         let name = illuminant.name().to_owned();
         let read = known.entry(name).or_insert_with(|| {
-            read_illuminant(&folder, illuminant).map_err(|error| errors.push(error)).ok()
+            read_illuminant(path, &folder, illuminant).map_err(|error| errors.push(error)).ok()
         });
         if let Some(read) = read {
             *illuminant = read.clone();
@@ -75,11 +75,12 @@ fn read_text(path: &Path) -> Result<String> {
     })
 }
 
-fn read_illuminant(folder: &Path, illuminant: &Illuminant) -> Result<Illuminant> {
+/// Reads the file of an illuminant. `plan`: the plan's path, for errors.
+fn read_illuminant(plan: &Path, folder: &Path, illuminant: &Illuminant) -> Result<Illuminant> {
     let path = folder.join(illuminant.name());
     let fail = |cause: String| {
-        Error::new(spectrum::illuminant_subject(illuminant), cause)
-            .remedy(spectrum::ILLUMINANT_REMEDY)
+        let subject = format!("{}: {}", plan.display(), spectrum::illuminant_subject(illuminant));
+        Error::new(subject, cause).remedy(spectrum::ILLUMINANT_REMEDY)
     };
     if !path.is_file() {
         return Err(fail(

@@ -86,7 +86,8 @@ pub fn prepare(spec: &SurfaceSpec, bytes: Option<&[u8]>) -> Result<(Surface, Ori
     }
     let along = if field.rows == 1 { "x" } else { "y" };
     let extruded = field.extruded().map_err(|_| {
-        Error::new(&subject, "has only one pixel").remedy("use a file with at least two pixels")
+        Error::new(&subject, "has only a single pixel")
+            .remedy("use a file with at least two pixels")
     })?;
     notes.push(format!(
         "a profile of {} pixels along {along}, extruded to {} × {} pixels",

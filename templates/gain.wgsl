@@ -1,4 +1,4 @@
-//- Twin: src/optics/gain.rs.
+//- Twin: src/optics/gain.rs, and src/optics/directions.rs for `path_difference`.
 
 // The gain, the factor in front of the interference term (Stam 1999, eqs. 7 and 11), with Schlick's reflectance and the
 // shadowing of V-cavities.

@@ -108,7 +108,7 @@ const MIN_LIT: f64 = 0.05;
 const DIM: f64 = 1e-6;
 
 /// Compares the pixels of a map at its own exposure. `brightest` is the maximum luminance of all compared directions;
-/// pixels below [`DIM`] of it do not count. `lit` is the share of all pixels. `None` if less than a twentieth of the
+/// pixels below a millionth of it do not count. `lit` is the share of all pixels. `None` if less than a twentieth of the
 /// map is lit.
 pub fn map_difference(
     subject: &str,

@@ -144,9 +144,7 @@ fn unused(surfaces: &[SurfaceSpec], variants: &[Variant]) -> Vec<String> {
     }
     let used: BTreeSet<&String> = variants.iter().flat_map(|v| &v.surfaces).flatten().collect();
     let unused = surfaces.iter().filter(|surface| !used.contains(&surface.name));
-    unused
-        .map(|surface| format!("{}: no variant is built for this surface", surface.name))
-        .collect()
+    unused.map(|surface| format!("{}: no variant is for this surface", surface.name)).collect()
 }
 
 fn schema(root: &Table) {
@@ -321,8 +319,10 @@ fn surfaces(root: &Table, folder: &Path, variants: &[Variant]) -> Vec<SurfaceSpe
     };
     let tables = tables(root, "surface");
     if tables.is_empty() && root.get("surface").is_none_or(|item| item.is_array()) {
-        root.source
-            .fail_file("has no surface", "add a [[surface]] with a name and a grating or a file");
+        root.source.fail_file(
+            "has no surface",
+            "add a [[surface]] with a name and either a grating or a file",
+        );
     }
     let mut names: BTreeSet<String> = BTreeSet::new();
     let mut surfaces = Vec::new();

@@ -81,7 +81,7 @@ pub(super) fn read_each(
     for axis in axes {
         let Some(item) = table.get(axis.key) else { continue };
         if item.is_array() && !axis.takes_pair {
-            item.fail("is an array", "give one value; only [variants] accepts several");
+            item.fail("is an array", "expected one value; only [variants] accepts several");
             continue;
         }
         // errors are recorded by `read`

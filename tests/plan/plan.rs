@@ -60,7 +60,7 @@ fn faults_of_the_file_are_told() {
 [surface]
 name = "a"
 "#,
-            vec!["surface = {…}: is no array of tables", "[[surface]]"],
+            vec!["surface = {…}: is not an array of tables", "[[surface]]"],
         ),
     ] {
         let told = errors(text);
@@ -198,7 +198,7 @@ fn faults_of_optics_variants_presets_and_targets_are_told() {
         ),
         (
             "[variants]\nwavelengths = { step_nm = 500 }",
-            "wider than the range of 400 nm (for a single wavelength",
+            "wider than the range of 400 nm (use a smaller step",
         ),
         (
             "[variants]\nwavelengths = [5]",
@@ -529,7 +529,7 @@ terms = 5
     let preset = plan.variant(Some("p")).unwrap();
     assert_eq!(preset.terms, Auto::Value(31));
     assert_eq!((preset.optics.coherence_um, preset.optics.refractive_index), (30.0, 1.6));
-    assert_eq!(plan.notes, ["same: the same configuration as full-taylor-t5-lc30"]);
+    assert_eq!(plan.notes, ["same: has the same configuration as full-taylor-t5-lc30"]);
     assert_eq!(
         names(&with("[[preset]]\nname = \"only\"\n")),
         ["only"],

@@ -252,12 +252,12 @@ fn faults_are_told() {
         (
             "",
             "[[preset]]\nname = \"p\"\nsurfaces = [\"crad\"]",
-            "plan.toml:12: preset.p.surfaces[1] = \"crad\": is no surface of the plan (did you mean \"card\"?)",
+            "plan.toml:12: preset.p.surfaces[1] = \"crad\": is not a surface of the plan (did you mean \"card\"?)",
         ),
         (
             "",
             "[[preset]]\nname = \"p\"\nsurfaces = []",
-            "preset.p.surfaces = []: is empty (name at least one surface, or leave the key out)",
+            "preset.p.surfaces = []: is empty (list at least one surface, or remove the key)",
         ),
         (
             "",

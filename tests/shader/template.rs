@@ -226,7 +226,11 @@ fn constants_have_a_meaning_of_one_line() {
         let mut defines = flags([]);
         defines.count("N", 1, meaning);
         let got = errors("#constants\nN\n", &defines);
-        assert_eq!(got, ["1:1: constant `N` has no meaning of one line"], "{meaning:?}");
+        assert_eq!(
+            got,
+            ["1:1: the meaning of constant `N` is not one line of text"],
+            "{meaning:?}"
+        );
     }
 }
 

@@ -308,7 +308,7 @@ fn exr_tiles_are_checked_before_allocating() {
     // after the length of the attribute, 4 bytes
     let width = at + mark.len() + 4;
     bytes[width..width + 4].copy_from_slice(&0x3a00_0002u32.to_le_bytes());
-    assert_says(open("a.exr", &bytes), &["tiles of 973078530 × 2 pixels for 5 × 3"]);
+    assert_says(open("a.exr", &bytes), &["tiles of 973078530 × 2 pixels for a layer of 5 × 3"]);
 }
 
 #[test]

@@ -9,7 +9,7 @@
 // is not clamped, and it is negative where a colour lies outside the primaries. It is zero where a direction is at or
 // below the horizon.
 // Tolerance and expected values: probe.json. Bindings, tables and units: manifest.json.
-// The text with all comments is diffraction.wgsl, the same shader in the target wgsl.
+// This text has no further comments. The same shader with all comments is diffraction.wgsl of the target wgsl.
 
 struct Params {
     vec4 light;

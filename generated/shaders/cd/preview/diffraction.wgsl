@@ -219,15 +219,15 @@ fn probe(@location(0) place: vec2f) -> @location(0) vec4f {
 // made of unit vectors counts as zero where its square is at most 1e-8, any other vector where it is at most 1e-36.
 
 struct MeshParams {
-    // from the mesh to the world; may scale unevenly and mirror
+    // matrix from the mesh to the world; it may scale unevenly and mirror
     model: mat4x4f,
-    // from the world to the camera
+    // matrix from the world to the camera
     view: mat4x4f,
-    // from the camera to clip space
+    // matrix from the camera to clip space
     projection: mat4x4f,
-    // xyz: direction to the light in the world, of any length; w: unused
+    // xyz: direction to the light in the world, any length; w: unused
     light_direction: vec4f,
-    // xyz: place of the viewer in the world; w: unused
+    // xyz: position of the viewer in the world; w: unused
     eye: vec4f,
 }
 @group(0) @binding(8) var<uniform> mesh_params: MeshParams;
@@ -282,7 +282,7 @@ fn mesh(
     return vec4f(diffraction(wi, wr), 1.0);
 }
 
-// Unit vector in the frame of a fragment, of a direction in the world; zero where there is no frame.
+// Direction in the world as a unit vector in the frame of a fragment. Zero if there is no frame.
 fn in_frame(direction: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
     let upright = unit(normal, 1e-8);
     let straight = unit(tangent.xyz - dot(tangent.xyz, upright) * upright, 1e-8);
@@ -336,7 +336,7 @@ fn model_volume() -> f32 {
     return dot(mesh_params.model[0].xyz, top);
 }
 
-// The normalised vector; zero where its square is not above `least` or is not a number.
+// The normalised vector. Zero if its square is not above `least` or is not a number.
 fn unit(vector: vec3f, least: f32) -> vec3f {
     let squared = dot(vector, vector);
     if (!(squared > least)) {

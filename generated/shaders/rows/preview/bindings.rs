@@ -10,7 +10,7 @@ pub const VARIANT: &str = "preview";
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Params {
-    /// xyz: unit direction to the light, of `map`; w: unused
+    /// xyz: unit direction to the light, for `map`; w: unused
     pub light: [f32; 4],
     /// xy: size of the picture in pixels; zw: unused
     pub size: [f32; 4],
@@ -26,15 +26,15 @@ const _: () = assert!(core::mem::offset_of!(Params, size) == 16);
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshParams {
-    /// from the mesh to the world; may scale unevenly and mirror; column by column
+    /// matrix from the mesh to the world, column by column; it may scale unevenly and mirror
     pub model: [[f32; 4]; 4],
-    /// from the world to the camera; column by column
+    /// matrix from the world to the camera, column by column
     pub view: [[f32; 4]; 4],
-    /// from the camera to the clip space of the API; column by column
+    /// matrix from the camera to the clip space of the API, column by column
     pub projection: [[f32; 4]; 4],
-    /// xyz: direction to the light in the world, of any length; w: unused
+    /// xyz: direction to the light in the world, any length; w: unused
     pub light_direction: [f32; 4],
-    /// xyz: place of the viewer in the world; w: unused
+    /// xyz: position of the viewer in the world; w: unused
     pub eye: [f32; 4],
 }
 
@@ -90,11 +90,11 @@ pub struct Table {
     pub group: u32,
     /// Binding.
     pub binding: u32,
-    /// File of the texels, relative to the folder of this file; little-endian, `[layer][row][column][channel]`.
+    /// Path of the texels, relative to the folder of this file. Little-endian, `[layer][row][column][channel]`.
     pub data: &'static str,
-    /// JSON description of the file, relative to the folder of this file.
+    /// Path of the JSON description of the table, relative to the folder of this file.
     pub description: &'static str,
-    /// Bytes of the file of the texels.
+    /// Size of the texels in bytes.
     pub bytes: usize,
     /// WebGPU's name of the texel format.
     pub format: &'static str,
@@ -104,9 +104,10 @@ pub struct Table {
     pub width: u32,
     /// Texels along y.
     pub height: u32,
-    /// Array layers; 1 for a plain texture.
+    /// Number of array layers; 1 for a plain texture.
     pub layers: u32,
-    /// Binding of the sampler that it is read through, linear and clamping to the edge; none: texel by texel.
+    /// Binding of the sampler that the shader reads it through: linear, clamped to the edge. `None` if the
+    /// shader reads single texels.
     pub sampler: Option<u32>,
 }
 
