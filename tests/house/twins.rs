@@ -50,6 +50,7 @@ fn templates_and_twins_have_the_same_functions() {
 fn the_gain_is_in_optics() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let shared = functions(&root.join("templates/gain.wgsl"));
-    let optics = functions(&root.join("src/optics/gain.rs"));
+    let of = |file| functions(&root.join("src/optics").join(file));
+    let optics = &of("gain.rs") | &of("directions.rs");
     assert!(!shared.is_empty() && shared.is_subset(&optics), "{shared:?} against {optics:?}");
 }
