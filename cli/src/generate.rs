@@ -1,4 +1,4 @@
-//! `cargo xtask generate`: from a plan to a folder, or the comparison of the two.
+//! `cargo xtask generate`: builds the package of a plan, or compares it with a folder.
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -19,29 +19,34 @@ use crate::{interrupt, progress};
 const EXAMPLE: &str = "Examples:
   cargo xtask generate
   cargo xtask generate --check
-  cargo xtask generate --plan plan.toml --out generated --variant 'full-*' --target wgsl,spirv";
+  cargo xtask generate --plan plan.toml --out generated --variant 'full-*' --target wgsl,spirv
+
+Foreign files in the folder are kept. Exit code 1: --check found differences.";
 
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Args {
     #[command(flatten)]
     plan: PlanArgs,
-    /// The folder to write: absent, empty, or one written before.
+    /// Folder for the package: new, empty, or written by this command before.
     #[arg(long, value_name = "DIR", default_value = "generated")]
     out: PathBuf,
-    /// Write nothing; list changed, missing, orphan and foreign files.
+    /// Write nothing. Compare the folder with what would be written, and list changed, missing, orphan (no longer generated) and
+    /// foreign (not ours) files.
     #[arg(long)]
     check: bool,
-    /// Rebuild only the variants that match (`*`, `?`), keep the rest; may be repeated.
+    /// Build only variants whose name matches this pattern (`*`, `?`) and keep the rest of the folder; may be repeated. Default: all
+    /// variants.
     #[arg(long, value_name = "GLOB")]
     variant: Vec<String>,
-    /// Rebuild only these targets, keep the rest; the function form of a language comes with its targets.
+    /// Build only these targets, separated by commas, and keep the rest of the folder. Function forms come with their language's
+    /// target. Default: the targets of the plan.
     #[arg(long, value_name = "T,…", value_delimiter = ',')]
     target: Vec<String>,
-    /// Threads to use; all cores by default.
+    /// Number of threads. Default: one for each core.
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
-    /// Neither read nor write the cache of tables.
+    /// Do not use the cache of finished tables.
     #[arg(long)]
     no_cache: bool,
 }
@@ -53,11 +58,11 @@ pub(crate) struct Selection {
     pub(crate) variants: Vec<Variant>,
     /// In the order of the plan or of the command line.
     pub(crate) targets: Vec<Target>,
-    /// Whether that is the whole plan; else the package is laid over what the folder holds.
+    /// Whether the selection is the whole plan. Otherwise the package is laid over the folder's content.
     pub(crate) is_whole: bool,
-    /// Where tables lie until they are written: the cache, or a folder of this run.
+    /// Folder of the tables until they are written: the cache, or a folder of this run.
     pub(crate) cache: PathBuf,
-    /// Hash of this program, where a folder that holds the package already is left alone.
+    /// Hash of this program, if a folder that already has the package may be left unchanged.
     pub(crate) program: Option<String>,
 }
 
@@ -65,7 +70,7 @@ pub(crate) fn run(args: &Args, caches: &Path, console: &Console) -> Result<Outco
     run_with(args, caches, console, |plan, selection, out| build(plan, selection, out, console))
 }
 
-/// The sealed package of a selection; a partial one is laid over what the folder holds. `None`: the folder holds it.
+/// The sealed package of a selection. A partial package is laid over the folder's content. `None`: the folder has it already.
 fn build(
     plan: &Plan,
     selection: &Selection,
@@ -110,13 +115,13 @@ fn build(
     let package = package?;
     package.notes().iter().for_each(|note| console.note(note));
     if let Some(expected) = expected {
-        // it may be kept before the files are written: it states what they must hold
+        // the stamp may be written before the files: it states what they must contain
         expected.keep(&Stamp::new(&package, expected.inputs.clone(), package.notes().to_vec())?);
     }
     Ok(Some(package))
 }
 
-/// `build` makes the sealed package of a selection, or finds that the folder holds it.
+/// `build` makes the sealed package of a selection; `None` if the folder has it already.
 fn run_with(
     args: &Args,
     caches: &Path,
@@ -127,7 +132,7 @@ fn run_with(
     let program = unchanged::program();
     let spilled = match (&program, args.no_cache) {
         (Some(_), false) => None,
-        _ => Some(unchanged::spill(caches).context("no room for tables")?),
+        _ => Some(unchanged::spill(caches).context("a folder for tables cannot be created")?),
     };
     let cache = match (&spilled, &program) {
         (None, Some(program)) => unchanged::cache(caches, program),
