@@ -129,7 +129,7 @@ fn file(table: &Table, item: &Item, folder: &Path, lambda_min_nm: f64) -> Option
             let cause = format!(
                 "a pitch above a quarter of the shortest wavelength, {limit} µm, cannot resolve all orders"
             );
-            item.fail(cause, format!("scan or resample at {limit} µm or less"));
+            item.fail(cause, format!("scan or resample with a pitch of at most {limit} µm"));
             return None;
         }
     }

@@ -187,12 +187,12 @@ fn check_content(format: Format, bytes: &[u8], path: &Path, subject: &str) -> Re
         Some(found) => {
             let found = found.name();
             Err(error(format!(
-                "the content is {found}, but the extension `{extension}` means {name}"
+                "the content is {found}, although the extension `{extension}` stands for {name}"
             ))
             .remedy("rename or convert the file"))
         }
         None => Err(error(format!(
-            "the content is not {name}, which the extension `{extension}` means"
+            "the content is not {name}, although the extension is `{extension}`"
         ))
         .remedy("the file is damaged or has the wrong name; export it again")),
     }
