@@ -206,7 +206,7 @@ fn where_nothing_can_be_written_the_previous_output_stays() {
     let before = files(&place.path(&long));
     let done = out(&long).output().unwrap();
     assert_eq!(done.status.code(), Some(2), "{}", said(&done));
-    assert!(said(&done).contains("cannot be made"), "{}", said(&done));
+    assert!(said(&done).contains("cannot be created"), "{}", said(&done));
     assert!(files(&place.path(&long)) == before);
     fs::rename(place.path(&long), place.path("generated")).unwrap();
     assert!(place.output() == place.old);

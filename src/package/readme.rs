@@ -14,8 +14,7 @@ use crate::shader::template::GENERATED;
 pub const FILE: &str = "README.md";
 
 /// Writes the text from the package's manifests (including those kept from an earlier run), from the keys of its index
-/// ([`crate::package::compile::index`]) and from the combinations that the plan's constraints reject. Sizes are those
-/// of the written files.
+/// and from the combinations that the plan's constraints reject. Sizes are those of the written files.
 pub fn readme(
     package: &Package,
     index: &BTreeMap<String, Value>,

@@ -82,7 +82,14 @@ pub fn write_unless(package: &Package, out: &Path, cancel: &Cancel) -> Result<Wr
             .source(e)
             .remedy("remove the folders OUT.tmp-PID beside it yourself")
     })?;
-    let temporary = Temporary::create(sibling(&root, &format!(".tmp-{}", std::process::id()))?)?;
+    let temporary = {
+        // under the lock: whoever cancels finds the folder, or it is never made
+        let cancelled = cancel.lock();
+        if *cancelled {
+            return Err(interrupted(out));
+        }
+        Temporary::create(sibling(&root, &format!(".tmp-{}", std::process::id()))?)?
+    };
     let mut report = build(package, &temporary.path, cancel)?;
     if let Some(old) = &old {
         report.carried = carry(package, old, &temporary.path)?;

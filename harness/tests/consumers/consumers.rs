@@ -29,7 +29,7 @@ const SEEN: f64 = 0.2;
 fn wgpu_passes_the_probes() {
     let gpu = match example::draw::connect() {
         Ok(gpu) => gpu,
-        Err(e) => return missing(&format!("wgpu: {e}")),
+        Err(e) => return missing(format!("wgpu: {e}")),
     };
     let evaluate = |folder: PathBuf| example::run(&gpu, &folder).unwrap();
     let results: Vec<Value> = variants().into_iter().map(evaluate).collect();
@@ -55,7 +55,7 @@ fn opengl_from_python_passes_the_probes() {
 fn examples_draw_maps() {
     let gpu = match example::draw::connect() {
         Ok(gpu) => gpu,
-        Err(e) => return missing(&format!("wgpu: {e}")),
+        Err(e) => return missing(format!("wgpu: {e}")),
     };
     let python = Path::new(ROOT).join("target/python/bin/python");
     if !python.exists() {
@@ -96,7 +96,7 @@ fn the_gallery_passes_the_probes_and_reacts() {
         let address = format!("driver.html?api={api}&surface=fingers");
         let driven = match drive_page(page, &address, Duration::from_secs(240)) {
             Ok(driven) => driven,
-            Err(e) => return missing(&e.to_string()),
+            Err(e) => return missing(e),
         };
         let found = driven.posted;
         assert_eq!(found["failed"], Value::Null, "{api}: {}", found["failed"]);
@@ -134,7 +134,7 @@ fn the_gallery_opens_from_disk_and_fits_a_phone() {
         let picture = page.join(format!("{width}.png"));
         let found = match check_page(&page.join("index.html"), [width, 844], Some(&picture)) {
             Ok(found) => found,
-            Err(e) => return missing(&e.to_string()),
+            Err(e) => return missing(e),
         };
         assert_eq!((found.width, found.scroll_width), (width, width));
         assert_eq!(found.console, Vec::<String>::new());

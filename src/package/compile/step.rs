@@ -1,6 +1,6 @@
 //! Progress of a long run.
 
-/// Progress that [`super::generate`] reports.
+/// Progress that [`super::Compiler::compile`] reports.
 #[derive(Clone, Copy, Debug)]
 pub enum Step<'a> {
     /// A surface and variant that is finished.
