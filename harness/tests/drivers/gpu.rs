@@ -216,8 +216,8 @@ fn what_is_wrong_is_an_error_that_names_it() {
         for (texture, words) in [
             (array(f, 1, 1, 1_000_000, vec![]), "max_texture_array_layers"),
             (array(f, 1_000_000, 1, 1, vec![]), "max_texture_dimension_2d"),
-            (array(f, 2, 2, 2, vec![0; 63]), "which take 64"),
-            (array(f, 0, 2, 2, vec![]), "none"),
+            (array(f, 2, 2, 2, vec![0; 63]), "take 64"),
+            (array(f, 0, 2, 2, vec![]), "is empty"),
             (flat, "texture_2d_array"),
         ] {
             let error =

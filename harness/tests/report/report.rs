@@ -82,7 +82,7 @@ fn every_section_shows_its_numbers() {
     assert_eq!(missing, Vec::<String>::new());
     has(
         section(&html, "summary"),
-        &["2 beyond tolerance", "1 missed", "caught, 0.993", "no browser here", "339"],
+        &["2 over tolerance", "1 missed", "caught, 0.993", "no browser here", "339"],
     );
     has(
         section(&html, "maps"),

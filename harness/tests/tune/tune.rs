@@ -345,7 +345,7 @@ name = "x"
 name = "y"
 terms = 4
 "#,
-            "is not one",
+            "is not exactly one [[preset]]",
         ),
         ("[optics]\ncoherence_um = 3\n", "unknown key optics"),
         ("[[preset", "preset:1"),
