@@ -75,7 +75,7 @@ fn a_missing_or_old_harness_is_built_after_one_line_that_says_so() {
     let old = target.run(&["compare"]);
     for said in [text(&missing.stderr), text(&old.stderr)] {
         let lines: Vec<&str> = said.lines().collect();
-        assert!(lines[0].starts_with("note: building diffraction-harness, about "), "{said}");
+        assert!(lines[0].starts_with("note: building diffraction-harness: "), "{said}");
         let folder = target.0.path().display();
         let call = format!("build --release -p diffraction-harness --target-dir {folder}");
         assert_eq!(lines[1], format!("cargo {call}"), "{said}");
