@@ -299,7 +299,7 @@ fn names_are_those_of_the_templates() {
 #[test]
 fn targets_that_are_kept_write_nothing_but_what_another_shares() {
     let names = |wanted: &[Target]| {
-        let package = package::package_in(&wanted);
+        let package = package::package_in(wanted);
         let below = format!("{}/diffraction.", package::VARIANT_FOLDER);
         let files = package.files().keys().filter_map(|path| path.strip_prefix(&below));
         files.map(str::to_owned).collect::<Vec<_>>()
