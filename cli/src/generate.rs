@@ -77,24 +77,10 @@ fn build(
     out: &Path,
     console: &Console,
 ) -> Result<Option<Package>> {
-    let bar = progress::bar(plan.surfaces.len() * selection.variants.len(), "generating");
-    let baked = AtomicUsize::new(0);
-    let show = |step: Step<'_>| match step {
-        Step::Finished(_) => {
-            baked.store(0, Ordering::Relaxed);
-            bar.set_message("generating");
-            bar.inc(1);
-        }
-        Step::Baked { label, columns, of } => {
-            let sum = baked.fetch_add(columns, Ordering::Relaxed) + columns;
-            bar.set_message(format!("baking {label}, {} %", 100 * sum / of.max(1)));
-        }
-    };
     let mut compiler = Compiler::new(plan)
         .variants(&selection.variants)
         .targets(&selection.targets)
-        .cache(&selection.cache)
-        .progress(&show);
+        .cache(&selection.cache);
     if !selection.is_whole {
         compiler = compiler.rest_from(out);
     }
@@ -110,7 +96,20 @@ fn build(
         console.note(&format!("{out}: {files} files, {mib:.1} MiB, unchanged"));
         return Ok(None);
     }
-    let package = compiler.compile();
+    let bar = progress::bar(plan.surfaces.len() * selection.variants.len(), "generating");
+    let baked = AtomicUsize::new(0);
+    let show = |step: Step<'_>| match step {
+        Step::Finished(_) => {
+            baked.store(0, Ordering::Relaxed);
+            bar.set_message("generating");
+            bar.inc(1);
+        }
+        Step::Baked { label, columns, of } => {
+            let sum = baked.fetch_add(columns, Ordering::Relaxed) + columns;
+            bar.set_message(format!("baking {label}, {} %", 100 * sum / of.max(1)));
+        }
+    };
+    let package = compiler.progress(&show).compile();
     bar.finish_and_clear();
     let package = package?;
     package.notes().iter().for_each(|note| console.note(note));

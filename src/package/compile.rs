@@ -28,7 +28,6 @@ use cache::Cache;
 use index::{index, input_hash};
 use work::{Work, all_or_errors, load};
 
-pub use crate::hash::TOOL_VERSION;
 pub use step::Step;
 
 /// Version of naga, as pinned in `Cargo.toml`.
@@ -87,12 +86,6 @@ impl<'a> Compiler<'a> {
     #[must_use]
     pub fn cache(self, folder: &'a Path) -> Compiler<'a> {
         Compiler { cache: Some(folder), ..self }
-    }
-
-    /// Uses other templates than those of this library.
-    #[must_use]
-    pub fn templates(self, templates: Sources) -> Compiler<'a> {
-        Compiler { templates, ..self }
     }
 
     /// Calls a function with every step, from any thread.

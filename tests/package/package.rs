@@ -218,7 +218,7 @@ fn child() {
             write("b").unwrap();
         }
     }
-    write("b").unwrap_or_else(|e| panic!("told: {e}"));
+    write("b").unwrap_or_else(|e| panic!("cannot write: {e}"));
 }
 
 #[cfg(unix)]
@@ -239,12 +239,13 @@ fn a_full_disk_leaves_the_previous_output() {
     package::write(&before, &out).unwrap();
     // 8 blocks of 512 bytes; the signal is ignored, so the write itself fails.
     let done = child_command(&out, "trap '' XFSZ; ulimit -f 8;").output().unwrap();
-    let told = String::from_utf8_lossy(&done.stdout) + String::from_utf8_lossy(&done.stderr);
+    let message = String::from_utf8_lossy(&done.stdout) + String::from_utf8_lossy(&done.stderr);
     assert!(
         !done.status.success()
-            && told
-                .contains("told: generated file manifest.json: cannot be written: File too large"),
-        "{told}"
+            && message.contains(
+                "cannot write: generated file manifest.json: cannot be written: File too large"
+            ),
+        "{message}"
     );
     assert_eq!(package::check(&before, &out).unwrap(), Report::default());
     assert!(leftovers(&out).is_empty());

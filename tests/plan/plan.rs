@@ -1,4 +1,4 @@
-//! Plans: what is refused and how it is told, the order of the product, names that stay.
+//! Plans: what is refused and how it is reported, the order of the product, names that stay.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -63,9 +63,9 @@ name = "a"
             vec!["surface = {…}: is not an array of tables", "[[surface]]"],
         ),
     ] {
-        let told = errors(text);
+        let message = errors(text);
         for part in expected {
-            assert!(told.contains(part), "{text:?} told {told:?}, not {part:?}");
+            assert!(message.contains(part), "{text:?} message {message:?}, not {part:?}");
         }
     }
 }
@@ -122,11 +122,11 @@ z_unit_um = 1"#.into(), "height_um and z_unit_um both set the heights"),
             "surface.a.grating.y.pixels = 5: a pitch of 0.2000 µm",
         ),
     ] {
-        let told = errors(&format!(r#"schema = 1
+        let message = errors(&format!(r#"schema = 1
 [[surface]]
 {text}
 "#));
-        assert!(told.contains(expected), "{text}\n told {told}\n not {expected}");
+        assert!(message.contains(expected), "{text}\n message {message}\n not {expected}");
     }
     let twice = errors(&format!(
         r#"{SURFACE}[[surface]]
@@ -277,14 +277,14 @@ name = "p""#,
         ("[targets]\nemits = [\"wgsl\"]", "unknown key targets.emits (did you mean \"emit\"?)"),
         ("[optic]\n", "unknown key optic (did you mean \"optics\"?)"),
     ] {
-        let told = errors(&format!("{SURFACE}{text}\n"));
-        assert!(told.contains(expected), "{text}\n told {told}\n not {expected}");
+        let message = errors(&format!("{SURFACE}{text}\n"));
+        assert!(message.contains(expected), "{text}\n message {message}\n not {expected}");
     }
 }
 
 #[test]
 fn all_faults_are_told_in_the_order_of_the_text() {
-    let told = errors(
+    let message = errors(
         r#"schema = 3
 [optics]
 coherence_um = -1
@@ -292,7 +292,7 @@ coherence_um = -1
 name = "Ä"
 "#,
     );
-    let lines: Vec<&str> = told.lines().map(|line| line.split(": ").next().unwrap()).collect();
+    let lines: Vec<&str> = message.lines().map(|line| line.split(": ").next().unwrap()).collect();
     assert_eq!(lines, ["plan.toml:1", "plan.toml:3", "plan.toml:5"]);
 }
 

@@ -41,11 +41,11 @@ fn parsed(text: &str) -> Result<Plan, Vec<Error>> {
 #[track_caller]
 fn refused(text: &str, part: &str) {
     let Err(errors) = parsed(text) else { panic!("accepted") };
-    let told: Vec<String> = errors.iter().map(Error::to_string).collect();
+    let message: Vec<String> = errors.iter().map(Error::to_string).collect();
     assert!(
-        told.iter().any(|text| text.contains(part)),
+        message.iter().any(|text| text.contains(part)),
         "{part} is not in {:.2000}",
-        told.join("; ")
+        message.join("; ")
     );
 }
 

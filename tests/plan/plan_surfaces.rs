@@ -127,11 +127,14 @@ emit = "wgsl"
     );
     assert_eq!(on(&plan, "full-taylor-t3", "card").optics.coherence, Coherence::Ensemble);
     let refused = plan.variant(Some("pq-taylor-t3")).unwrap().on(surface(&plan, "card"));
-    let told = refused.unwrap().unwrap_err().to_string();
-    assert!(told.contains("pq repeats the patch") && told.contains("surface \"card\""), "{told}");
+    let message = refused.unwrap().unwrap_err().to_string();
+    assert!(
+        message.contains("pq repeats the patch") && message.contains("surface \"card\""),
+        "{message}"
+    );
     let card = plan.on(surface(&plan, "card"));
-    let told = card.variant(Some("pq-taylor-t3")).unwrap_err().to_string();
-    assert!(told.contains("pq repeats the patch"), "{told}");
+    let message = card.variant(Some("pq-taylor-t3")).unwrap_err().to_string();
+    assert!(message.contains("pq repeats the patch"), "{message}");
     let (package, gaps) = package(&plan);
     assert_eq!(gaps, ["card pq-taylor-t3"]);
     assert_eq!(folders(&package), ["a/full-taylor-t3", "a/pq-taylor-t3", "card/full-taylor-t3"]);
@@ -166,8 +169,8 @@ emit = "wgsl"
     };
     assert_eq!(names("a"), ["both", "word"]);
     assert_eq!(names("card"), ["foil", "both"]);
-    let told = plan.on(surface(&plan, "a")).variant(Some("foil")).unwrap_err().to_string();
-    assert!(told.contains("is not for surface \"a\""), "{told}");
+    let message = plan.on(surface(&plan, "a")).variant(Some("foil")).unwrap_err().to_string();
+    assert!(message.contains("is not for surface \"a\""), "{message}");
     // of one configuration, but not for the same surfaces
     assert!(plan.notes.is_empty(), "{:?}", plan.notes);
     let (package, gaps) = package(&plan);
@@ -196,8 +199,8 @@ surfaces = ["card"]
     );
     assert_eq!(plan.notes, ["a: no variant is for this surface"]);
     let alone = Plan { surfaces: plan.surfaces[..1].to_vec(), ..plan.clone() };
-    let told = Compiler::new(&alone).compile().unwrap_err().to_string();
-    assert!(told.contains("no variant is for a surface"), "{told}");
+    let message = Compiler::new(&alone).compile().unwrap_err().to_string();
+    assert!(message.contains("no variant is for a surface"), "{message}");
 }
 
 /// A short wavelength asks a fine pitch of the surfaces that it is wanted on.
@@ -218,8 +221,8 @@ wavelengths = {{ min_nm = 500 }}
     let coarse =
         |surfaces: &str| text("", "", &rest(surfaces)).replacen("pixels = 16", "pixels = 10", 1);
     assert!(Plan::parse(&coarse("card"), Path::new("plan.toml")).is_ok());
-    let told = Plan::parse(&coarse("a"), Path::new("plan.toml")).unwrap_err().to_string();
-    assert!(told.contains("surface.a.grating.pixels = 10"), "{told}");
+    let message = Plan::parse(&coarse("a"), Path::new("plan.toml")).unwrap_err().to_string();
+    assert!(message.contains("surface.a.grating.pixels = 10"), "{message}");
 }
 
 #[test]
@@ -272,9 +275,9 @@ fn faults_are_told() {
         ),
         ("", "[variants]\nsurfaces = [\"a\"]", "unknown key variants.surfaces"),
     ] {
-        let told = errors("", second, rest);
-        assert!(told.contains(expected), "{second} {rest}\n told {told}\n not {expected}");
-        assert_eq!(told.lines().count(), 1, "{told}");
+        let message = errors("", second, rest);
+        assert!(message.contains(expected), "{second} {rest}\n message {message}\n not {expected}");
+        assert_eq!(message.lines().count(), 1, "{message}");
     }
 }
 
@@ -284,8 +287,8 @@ fn illuminants_of_surfaces_are_read_from_files() {
     let path = folder.path().join("plan.toml");
     let lamp = "optics = { illuminant = \"lamp.csv\" }";
     std::fs::write(&path, text("", lamp, "[variants]\nterms = 2\n")).unwrap();
-    let told = read_plan(&path).unwrap_err()[0].to_string();
-    assert!(told.contains("lamp.csv"), "{told}");
+    let message = read_plan(&path).unwrap_err()[0].to_string();
+    assert!(message.contains("lamp.csv"), "{message}");
     let hash = |content: &str| {
         std::fs::write(folder.path().join("lamp.csv"), content).unwrap();
         let plan = read_plan(&path).unwrap();

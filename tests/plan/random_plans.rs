@@ -30,7 +30,7 @@ fn config(cases: u32) -> Config {
 const FILE: &str = "fuzz/plan.toml";
 
 /// Plans that are read but for one fault must not all be the same few: every key and every word is in one that is accepted,
-/// and every value that a variant can be told apart by is in one that is built.
+/// and every value that a variant can be distinguished by is in one that is built.
 #[test]
 fn random_plans_use_every_key_and_word() {
     let mut runner = TestRunner::new(config(1));
@@ -54,7 +54,7 @@ fn random_plans_use_every_key_and_word() {
     let unknown: Vec<_> = drawn.difference(&known).collect();
     assert!(unknown.is_empty(), "the vocabulary lacks {unknown:?}, which the reader accepts");
     for (_, key, word) in known.into_iter().filter(|(table, ..)| table == "variants") {
-        // a range is three keys there; what reads bins is told apart by what does not
+        // a range is three keys there; what reads bins is distinguished by what does not
         let is_told =
             !matches!((key.as_str(), word.as_deref()), ("wavelengths", _) | (_, Some("window")));
         let is_built = built.iter().any(|(k, w)| *k == key && (word.is_none() || *w == word));
@@ -105,8 +105,8 @@ const CONSTRAINTS: [&str; 9] = [
 /// Fails unless every error is one of those that are expected.
 fn only<E: std::fmt::Debug>(expected: &[&str], errors: Vec<E>) -> Result<(), TestCaseError> {
     for error in errors {
-        let told = format!("{error:?}");
-        prop_assert!(expected.iter().any(|part| told.contains(part)), "{told}");
+        let reported = format!("{error:?}");
+        prop_assert!(expected.iter().any(|part| reported.contains(part)), "{reported}");
     }
     Ok(())
 }
@@ -127,8 +127,8 @@ proptest! {
         let Err(errors) = Plan::parse_all(&text, Path::new(FILE)) else {
             return Err(TestCaseError::fail(format!("{fault:?} is accepted:\n{text}")));
         };
-        let told: Vec<String> = errors.iter().map(|error| error.to_string()).collect();
-        prop_assert!(!told.is_empty());
+        let reported: Vec<String> = errors.iter().map(|error| error.to_string()).collect();
+        prop_assert!(!reported.is_empty());
         for error in &errors {
             prop_assert!(error.subject().starts_with(FILE), "{error}");
             prop_assert!(error.message().len() > error.subject().len() + 5, "{error}");
@@ -138,7 +138,7 @@ proptest! {
             Some(line) => format!("{FILE}:{}: ", line + 1),
             None => format!("{FILE}:"),
         };
-        prop_assert!(told.iter().any(|t| t.starts_with(&place)), "{fault:?} at {place}{told:?}\n{text}");
+        prop_assert!(reported.iter().any(|t| t.starts_with(&place)), "{fault:?} at {place}{reported:?}\n{text}");
     }
 
     /// Whatever a cut, a doubled or a foreign piece makes of a plan: a plan or errors, never a panic.

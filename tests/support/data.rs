@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// A file of the data folder: that of the environment variable `DIFFRACTION_DATA`, or `../shared/data` beside the
-/// repository. `None`, told on stderr, where neither has it; a folder that was named and lacks it is a failure.
+/// repository. `None`, with a line on stderr, where neither has it; a folder that was named and lacks it is a failure.
 pub fn find(name: &str) -> Option<PathBuf> {
     let named = std::env::var_os("DIFFRACTION_DATA").map(PathBuf::from);
     let own = Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -88,7 +88,10 @@ fn illuminants_are_names_or_files_beside_the_plan() {
         ("D66", "neither a known illuminant nor a file"),
         ("lamp.csv", "relative to the plan's folder"),
     ] {
-        let told = with(name).unwrap_err()[0].to_string();
-        assert!(told.contains(name) && told.contains(words) && told.contains("D65"), "{told}");
+        let message = with(name).unwrap_err()[0].to_string();
+        assert!(
+            message.contains(name) && message.contains(words) && message.contains("D65"),
+            "{message}"
+        );
     }
 }

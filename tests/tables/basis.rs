@@ -297,6 +297,6 @@ fn what_has_no_meaning_is_told() {
         term_error: 1e-9,
         ..plan.variants[0].clone()
     };
-    let told = Form::new(&fine, &height).unwrap_err().to_string();
-    assert!(told.contains("term_error = 1e-9"), "{told}");
+    let message = Form::new(&fine, &height).unwrap_err().to_string();
+    assert!(message.contains("term_error = 1e-9"), "{message}");
 }

@@ -105,7 +105,7 @@ fn read_ktx2(file: &[u8], shape: &Shape) -> Vec<u8> {
     let basic = ktx.basic_dfd().unwrap();
     let texel = shape.format.texel_bytes();
     assert_eq!(usize::from(basic.bytes_planes[0]), texel);
-    // a shared exponent is told once for each channel
+    // a shared exponent is stored once for each channel
     let parts = if shape.format == TexelFormat::Rgb9e5Ufloat { 2 } else { 1 };
     assert_eq!(basic.sample_information.len(), parts * shape.format.channels());
     assert_eq!(basic.transfer_function, Some(ktx2::TransferFunction::Linear));

@@ -168,8 +168,8 @@ fn an_ensemble_is_exact_though_lobes_overlap() {
 #[test]
 fn a_single_patch_with_overlapping_lobes_is_refused() {
     let (height, variant) = grating(CROSSED, "coherence_um = 2.0");
-    let told = Form::new(&variant, &height).unwrap_err().to_string();
-    assert!(told.contains("σf·L = 0.64") && told.contains("ensemble"), "{told}");
+    let message = Form::new(&variant, &height).unwrap_err().to_string();
+    assert!(message.contains("σf·L = 0.64") && message.contains("ensemble"), "{message}");
     let subject = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     assert!(TwinRunner::new(subject, true).is_err());
 }

@@ -179,6 +179,6 @@ fn what_it_has_not_is_told() {
     let (height, variant) = read(BLAZED, "bake_mib = 1");
     let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     let up = Directions { wi: DVec3::Z, wr: DVec3::Z };
-    let told = TwinRunner::new(placement, true).unwrap().response(&[up], 550.0).unwrap_err();
-    assert!(told.to_string().contains("has no wavelength axis"), "{told}");
+    let message = TwinRunner::new(placement, true).unwrap().response(&[up], 550.0).unwrap_err();
+    assert!(message.to_string().contains("has no wavelength axis"), "{message}");
 }

@@ -59,12 +59,12 @@ fn what_it_has_not_is_told() {
     let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     let up = Directions { wi: DVec3::Z, wr: DVec3::Z };
     let runner = TwinRunner::new(placement, true).unwrap();
-    let told = runner.response(&[up], 550.0).unwrap_err().to_string();
-    assert!(told.contains("has no wavelength axis"), "{told}");
+    let message = runner.response(&[up], 550.0).unwrap_err().to_string();
+    assert!(message.contains("has no wavelength axis"), "{message}");
     let cost = Form::new(&variant, &height).unwrap().cost();
     assert_eq!((cost.evaluations, cost.fetches), (0, 1));
 
     let (height, variant) = read("{ kind = \"flat\", period_um = 2.5, pixels = 100 }");
-    let told = Form::new(&variant, &height).unwrap_err().to_string();
-    assert!(told.contains("a flat surface has no period"), "{told}");
+    let message = Form::new(&variant, &height).unwrap_err().to_string();
+    assert!(message.contains("a flat surface has no period"), "{message}");
 }

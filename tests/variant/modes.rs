@@ -82,10 +82,11 @@ fn combinations_without_a_meaning_are_rejected_with_the_reason() {
         ("mode = \"gems\"\ncolour = \"thesis\"", "needs tristimulus values"),
     ] {
         let text = format!("{SURFACE}[variants]\n{keys}\n");
-        let told = Plan::parse(&text, Path::new("plan.toml")).expect_err(keys).to_string();
+        let message = Plan::parse(&text, Path::new("plan.toml")).expect_err(keys).to_string();
         assert!(
-            told.contains("every combination of [variants] is rejected") && told.contains(reason),
-            "{keys}: {told}"
+            message.contains("every combination of [variants] is rejected")
+                && message.contains(reason),
+            "{keys}: {message}"
         );
         let text = format!(
             r#"{SURFACE}[[preset]]
@@ -93,8 +94,8 @@ name = "p"
 {keys}
 "#
         );
-        let told = Plan::parse(&text, Path::new("plan.toml")).expect_err(keys).to_string();
-        assert!(told.contains("plan.toml:") && told.contains(reason), "{keys}: {told}");
+        let message = Plan::parse(&text, Path::new("plan.toml")).expect_err(keys).to_string();
+        assert!(message.contains("plan.toml:") && message.contains(reason), "{keys}: {message}");
     }
 }
 

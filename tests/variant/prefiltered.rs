@@ -126,8 +126,8 @@ fn tables_do_not_grow_with_the_patch() {
     let (height, variant) = read(FINGERS, "");
     let mut wide = variant.clone();
     wide.optics.coherence_um = 600.0;
-    let told = Form::new(&wide, &height).unwrap_err().to_string();
-    assert!(told.contains("coherence_um = 600") && told.contains("window"), "{told}");
+    let message = Form::new(&wide, &height).unwrap_err().to_string();
+    assert!(message.contains("coherence_um = 600") && message.contains("window"), "{message}");
     let cost = |v: &Variant| Form::new(v, &height).unwrap().cost();
     let filtered = Variant { sampling: Sampling::Filter, ..variant.clone() };
     assert_eq!(cost(&variant).term_fetches, 4 * cost(&filtered).term_fetches);

@@ -1,4 +1,4 @@
-//! Heights of integer files come in steps, which is told, and which colours show.
+//! Heights of integer files come in steps, which is reported, and which colours show.
 
 use crate::support::heights::*;
 use diffraction_shaders::field::reference::{Directions, Reference};
@@ -45,19 +45,23 @@ fn as_16_bits(field: &HeightField, levels: &[u16]) -> Vec<u8> {
 fn the_step_is_told() {
     let field = smooth();
     let grey = greys(&field, 255.0);
-    let told = |bytes: &[u8]| loaded(bytes).notes.join("; ");
-    assert_eq!(told(&as_8_bits(&field)), "heights come in steps of 2.94 nm (8-bit grey)");
+    let message = |bytes: &[u8]| loaded(bytes).notes.join("; ");
+    assert_eq!(message(&as_8_bits(&field)), "heights come in steps of 2.94 nm (8-bit grey)");
     let fine = as_16_bits(&field, &greys(&field, 65535.0));
-    assert_eq!(told(&fine), "heights come in steps of 0.0114 nm (16-bit grey)");
+    assert_eq!(message(&fine), "heights come in steps of 0.0114 nm (16-bit grey)");
     // eight bits that were stored as sixteen are as coarse as before
     let widened: Vec<u16> = grey.iter().map(|g| g * 257).collect();
     assert_eq!(
-        told(&as_16_bits(&field, &widened)),
+        message(&as_16_bits(&field, &widened)),
         "heights come in steps of 2.94 nm (16-bit grey, of which only every 257th level is used)"
     );
     let even: Vec<u8> = grey.iter().map(|g| (g / 2 * 2) as u8).collect();
     let even = png(field.columns() as u32, field.rows() as u32, ExtendedColorType::L8, &even);
-    assert!(told(&even).starts_with("heights come in steps of 5.88 nm (8-bit"), "{}", told(&even));
+    assert!(
+        message(&even).starts_with("heights come in steps of 5.88 nm (8-bit"),
+        "{}",
+        message(&even)
+    );
     let flat = loaded(&png(4, 4, ExtendedColorType::L8, &[9; 16]));
     assert_eq!(flat.notes, ["heights come in steps of 2.94 nm (8-bit grey)"]);
     // floats have no steps

@@ -283,7 +283,7 @@ fn outputs_and_directions() {
     place.refused(&[&twin[..], &["--wavelength-nm", "390"]].concat(), &["390", "400"]);
 }
 
-/// Foreign files inside our own output survive a rebuild and are told.
+/// Foreign files inside our own output survive a rebuild and are listed.
 #[test]
 fn foreign_files_in_the_output_are_carried_over() {
     let place = Place::new();

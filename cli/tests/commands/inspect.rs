@@ -93,9 +93,9 @@ fn a_wrong_name_or_folder_is_exit_code_two() {
     let folder = folder();
     let fails = |args: &[&str], part: &str| {
         let done = diffraction(folder.path(), args);
-        let told = String::from_utf8(done.stderr).unwrap();
-        assert_eq!((done.status.code(), done.stdout.len()), (Some(2), 0), "{told}");
-        assert!(told.starts_with("error: ") && told.contains(part), "{told}");
+        let message = String::from_utf8(done.stderr).unwrap();
+        assert_eq!((done.status.code(), done.stdout.len()), (Some(2), 0), "{message}");
+        assert!(message.starts_with("error: ") && message.contains(part), "{message}");
     };
     fails(&["inspect", "--surface", "b"], "surface \"b\": is not in the plan");
     fails(&["inspect", "--surface", "a", "--plan", "absent.toml"], "absent.toml");

@@ -117,7 +117,7 @@ fn every_key_of_a_configuration_is_listed() {
             let is_listed = [listed, &listed["optics"]].iter().any(|of| of.get(&key).is_some());
             assert!(is_listed, "{} is listed without {key}", variant.name);
         }
-        let told = told(&human, variant);
+        let reported = reported(&human, variant);
         for (key, value) in canonical.as_object().unwrap() {
             let places = [listed, &listed["optics"], &listed["wavelengths"]];
             assert!(places.iter().any(|of| of.get(key) == Some(value)), "{key} of {listed}");
@@ -127,7 +127,11 @@ fn every_key_of_a_configuration_is_listed() {
                 other => other.to_string(),
             };
             let setting = format!("{key} {value}");
-            assert!(told.contains(&setting), "{}: no {setting:?} in {told:?}", variant.name);
+            assert!(
+                reported.contains(&setting),
+                "{}: no {setting:?} in {reported:?}",
+                variant.name
+            );
             read.insert(key.clone());
         }
     }
@@ -138,7 +142,7 @@ fn every_key_of_a_configuration_is_listed() {
 }
 
 /// What the table tells of a variant: the settings of its mode and its own, taken apart.
-fn told(human: &str, variant: &Variant) -> Vec<String> {
+fn reported(human: &str, variant: &Variant) -> Vec<String> {
     let mut entries: Vec<String> = Vec::new();
     for line in human.lines().skip_while(|line| !line.starts_with("mode ")) {
         match (line.strip_prefix("      "), entries.last_mut()) {
@@ -172,12 +176,13 @@ fn every_fault_of_a_plan_is_one_line_and_the_exit_code_is_two() {
     let broken = PLAN.replace("0.3", "-1").replace("\"full\", \"pq\"", "\"fool\"");
     let folder = folder(&broken);
     let done = diffraction(folder.path(), &["list"]);
-    let told = String::from_utf8(done.stderr).unwrap();
+    let reported = String::from_utf8(done.stderr).unwrap();
     assert_eq!((done.status.code(), done.stdout.len()), (Some(2), 0));
-    assert_eq!(told.lines().count(), 2, "{told}");
+    assert_eq!(reported.lines().count(), 2, "{reported}");
     assert!(
-        told.starts_with("error: plan.toml:4: surface.a.grating.height_um = -1: must be positive"),
-        "{told}"
+        reported
+            .starts_with("error: plan.toml:4: surface.a.grating.height_um = -1: must be positive"),
+        "{reported}"
     );
     let done = diffraction(folder.path(), &["--message-format", "json", "list"]);
     for line in String::from_utf8(done.stderr).unwrap().lines() {

@@ -100,9 +100,9 @@ fn a_preset_is_not_found_on_other_surfaces() {
     stdout(&own, &[eval.as_slice(), &["card"]].concat());
     for args in [[eval.as_slice(), &["a"]].concat(), vec!["explain", "foil", "--surface", "a"]] {
         let done = diffraction(own.path(), &args);
-        let told = String::from_utf8(done.stderr).unwrap();
-        assert_eq!((done.status.code(), done.stdout.len()), (Some(2), 0), "{told}");
-        assert!(told.contains("\"foil\": is not for surface \"a\""), "{told}");
+        let message = String::from_utf8(done.stderr).unwrap();
+        assert_eq!((done.status.code(), done.stdout.len()), (Some(2), 0), "{message}");
+        assert!(message.contains("\"foil\": is not for surface \"a\""), "{message}");
     }
     // without a surface the first that it is for
     assert!(stdout(&own, &["explain", "foil"]).contains("REFRACTIVE_INDEX: f32 = 1.8"));
@@ -139,9 +139,9 @@ fn the_list_has_what_surfaces_change() {
 fn what_cannot_be_on_a_surface_is_a_note_and_the_rest_is_listed() {
     let own = folder("optics = { coherence = \"ensemble\" }", "");
     let done = diffraction(own.path(), &["list", "--json"]);
-    let told = String::from_utf8(done.stderr).unwrap();
-    assert_eq!(done.status.code(), Some(0), "{told}");
-    assert!(told.contains("card: left out: copies: pq repeats the patch"), "{told}");
+    let message = String::from_utf8(done.stderr).unwrap();
+    assert_eq!(done.status.code(), Some(0), "{message}");
+    assert!(message.contains("card: left out: copies: pq repeats the patch"), "{message}");
     let list: Value = serde_json::from_slice(&done.stdout).unwrap();
     assert_eq!(list["variants"][2]["cost"].as_array().unwrap().len(), 1);
 }

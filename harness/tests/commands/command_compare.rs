@@ -32,7 +32,7 @@ fn code(output: &Output) -> i32 {
     output.status.code().unwrap()
 }
 
-fn told(output: &Output) -> String {
+fn message(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
@@ -45,7 +45,7 @@ fn records(folder: &TempDir, name: &str) -> Vec<Value> {
 fn records_are_those_of_the_interface_and_survive_an_interruption() {
     let folder = folder(PLAN);
     let first = compare(&folder, &["--route", "twin", "--json"]);
-    assert_eq!(code(&first), 0, "{}", told(&first));
+    assert_eq!(code(&first), 0, "{}", message(&first));
     let all = records(&folder, "records.jsonl");
     let printed = String::from_utf8(first.stdout).unwrap();
     assert_eq!(printed.lines().count(), all.len());
@@ -73,17 +73,17 @@ fn records_are_those_of_the_interface_and_survive_an_interruption() {
     let lines: Vec<&str> = text.lines().collect();
     fs::write(&file, lines[..4].join("\n") + "\n" + &lines[4][..30]).unwrap();
     let resumed = compare(&folder, &["--route", "twin", "--resume"]);
-    assert_eq!(code(&resumed), 0, "{}", told(&resumed));
+    assert_eq!(code(&resumed), 0, "{}", message(&resumed));
     let after = records(&folder, "records.jsonl");
     assert_eq!(after[..4], all[..4], "what was measured is lost");
     // the second variant is whole again
     assert_eq!(after.len(), 4 + 3);
     let again = compare(&folder, &["--route", "twin", "--resume"]);
-    assert_eq!(code(&again), 0, "{}", told(&again));
+    assert_eq!(code(&again), 0, "{}", message(&again));
     assert_eq!(records(&folder, "records.jsonl").len(), 7, "measured what was known");
 
     let anew = compare(&folder, &["--route", "twin"]);
-    assert_eq!(code(&anew), 0, "{}", told(&anew));
+    assert_eq!(code(&anew), 0, "{}", message(&anew));
     assert_eq!(records(&folder, "records.jsonl").len(), 6);
     assert_eq!(records(&folder, "records.old.jsonl").len(), 7, "the last run's are gone");
     assert!(String::from_utf8_lossy(&anew.stdout).contains("6 comparisons, 0 outside"));
@@ -101,8 +101,8 @@ fn what_cannot_be_compared_is_exit_2_and_says_why() {
         (vec!["--light", "90,0"], "THETA"),
     ] {
         let output = compare(&folder, &arguments);
-        assert_eq!(code(&output), 2, "{arguments:?}: {}", told(&output));
-        assert!(told(&output).contains(wanted), "{arguments:?}: {}", told(&output));
+        assert_eq!(code(&output), 2, "{arguments:?}: {}", message(&output));
+        assert!(message(&output).contains(wanted), "{arguments:?}: {}", message(&output));
     }
     assert!(!Path::new(&folder.path().join("out/records.jsonl")).exists());
 }

@@ -1,4 +1,4 @@
-//! `diffraction-harness report` as a user runs it: where the page goes, what is told, exit codes.
+//! `diffraction-harness report` as a user runs it: where the page goes, what is printed, exit codes.
 
 use std::fs;
 use std::path::Path;
@@ -45,8 +45,8 @@ fn a_missing_picture_is_told_and_stops_nothing() {
     let folder = folder(&[PERIOD]);
     let done = report(folder.path(), &["run"]);
     assert_eq!(done.status.code(), Some(0));
-    let told = String::from_utf8(done.stderr).unwrap();
-    assert!(told.contains("picture missing: run/pictures/a.svg"), "{told}");
+    let message = String::from_utf8(done.stderr).unwrap();
+    assert!(message.contains("picture missing: run/pictures/a.svg"), "{message}");
     let done = report(folder.path(), &["run", "--no-pictures"]);
     assert!(!String::from_utf8(done.stderr).unwrap().contains("missing"));
 }
@@ -60,8 +60,8 @@ fn what_cannot_be_read_is_an_error_with_its_place() {
         (&[], "<DIR>"),
     ] {
         let done = report(folder.path(), args);
-        let told = String::from_utf8(done.stderr).unwrap();
-        assert!(done.status.code() == Some(2) && told.contains(wanted), "{args:?}: {told}");
+        let message = String::from_utf8(done.stderr).unwrap();
+        assert!(done.status.code() == Some(2) && message.contains(wanted), "{args:?}: {message}");
     }
     assert!(!folder.path().join("run/report.html").exists());
 }

@@ -107,9 +107,9 @@ fn what_cannot_be_measured_is_exit_code_two() {
     let folder = folder();
     let fails = |args: &[&str], part: &str| {
         let done = testbench(folder.path(), args);
-        let told = String::from_utf8(done.stderr).unwrap();
-        assert_eq!(done.status.code(), Some(2), "{told}");
-        assert!(told.contains("error: ") && told.contains(part), "{told}");
+        let message = String::from_utf8(done.stderr).unwrap();
+        assert_eq!(done.status.code(), Some(2), "{message}");
+        assert!(message.contains("error: ") && message.contains(part), "{message}");
     };
     fails(&["--surface", "a", "--variant", "gems"], "gems has no wavelength axis");
     fails(&["--surface", "a", "--variant", "blue"], "--wavelengths 400,500,5");

@@ -101,7 +101,7 @@ fn a_budget_that_nothing_keeps_is_a_finding_that_says_what_came_nearest() {
 #[test]
 fn bad_input_is_a_usage_error_with_what_there_is() {
     let folder = folder();
-    for (args, told) in [
+    for (args, message) in [
         (&["--surface", "wave", "--budget-de", "0"][..], "positive"),
         (&["--surface", "wave", "--budget-de", "nan"], "positive"),
         (&["--surface", "wave", "--budget-de", "-1"], "positive"),
@@ -115,6 +115,6 @@ fn bad_input_is_a_usage_error_with_what_there_is() {
         let done = tune(folder.path(), args);
         let text = String::from_utf8_lossy(&done.stderr);
         assert_eq!(done.status.code(), Some(2), "{args:?}: {text}");
-        assert!(text.contains(told) && done.stdout.is_empty(), "{args:?}: {text}");
+        assert!(text.contains(message) && done.stdout.is_empty(), "{args:?}: {text}");
     }
 }

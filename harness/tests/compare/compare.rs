@@ -287,7 +287,7 @@ fn a_route_that_gives_no_numbers_or_breaks_ends_and_the_rest_goes_on() {
     }
 }
 
-/// What cannot be had is told with its reason; errors are split; pictures are there once.
+/// What is unavailable is reported with its reason; errors are split; pictures are there once.
 #[test]
 fn without_a_route_the_twin_is_compared() {
     let kept = compared(&[], false);

@@ -204,7 +204,7 @@ fn texts_agrees_within_its_own_bound() {
     }
 }
 
-/// A shader whose light is mirrored, or that lacks its last term but one, must be told from the twin.
+/// A shader whose light is mirrored, or that lacks its last term but one, must be distinguished from the twin.
 #[test]
 fn wrong_shaders_are_caught() {
     let height = blazed();

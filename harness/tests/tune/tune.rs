@@ -287,7 +287,7 @@ fn ties_go_to_the_smaller_error_then_the_smaller_tables_then_the_name() {
     };
     let one = Some([1.0, 1.0]);
     assert_eq!(won([0.5, 0.4, 0.3], [one, tie, tie]).0, Some(2));
-    // told apart: slower by more than its interval
+    // distinguished: slower by more than its interval
     assert_eq!(won([0.5, 0.4, 0.3], [one, tie, Some([0.9, 0.97])]).0, Some(1));
     // without paces by the ratios
     assert_eq!(won([0.5, 0.4, 0.6], [None; 3]).0, Some(1));
@@ -329,7 +329,7 @@ terms = "auto"
         )
         .expect("a preset");
     assert_eq!((read.terms, read.name.as_str()), (Auto::Auto, "x"));
-    for (text, told) in [
+    for (text, message) in [
         ("", "is not exactly one [[preset]]"),
         (
             r#"[[preset]]
@@ -351,6 +351,6 @@ terms = 4
         ("[[preset", "preset:1"),
     ] {
         let errors = plan.preset(text).expect_err(text);
-        assert!(errors.iter().any(|e| e.to_string().contains(told)), "{text}: {errors:?}");
+        assert!(errors.iter().any(|e| e.to_string().contains(message)), "{text}: {errors:?}");
     }
 }
