@@ -204,9 +204,10 @@ fn identity(spec: &SurfaceSpec, bytes: Option<&[u8]>) -> String {
     let SurfaceSpec { name: _, source, rotate_deg, level, clip_percent, optics: _ } = spec;
     let source = match source {
         SurfaceSource::Grating(grating) => json!(grating),
-        SurfaceSource::File(FileSource { path: _, size_um, pixel_um, height_um, z_unit_um }) => {
-            let content = sha256(bytes.unwrap_or_default());
-            json!([content, size_um, pixel_um, height_um, z_unit_um])
+        SurfaceSource::File(file) => {
+            // every key of the file but its path
+            let keys = FileSource { path: Default::default(), ..file.clone() };
+            json!([sha256(bytes.unwrap_or_default()), keys])
         }
     };
     of_value(&json!([source, rotate_deg, level, clip_percent]))

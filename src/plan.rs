@@ -61,19 +61,75 @@ pub enum SurfaceSource {
     File(FileSource),
 }
 
-/// A measured height field.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+/// A measured height field. What the plan leaves out is taken from the file, if the file states it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct FileSource {
     /// Path, already resolved against the plan's folder.
     pub path: PathBuf,
     /// Width of the patch in µm; not together with `pixel_um`.
     pub size_um: Option<f64>,
-    /// Pixel pitch in µm; not together with `size_um`.
+    /// Pixel pitch along both axes in µm; not together with `size_um` or `size_y_um`.
     pub pixel_um: Option<f64>,
     /// Height of the full grey range of an integer file, µm.
     pub height_um: Option<f64>,
     /// Scale of a float file's numbers, µm per unit.
     pub z_unit_um: Option<f64>,
+    /// Length of the patch along y in µm, if pixels are not square.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub size_y_um: Option<f64>,
+    /// Name or number (from 1) of the channel, for files with several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel: Option<String>,
+    /// The number that stands for pixels without a height.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub void_value: Option<VoidValue>,
+    /// Which axis is turned round.
+    #[serde(skip_serializing_if = "is_default")]
+    pub flip: Flip,
+    /// Whose numbers are used where plan and file contradict each other.
+    #[serde(skip_serializing_if = "is_default")]
+    pub trust: Trust,
+    /// Largest pitch after resampling, µm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub resample_um: Option<f64>,
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+/// The number of a file that stands for pixels without a height.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum VoidValue {
+    /// Pixels with this number are void.
+    Number(f64),
+    /// All numbers are heights, however unlikely they look. Written `"none"`.
+    None,
+}
+
+/// Turning the heights of a file round.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Flip {
+    /// As in the file.
+    #[default]
+    None,
+    /// The last row becomes the first.
+    Rows,
+    /// The last column becomes the first.
+    Columns,
+}
+
+/// Whose numbers are used where plan and file contradict each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Trust {
+    /// A contradiction is an error.
+    #[default]
+    File,
+    /// The plan's numbers are used, with a note.
+    Plan,
 }
 
 /// A synthetic surface. `x` grows with the column. One period (or one patch) tiles the plane.

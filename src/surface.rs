@@ -1,18 +1,20 @@
 //! Height fields: heights in µm on a regular grid with a physical pitch.
 //!
-//! [`prepare`] turns one surface of a plan into a [`HeightField`]: decode or synthesise, fill voids, level, clip
+//! [`prepare`] turns one surface of a plan into a [`HeightField`]: decode or synthesise, fill voids, level, resample, clip
 //! outliers, extrude a profile. It returns a note for every change that a user should know about.
 
 pub mod gsf;
 pub mod facts;
 pub mod level;
+mod length;
 mod raster;
 pub mod read;
+mod resample;
 pub mod synthetic;
 pub mod voids;
 
 use crate::error::{Error, Result};
-use crate::plan::{SurfaceSource, SurfaceSpec};
+use crate::plan::{FileSource, SurfaceSource, SurfaceSpec};
 
 pub use gsf::write_gsf;
 
@@ -56,7 +58,8 @@ pub struct Origin {
     pub file_pixels: usize,
 }
 
-/// Decodes or synthesises a surface and prepares it: voids → level → clip → extrude. Also returns facts about the file.
+/// Decodes or synthesises a surface and prepares it: voids → level → resample → clip → extrude. Also returns facts
+/// about the file.
 /// `bytes`: the content of the file, if the surface has one.
 ///
 /// Errors name the surface, its file, the key, its value and what to do. The rotation of the surface is not applied
@@ -78,7 +81,12 @@ pub fn prepare(spec: &SurfaceSpec, bytes: Option<&[u8]>) -> Result<(Surface, Ori
             voids::fill(reading, &subject)?
         }
     };
-    let field = level::level(field, spec.level, &subject)?;
+    let mut field = level::level(field, spec.level, &subject)?;
+    if let SurfaceSource::File(FileSource { resample_um: Some(pitch_um), .. }) = spec.source {
+        let (resampled, note) = resample::resample(&field, pitch_um, &subject)?;
+        field = resampled;
+        notes.push(note);
+    }
     let (field, clipped) = level::clip(field, spec.clip_percent, &subject)?;
     notes.extend(clipped);
     if field.columns != 1 && field.rows != 1 {
@@ -224,22 +232,30 @@ impl HeightField {
         let limit_um = lambda_min_nm / 4000.0;
         let axes =
             [("x", self.pitch_x_um, self.size_x_um()), ("y", self.pitch_y_um, self.size_y_um())];
-        for (axis, pitch_um, size_um) in axes {
-            if pitch_um > limit_um * (1.0 + 1e-9) || limit_um.is_nan() {
-                let cause = format!(
-                    "pixel pitch {:.4} nm along {axis} is above a quarter of the shortest wavelength, {lambda_min_nm} nm",
-                    pitch_um * 1000.0
-                );
-                let remedy = format!(
-                    "use a pitch of at most {:.4} nm, which is {} pixels over {size_um:.4} µm (check `size_um` or `pixel_um` of a file, `pixels` of a grating), or wavelengths of at least {:.0} nm",
-                    limit_um * 1000.0,
-                    (size_um / limit_um * (1.0 - 1e-12)).ceil(),
-                    (pitch_um * 4000.0).ceil()
-                );
-                return Err(Error::new(subject, cause).remedy(remedy));
-            }
+        let is_coarse = |pitch_um: f64| pitch_um > limit_um * (1.0 + 1e-9) || limit_um.is_nan();
+        let coarse: Vec<_> = axes.into_iter().filter(|(_, pitch, _)| is_coarse(*pitch)).collect();
+        if coarse.is_empty() {
+            return Ok(());
         }
-        Ok(())
+        let list = |of: &dyn Fn(&(&str, f64, f64)) -> String| -> String {
+            coarse.iter().map(of).collect::<Vec<_>>().join(" and ")
+        };
+        let cause = format!(
+            "pixel pitch {} is above a quarter of the shortest wavelength, {lambda_min_nm} nm",
+            list(&|(axis, pitch, _)| format!("{:.4} nm along {axis}", pitch * 1000.0))
+        );
+        let pixels = list(&|(axis, _, size)| {
+            let count = (size / limit_um * (1.0 - 1e-12)).ceil();
+            format!("{count} pixels over {size:.4} µm along {axis}")
+        });
+        let longest = coarse.iter().map(|(_, pitch, _)| *pitch).fold(0.0, f64::max);
+        let remedy = format!(
+            "use a pitch of at most {:.4} nm, which is {pixels} (check `size_um`, `size_y_um` or `pixel_um` of a file, `pixels` of a grating); or `resample_um = {}` of a file, after which nothing finer than the scan is known; or wavelengths of at least {:.0} nm",
+            limit_um * 1000.0,
+            (limit_um * 1e6).floor() / 1e6,
+            (longest * 4000.0).ceil()
+        );
+        Err(Error::new(subject, cause).remedy(remedy))
     }
 }
 

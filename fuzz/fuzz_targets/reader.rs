@@ -17,9 +17,8 @@ pub fn read(name: &str, heights_um: &[Option<f64>], bytes: &[u8]) {
         let source = FileSource {
             path: name.into(),
             size_um: (!name.ends_with("gsf")).then_some(1.0),
-            pixel_um: None,
             height_um,
-            z_unit_um: None,
+            ..FileSource::default()
         };
         match parse(&source, "fuzz", bytes) {
             Ok(reading) => {

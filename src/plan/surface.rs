@@ -5,28 +5,43 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::item::{Item, Table, suggest};
-use super::{FileSource, Grating, Level, SurfaceOptics, SurfaceSource, SurfaceSpec, words};
+use super::{Grating, Level, SurfaceOptics, SurfaceSource, SurfaceSpec, words};
 
-pub(super) const KEYS: [&str; 11] = [
+mod file;
+
+pub(super) const KEYS: [&str; 17] = [
     "name",
     "grating",
     "file",
     "size_um",
+    "size_y_um",
     "pixel_um",
     "height_um",
     "z_unit_um",
+    "void_value",
+    "channel",
+    "flip",
+    "trust",
+    "resample_um",
     "rotate_deg",
-    LEVEL.0,
+    "level",
     "clip_percent",
     OPTICS,
 ];
-/// The key of [`KEYS`] that accepts words.
-pub(super) const LEVEL: (&str, &[(&str, Level)]) = ("level", words::LEVELS);
+
+/// The words that a key of [`KEYS`] accepts.
+pub(super) fn words_of(key: &str) -> Vec<&'static str> {
+    match key {
+        "level" => words::names(words::LEVELS),
+        "flip" => words::names(words::FLIPS),
+        "trust" => words::names(words::TRUSTS),
+        "void_value" => words::names(words::VOIDS),
+        _ => Vec::new(),
+    }
+}
 
 /// The key of [`KEYS`] that is a table of optics.
 pub(super) const OPTICS: &str = "optics";
-
-const FILE_KEYS: [&str; 4] = ["size_um", "pixel_um", "height_um", "z_unit_um"];
 
 /// Reads one surface. `shortest_nm` returns the shortest wavelength of the variants for the surface of that name.
 pub(super) fn read(
@@ -42,8 +57,8 @@ pub(super) fn read(
         Some(item) => item.number("finite", "an angle in degrees", |_| true)?,
         None => 0.0,
     };
-    let level = match table.get(LEVEL.0) {
-        Some(item) => item.word(LEVEL.1)?,
+    let level = match table.get("level") {
+        Some(item) => item.word(words::LEVELS)?,
         None => Level::None,
     };
     let clip_percent = match table.get("clip_percent") {
@@ -59,7 +74,7 @@ pub(super) fn read(
     };
     let source = match (table.get("grating"), table.get("file")) {
         (Some(item), None) => SurfaceSource::Grating(grating_surface(table, &item, lambda_min_nm)?),
-        (None, Some(item)) => SurfaceSource::File(file(table, &item, folder, lambda_min_nm)?),
+        (None, Some(item)) => SurfaceSource::File(file::read(table, &item, folder, limit_um(lambda_min_nm))?),
         (grating, _) => {
             let cause = if grating.is_some() {
                 "has both grating and file"
@@ -89,55 +104,8 @@ pub(super) fn name(table: &Table) -> Option<String> {
     Some(text.to_owned())
 }
 
-fn file(table: &Table, item: &Item, folder: &Path, lambda_min_nm: f64) -> Option<FileSource> {
-    let path = item.string("the path of a height field, relative to the plan")?;
-    if path.is_empty() || path.contains('\0') {
-        item.fail("is not a valid path", "give the path of a height field, relative to the plan");
-        return None;
-    }
-    let [size_um, pixel_um, height_um, z_unit_um] = FILE_KEYS.map(|key| table.get(key));
-    let excludes = [
-        (&size_um, &pixel_um, "size_um and pixel_um both set the scale", "remove one of them"),
-        (
-            &height_um,
-            &z_unit_um,
-            "height_um and z_unit_um both set the heights",
-            "keep height_um for integer files, z_unit_um for float files",
-        ),
-    ];
-    for (one, other, cause, remedy) in excludes {
-        if let (Some(_), Some(other)) = (one, other) {
-            other.fail(cause, remedy);
-            return None;
-        }
-    }
-    let read = |item: &Option<Item>, what: &str| match item {
-        Some(item) => item.positive(what).map(Some),
-        None => Some(None),
-    };
-    let pitch = read(&pixel_um, "the pixel pitch in µm");
-    let source = FileSource {
-        path: folder.join(path),
-        size_um: read(&size_um, "the width of the patch in µm")?,
-        pixel_um: pitch?,
-        height_um: read(&height_um, "a height in µm")?,
-        z_unit_um: read(&z_unit_um, "µm per unit of the file")?,
-    };
-    if let (Some(pitch), Some(item)) = (source.pixel_um, &pixel_um) {
-        let limit = limit_um(lambda_min_nm);
-        if too_coarse(pitch, limit) {
-            let cause = format!(
-                "a pitch above a quarter of the shortest wavelength, {limit} µm, cannot resolve all orders"
-            );
-            item.fail(cause, format!("scan or resample with a pitch of at most {limit} µm"));
-            return None;
-        }
-    }
-    Some(source)
-}
-
 fn grating_surface(table: &Table, item: &Item, lambda_min_nm: f64) -> Option<Grating> {
-    for key in FILE_KEYS {
+    for key in file::KEYS {
         if let Some(item) = table.get(key) {
             item.fail(
                 "is a key of surfaces with a file",

@@ -33,11 +33,7 @@ pub fn vocabulary() -> Vec<Key> {
         add("", name, Vec::new());
     }
     for name in surface::KEYS {
-        add(
-            "surface",
-            name,
-            if name == surface::LEVEL.0 { names(surface::LEVEL.1) } else { Vec::new() },
-        );
+        add("surface", name, surface::words_of(name));
     }
     let kinds = surface::grating_words(None);
     add("surface.grating", "kind", kinds.iter().map(String::as_str).collect());

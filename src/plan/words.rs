@@ -1,8 +1,8 @@
 //! The words of a plan, each with its meaning.
 
 use super::{
-    Basis, Coherence, CoherenceScaling, Colour, Container, Level, Packing, Reconstruction,
-    Sampling, TableFormat,
+    Basis, Coherence, CoherenceScaling, Colour, Container, Flip, Level, Packing, Reconstruction,
+    Sampling, TableFormat, Trust, VoidValue,
 };
 
 /// Words with their meanings.
@@ -41,6 +41,13 @@ pub(super) const COLOURS: Words<Colour> = &[("srgb", Colour::Srgb), ("thesis", C
 
 pub(super) const LEVELS: Words<Level> =
     &[("none", Level::None), ("plane", Level::Plane), ("rows", Level::Rows)];
+
+pub(super) const FLIPS: Words<Flip> =
+    &[("none", Flip::None), ("rows", Flip::Rows), ("columns", Flip::Columns)];
+
+pub(super) const TRUSTS: Words<Trust> = &[("file", Trust::File), ("plan", Trust::Plan)];
+
+pub(super) const VOIDS: Words<VoidValue> = &[("none", VoidValue::None)];
 
 /// `auto`: the tool chooses the number.
 pub(super) const AUTO: Words<()> = &[("auto", ())];

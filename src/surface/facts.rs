@@ -97,8 +97,13 @@ pub fn facts(field: &HeightField, subject: &str) -> Result<Facts> {
             rise_um: [slope_x * field.size_x_um(), slope_y * field.size_y_um()],
         },
         seam,
-        joins: seam.map(|ratio| ratio <= JOINS),
+        joins: joins(field),
     })
+}
+
+/// Whether the patch joins itself along x and y when it is tiled.
+pub(super) fn joins(field: &HeightField) -> [bool; 2] {
+    seams(field).map(|ratio| ratio <= JOINS)
 }
 
 fn rms(field: &HeightField) -> f64 {

@@ -6,7 +6,8 @@
 
 use crate::error::{Error, Result};
 use crate::surface::HeightField;
-use crate::surface::raster::{Raster, Samples};
+use crate::surface::length::{Unit, unit};
+use crate::surface::raster::{Raster, Samples, Stated};
 
 /// The first line of every file.
 pub(super) const MAGIC: &[u8] = b"Gwyddion Simple Field 1.0\n";
@@ -85,39 +86,29 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
     let values =
         data.as_chunks::<4>().0.iter().map(|b| f64::from(f32::from_le_bytes(*b))).collect();
 
-    let mut notes = Vec::new();
-    let lateral_um = unit_um(fields.xy_units.as_deref());
     let positive = |key: &str, value: Option<f64>| match value {
         Some(v) if !(v.is_finite() && v > 0.0) => {
             Err(error(format!("`{key} = {v}` is not positive and finite")).remedy(HEADER))
         }
         _ => Ok(value),
     };
-    let x = positive("XReal", fields.x_real)?.map(|size| size / columns as f64);
-    let y = positive("YReal", fields.y_real)?.map(|size| size / rows as f64);
-    let scale = match (x.or(y), y.or(x), lateral_um) {
-        (Some(x), Some(y), Some(um)) => Some((x * um, y * um)),
-        (Some(_), Some(_), None) => {
-            notes.push(format!(
-                "`XYUnits = {}` is not a unit of length, so the file's scale is not used",
-                fields.xy_units()
-            ));
-            None
-        }
-        _ => None,
-    };
-    let unit = unit_um(fields.z_units.as_deref());
-    if unit.is_none() {
-        let units = fields.z_units.unwrap_or_default();
-        notes.push(format!("`ZUnits = {units}` is not a unit of length, so `z_unit_um` is used"));
+    let sizes = [positive("XReal", fields.x_real)?, positive("YReal", fields.y_real)?];
+    // metres are what the format says where it says nothing
+    let of = |words: &Option<String>| unit(words.as_deref().unwrap_or("m"));
+    let (lateral, heights) = (of(&fields.xy_units), of(&fields.z_units));
+    let mut notes = Vec::new();
+    if let (Unit::Other(words), [Some(_), _] | [_, Some(_)]) = (&lateral, sizes) {
+        notes.push(format!(
+            "`XYUnits = {words}` is not a unit of length, so the file's scale is not used"
+        ));
     }
-    Ok(Raster {
-        columns,
-        rows,
-        samples: Samples::Float { values, unit_um: unit, needs_unit: unit.is_none() },
-        scale,
-        notes,
-    })
+    if let Unit::Other(words) = &heights {
+        notes.push(format!("`ZUnits = {words}` is not a unit of length, so `z_unit_um` is used"));
+    }
+    let mut stated =
+        Stated { unit: Some(heights), heights_by: "ZUnits".to_owned(), ..Stated::default() };
+    stated.sizes(sizes, [columns, rows], &lateral, "XReal, YReal");
+    Ok(Raster { columns, rows, samples: Samples::Float(values), stated, notes })
 }
 
 /// The keys that are used. Titles and offsets are ignored.
@@ -157,22 +148,6 @@ impl Header {
             _ => {}
         }
         Ok(())
-    }
-
-    fn xy_units(&self) -> &str {
-        self.xy_units.as_deref().unwrap_or_default()
-    }
-}
-
-/// µm per unit. The format requires base units, but some programs write prefixes.
-fn unit_um(unit: Option<&str>) -> Option<f64> {
-    match unit.unwrap_or("m") {
-        "m" => Some(1e6),
-        "mm" => Some(1e3),
-        "um" | "µm" | "μm" => Some(1.0),
-        "nm" => Some(1e-3),
-        "pm" => Some(1e-6),
-        _ => None,
     }
 }
 

@@ -1,31 +1,39 @@
-//! Height fields from the bytes of files: PNG, TIFF, EXR, NPY, GSF and text matrices.
+//! Height fields from the bytes of files: PNG, TIFF, EXR, NPY, GSF and text.
 //!
-//! **Orientation.** The first row of the file is the top row, in every format.
+//! **Orientation.** The first row of the file is the top row. Where a file has coordinates, y counts upwards.
+//!
+//! **What a file says is used**: sizes, units, the heights of black and white, marks of void pixels. The plan fills in
+//! what the file leaves out. Where both say something and differ by more than 1 % it is an error, unless `trust = "plan"`.
 //!
 //! **Heights.** Integer files need `height_um`, the height of the *full* grey range (0…255 or 0…65535), not of the
-//! image's own extrema. Numbers of float files are multiplied by `z_unit_um` to give µm. Its default is the unit of a
-//! GSF file, and 1 otherwise. NaN marks a void pixel.
+//! image's own extrema. Numbers of float files are in the file's unit, or `z_unit_um` µm, or µm. NaN marks a void pixel;
+//! `void_value` names another mark.
 //!
-//! **Scale.** A GSF file contains its own. Other files need `size_um` (the width, or the length of a profile) or
-//! `pixel_um`, and have square pixels. Resolution tags of pictures are meant for printers and ignored. **A scale in the
-//! plan overrides that of a GSF file**, with a note that states both: scanners are sometimes recalibrated later, and
-//! the plan is the place to record it. `size_um` keeps the file's aspect ratio of pixels, `pixel_um` makes them square.
+//! **Scale.** `size_um` (the width, or the length of a profile), `size_y_um`, or `pixel_um`. With `size_um` alone pixels
+//! have the file's aspect, or are square.
 //!
 //! The declared size is checked against the limits and the length of the file before memory is allocated.
 
+mod format;
+mod gwyddion;
+mod heights;
+mod magnitude;
+mod marks;
 mod npy;
 mod openexr;
 mod png;
+mod scale;
+mod steps;
 mod text;
 mod tiff;
-mod units;
 
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::plan::FileSource;
+use crate::plan::{FileSource, Flip};
 use crate::surface::raster::{Raster, Samples};
 use crate::surface::{check_pixels, gsf};
+use format::Format;
 
 /// Maximum size of a file in bytes: [`crate::surface::MAX_PIXELS`] pixels of four 64-bit channels, or of 30 characters
 /// each as text.
@@ -62,140 +70,78 @@ pub struct Reading {
 pub fn parse(source: &FileSource, name: &str, bytes: &[u8]) -> Result<Reading> {
     let subject = &subject(name, &source.path);
     check_source(source, subject)?;
-    let format = of_path(&source.path, subject)?;
-    check_content(format, bytes, &source.path, subject)?;
-    finish(source, subject, decode(format, bytes, subject)?)
+    let format = format::of_path(&source.path, subject)?;
+    format::check_content(format, bytes, &source.path, subject)?;
+    finish(source, subject, decode(format, bytes, source, subject)?)
 }
 
 /// Checks the plan's numbers for a file.
 pub fn check_source(source: &FileSource, subject: &str) -> Result<()> {
-    units::check_keys(source, subject)
+    scale::check_keys(source, subject)?;
+    heights::check_keys(source, subject)
 }
 
 /// Checks that the extension of a file belongs to a known format.
 pub fn check_extension(path: &Path, subject: &str) -> Result<()> {
-    of_path(path, subject).map(drop)
+    format::of_path(path, subject).map(drop)
 }
 
-fn decode(format: Format, bytes: &[u8], subject: &str) -> Result<Raster> {
+/// The command that converts an instrument's file.
+fn import(path: &Path) -> String {
+    format!("cargo xtask import \"{}\"", path.display())
+}
+
+fn decode(format: Format, bytes: &[u8], source: &FileSource, subject: &str) -> Result<Raster> {
+    if let (Format::Png | Format::Npy | Format::Gsf, Some(channel)) = (format, &source.channel)
+        && channel.trim() != "1"
+    {
+        let cause = format!("`channel = {channel}`, but the file has one channel without a name");
+        return Err(Error::new(subject, cause).remedy("remove `channel`"));
+    }
     match format {
         Format::Png => png::read(bytes, subject),
-        Format::Tiff => tiff::read(bytes, subject),
-        Format::Exr => openexr::read(bytes, subject),
+        Format::Tiff => tiff::read(bytes, source, subject),
+        Format::Exr => openexr::read(bytes, source, subject),
         Format::Npy => npy::read(bytes, subject),
         Format::Gsf => gsf::read(bytes, subject),
-        Format::Text => text::read(bytes, subject),
+        Format::Text => text::read(bytes, source, subject),
     }
 }
 
 /// Applies the plan's keys to the samples.
-fn finish(source: &FileSource, subject: &str, mut raster: Raster) -> Result<Reading> {
-    let mut notes = std::mem::take(&mut raster.notes);
-    let (columns, rows) = (raster.columns, raster.rows);
-    let (pitch_x_um, pitch_y_um) = units::pitch(source, &raster, subject, &mut notes)?;
-    let steps = units::steps(source, &raster.samples);
-    let heights_um = units::heights(source, raster.samples, columns, subject, &mut notes)?;
+fn finish(source: &FileSource, subject: &str, raster: Raster) -> Result<Reading> {
+    let Raster { columns, rows, mut samples, stated, mut notes } = raster;
+    marks::apply(source, &stated, &mut samples, subject, &mut notes)?;
+    let conversion = heights::conversion(source, &samples, &stated, subject, &mut notes)?;
+    let shape = scale::Shape { columns, rows, stated: &stated, unit_um: conversion.unit_um() };
+    let pitch = scale::pitch(source, &shape, subject, &mut notes)?;
+    let steps = conversion.steps(&samples);
     notes.extend(steps.as_ref().map(ToString::to_string));
-    let step_um = steps.map(|steps| steps.size_um);
-    Ok(Reading { columns, rows, pitch_x_um, pitch_y_um, heights_um, step_um, notes })
+    let is_grey = matches!(samples, Samples::Grey { .. });
+    let mut heights_um = conversion.heights(samples, columns, subject)?;
+    notes.extend(magnitude::note(&heights_um, columns, pitch, &conversion, is_grey));
+    match source.flip {
+        Flip::None => {}
+        Flip::Rows => {
+            let turned = heights_um.chunks_exact(columns).rev().flatten().copied().collect();
+            heights_um = turned;
+        }
+        Flip::Columns => heights_um.chunks_exact_mut(columns).for_each(<[f64]>::reverse),
+    }
+    Ok(Reading {
+        columns,
+        rows,
+        pitch_x_um: pitch.0,
+        pitch_y_um: pitch.1,
+        heights_um,
+        step_um: steps.map(|steps| steps.size_um),
+        notes,
+    })
 }
 
 /// Subject of errors about a surface with a file.
 pub fn subject(name: &str, path: &Path) -> String {
     format!("surface {name}: {}", path.display())
-}
-
-/// A file format.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Format {
-    Png,
-    Tiff,
-    Exr,
-    Npy,
-    Gsf,
-    Text,
-}
-
-impl Format {
-    fn of_extension(extension: &str) -> Option<Format> {
-        Some(match extension.to_ascii_lowercase().as_str() {
-            "png" => Format::Png,
-            "tif" | "tiff" => Format::Tiff,
-            "exr" => Format::Exr,
-            "npy" => Format::Npy,
-            "gsf" => Format::Gsf,
-            "txt" | "csv" => Format::Text,
-            _ => return None,
-        })
-    }
-
-    /// The format by the first bytes. Content without another format's mark and without control characters is text.
-    fn of_content(bytes: &[u8]) -> Option<Format> {
-        let marks: [(&[u8], Format); 8] = [
-            (b"\x89PNG\r\n\x1a\n", Format::Png),
-            (b"II*\0", Format::Tiff),
-            (b"MM\0*", Format::Tiff),
-            (b"II+\0", Format::Tiff),
-            (b"MM\0+", Format::Tiff),
-            (b"\x76\x2f\x31\x01", Format::Exr),
-            (b"\x93NUMPY", Format::Npy),
-            (gsf::MAGIC, Format::Gsf),
-        ];
-        let marked =
-            marks.iter().find(|(mark, _)| bytes.starts_with(mark)).map(|&(_, format)| format);
-        let head = &bytes[..bytes.len().min(1024)];
-        let texty = |b: &u8| *b >= b' ' || b.is_ascii_whitespace();
-        marked.or_else(|| head.iter().all(texty).then_some(Format::Text))
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Format::Png => "PNG",
-            Format::Tiff => "TIFF",
-            Format::Exr => "OpenEXR",
-            Format::Npy => "NPY",
-            Format::Gsf => "Gwyddion Simple Field",
-            Format::Text => "text",
-        }
-    }
-}
-
-/// The extension of a path; empty if it has none.
-fn extension(path: &Path) -> &str {
-    path.extension().and_then(|e| e.to_str()).unwrap_or_default()
-}
-
-/// The format that belongs to the extension.
-fn of_path(path: &Path, subject: &str) -> Result<Format> {
-    let extension = extension(path);
-    Format::of_extension(extension).ok_or_else(|| {
-        let cause = format!("the extension `{extension}` does not belong to a known format");
-        Error::new(subject, cause)
-            .remedy("convert the file to one of png, tif, tiff, exr, npy, gsf, txt, csv")
-    })
-}
-
-/// Checks that the content matches the extension.
-fn check_content(format: Format, bytes: &[u8], path: &Path, subject: &str) -> Result<()> {
-    let error = |cause: String| Error::new(subject, cause);
-    if bytes.is_empty() {
-        return Err(error("the file is empty".into()).remedy("export it again"));
-    }
-    let (extension, name) = (extension(path), format.name());
-    match Format::of_content(bytes) {
-        Some(found) if found == format => Ok(()),
-        Some(found) => {
-            let found = found.name();
-            Err(error(format!(
-                "the content is {found}, although the extension `{extension}` stands for {name}"
-            ))
-            .remedy("rename or convert the file"))
-        }
-        None => Err(error(format!(
-            "the content is not {name}, although the extension is `{extension}`"
-        ))
-        .remedy("the file is damaged or has the wrong name; export it again")),
-    }
 }
 
 /// Checks that a file of `length` bytes can hold `bytes` of pixels, `compressed` or not.

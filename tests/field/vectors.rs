@@ -22,10 +22,9 @@ const FILES: [(&str, f64); 2] =
 fn surface(path: &Path) -> HeightField {
     let source = FileSource {
         path: path.to_owned(),
-        size_um: None,
         pixel_um: Some(0.0586),
         height_um: Some(0.375),
-        z_unit_um: None,
+        ..FileSource::default()
     };
     let spec = SurfaceSpec {
         name: "crop".into(),

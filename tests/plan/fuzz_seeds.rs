@@ -41,10 +41,9 @@ fn every_seed_is_small_and_read() {
             let read = |height_um| {
                 let source = FileSource {
                     path: path.clone(),
-                    size_um: None,
                     pixel_um: Some(0.1),
                     height_um,
-                    z_unit_um: None,
+                    ..FileSource::default()
                 };
                 parse(&source, "seed", &bytes)
             };

@@ -33,10 +33,8 @@ pub fn put(dir: &tempfile::TempDir, name: &str, bytes: &[u8]) -> PathBuf {
 pub fn floats(path: &Path) -> FileSource {
     FileSource {
         path: path.to_owned(),
-        size_um: None,
         pixel_um: Some(0.1),
-        height_um: None,
-        z_unit_um: None,
+    ..FileSource::default()
     }
 }
 

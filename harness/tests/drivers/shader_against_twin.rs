@@ -269,9 +269,8 @@ fn a_measured_scan_agrees_at_two_angles() {
     let source = FileSource {
         path,
         size_um: Some(65.0),
-        pixel_um: None,
         height_um: Some(0.375),
-        z_unit_um: None,
+        ..FileSource::default()
     };
     let source = SurfaceSource::File(source);
     let spec = SurfaceSpec {

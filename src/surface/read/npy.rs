@@ -4,7 +4,7 @@ use npyz::{DType, Deserialize, NpyFile, Order, TypeChar};
 
 use super::{check_length, check_pixels, grey};
 use crate::error::{Error, Result};
-use crate::surface::raster::{Raster, Samples};
+use crate::surface::raster::{Raster, Samples, Stated};
 
 /// Maximum length of a header, in bytes. The header of a plain array has 128 bytes.
 const MAX_HEADER: usize = 1 << 16;
@@ -51,10 +51,10 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
     let samples = match (kind.type_char(), size) {
         (TypeChar::Float, 4) => {
             let values: Vec<f32> = elements(file, order, columns, rows).map_err(broken)?;
-            Samples::float(values.into_iter().map(f64::from).collect())
+            Samples::Float(values.into_iter().map(f64::from).collect())
         }
         (TypeChar::Float, 8) => {
-            Samples::float(elements(file, order, columns, rows).map_err(broken)?)
+            Samples::Float(elements(file, order, columns, rows).map_err(broken)?)
         }
         (TypeChar::Uint, 1) => grey(
             &elements::<u8>(file, order, columns, rows).map_err(broken)?,
@@ -74,7 +74,7 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
         )?,
         _ => return Err(unsupported(&dtype)),
     };
-    Ok(Raster { columns, rows, samples, scale: None, notes: Vec::new() })
+    Ok(Raster { columns, rows, samples, stated: Stated::default(), notes: Vec::new() })
 }
 
 /// All elements row by row, whatever the file's memory order.

@@ -1,4 +1,4 @@
-//! OpenEXR: the first layer, with one channel of half or single precision or several equal ones.
+//! OpenEXR: the first layer, with one channel of half or single precision or several equal ones, and Gwyddion's attributes.
 
 use std::io::Cursor;
 
@@ -7,19 +7,23 @@ use exr::compression::Compression;
 use exr::image::FlatSamples;
 use exr::image::read::read as reader;
 use exr::math::Vec2;
+use exr::meta::attribute::AttributeValue;
+use exr::meta::header::Header;
 use exr::meta::{BlockDescription, MetaData};
 use exr::prelude::{ReadChannels, ReadLayers};
 
-use super::{check_length, check_pixels};
+use super::{check_length, check_pixels, gwyddion};
 use crate::error::{Error, Result};
-use crate::surface::raster::{Raster, Samples};
+use crate::plan::FileSource;
+use crate::surface::raster::{Raster, Samples, Stated};
 
 /// Maximum size in bytes of a tile, unless four times the layer is more. The crate allocates memory for a whole tile
 /// before it reads one.
 const MAX_TILE_BYTES: u64 = 16 << 20;
 
-/// Reads a file whose magic number has been seen. A channel named `A` is opacity and ignored, unless it is the only one.
-pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
+/// Reads a file whose magic number has been seen. The key `channel` chooses by name; without it channels have to be equal.
+/// A channel named `A` is opacity and ignored, unless it is the only one.
+pub(super) fn read(bytes: &[u8], source: &FileSource, subject: &str) -> Result<Raster> {
     let error = |cause: String| Error::new(subject, cause);
     let broken = |e: exr::error::Error| {
         error("the OpenEXR file cannot be decoded".into()).source(e).remedy(
@@ -57,7 +61,15 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
         .map_err(broken)?;
     let (columns, rows) = (image.layer_data.size.x(), image.layer_data.size.y());
     let mut channels: Vec<_> = image.layer_data.channel_data.list.into_iter().collect();
-    if channels.len() > 1 {
+    if let Some(wanted) = &source.channel {
+        let names: Vec<String> = channels.iter().map(|c| c.name.to_string()).collect();
+        let is_wanted = |name: &str| name.eq_ignore_ascii_case(wanted.trim());
+        channels.retain(|c| is_wanted(&c.name.to_string()));
+        if channels.is_empty() {
+            let cause = format!("`channel = {wanted}` is not in the file, which has {}", names.join(", "));
+            return Err(error(cause).remedy("give the name of one of these channels"));
+        }
+    } else if channels.len() > 1 {
         channels.retain(|c| !c.name.eq("A"));
     }
     let mut heights: Option<(String, Vec<f64>)> = None;
@@ -87,7 +99,9 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
                         known[i],
                         values[i]
                     );
-                    return Err(error(cause).remedy("export one channel, or several equal ones"));
+                    return Err(error(cause).remedy(format!(
+                        "choose one with `channel = \"{first}\"`, or export one channel"
+                    )));
                 }
             }
         }
@@ -99,7 +113,23 @@ pub(super) fn read(bytes: &[u8], subject: &str) -> Result<Raster> {
         0 | 1 => Vec::new(),
         _ => vec!["the OpenEXR file has several layers; the first is used".to_owned()],
     };
-    Ok(Raster { columns, rows, samples: Samples::float(values), scale: None, notes })
+    let stated = meta.headers.first().map_or_else(Stated::default, |h| stated(h, [columns, rows]));
+    Ok(Raster { columns, rows, samples: Samples::Float(values), stated, notes })
+}
+
+/// What the attributes of the picture and of its layer state.
+fn stated(header: &Header, pixels: [usize; 2]) -> Stated {
+    let text = |value: &AttributeValue| match value {
+        AttributeValue::Text(text) => Some(text.to_string()),
+        AttributeValue::F32(number) => Some(number.to_string()),
+        AttributeValue::F64(number) => Some(number.to_string()),
+        AttributeValue::I32(number) => Some(number.to_string()),
+        _ => None,
+    };
+    let all = header.shared_attributes.other.iter().chain(&header.own_attributes.other);
+    let entries: Vec<(String, String)> =
+        all.filter_map(|(key, value)| Some((key.to_string(), text(value)?))).collect();
+    gwyddion::stated(&entries, pixels)
 }
 
 /// Whether every chunk in the table of the first layer's largest level really belongs to that level. The crate does not

@@ -1,0 +1,233 @@
+//! Numbers of a block: which character separates them, whether the comma is a decimal one, and the table that they form.
+
+use super::decode::{Line, VOIDS, line, lines};
+use crate::error::{Error, Result};
+use crate::surface::MAX_PIXELS;
+
+/// The numbers of a block, row by row.
+#[derive(Debug)]
+pub(super) struct Table {
+    /// NaN where a cell says that there is no height.
+    pub values: Vec<f64>,
+    pub width: usize,
+    pub rows: usize,
+    /// The first line whose width differs: its number, its width, the first line's number.
+    pub ragged: Option<(usize, usize, usize)>,
+    /// Whether the first cell of the first line is empty, missing or a word.
+    pub has_corner: bool,
+    /// Cells with words for void.
+    pub words: usize,
+}
+
+/// How fields are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Layout {
+    /// `None`: white space.
+    separator: Option<char>,
+    has_decimal_comma: bool,
+}
+
+/// What the characters between digits of a whole block are.
+#[derive(Default)]
+struct Seen {
+    semicolon: bool,
+    blank: bool,
+    point: bool,
+    /// Commas before white space or the end of a line, and others.
+    loose_comma: bool,
+    tight_comma: bool,
+}
+
+/// The data of lines, with their numbers.
+fn data(text: &str, first_line: usize) -> impl Iterator<Item = (usize, &str)> {
+    lines(text).filter_map(move |(number, raw)| match line(raw) {
+        Line::Data(data) => Some((first_line + number - 1, data)),
+        _ => None,
+    })
+}
+
+/// Decides how numbers are written. `names`: whether the header names as many columns as commas make.
+pub(super) fn layout(
+    text: &str,
+    first_line: usize,
+    has_two_names: bool,
+    subject: &str,
+) -> Result<Layout> {
+    let mut seen = Seen::default();
+    for (_, line) in data(text, first_line) {
+        look(line.trim().as_bytes(), &mut seen);
+    }
+    let made = |separator, has_decimal_comma| Ok(Layout { separator, has_decimal_comma });
+    let Seen { semicolon, blank, point, loose_comma, tight_comma } = seen;
+    let between = if semicolon { Some(';') } else { None };
+    match (loose_comma, tight_comma) {
+        (false, false) => made(between, false),
+        (false, true) if semicolon || blank => match (point, semicolon) {
+            (false, _) => made(between, true),
+            (true, false) => made(Some(','), false),
+            (true, true) => Err(mixed(subject)),
+        },
+        (true, false) if !semicolon => made(Some(','), false),
+        (true, true) if point && !semicolon => made(Some(','), false),
+        (false, true) if point => made(Some(','), false),
+        (false, true) => only_commas(text, first_line, has_two_names, subject),
+        _ => Err(mixed(subject)),
+    }
+}
+
+fn look(line: &[u8], seen: &mut Seen) {
+    for (at, &byte) in line.iter().enumerate() {
+        match byte {
+            b';' => seen.semicolon = true,
+            b' ' | b'\t' => seen.blank = true,
+            b'.' => seen.point = true,
+            b',' => match line.get(at + 1) {
+                None | Some(b' ' | b'\t' | b'"') => seen.loose_comma = true,
+                Some(_) => seen.tight_comma = true,
+            },
+            _ => {}
+        }
+    }
+}
+
+fn mixed(subject: &str) -> Error {
+    Error::new(subject, "the file has points, commas and semicolons between its digits, so its numbers may be read in two ways")
+        .remedy("write numbers with a decimal point and blanks, tabs or commas between them")
+}
+
+/// Commas are all that stands between digits: decimal ones, or separators of whole numbers?
+fn only_commas(
+    text: &str,
+    first_line: usize,
+    has_two_names: bool,
+    subject: &str,
+) -> Result<Layout> {
+    let (mut is_decimal, mut is_separator, mut example) = (false, has_two_names, None);
+    let mut is_single = true;
+    for (_, line) in data(text, first_line) {
+        let fields: Vec<&str> = line.trim().split(',').map(|f| f.trim_matches(['"', ' '])).collect();
+        is_single &= fields.len() <= 2;
+        example = example.or_else(|| (fields.len() == 2).then(|| line.trim().to_owned()));
+        for (at, field) in fields.iter().enumerate() {
+            let is_whole = !field.is_empty() && field.bytes().all(|b| b.is_ascii_digit());
+            // no whole number begins with a zero
+            is_decimal |= at > 0 && is_whole && field.len() > 1 && field.starts_with('0');
+            is_separator |= at > 0 && !is_whole && !field.contains(['e', 'E']);
+        }
+    }
+    let made = |separator, has_decimal_comma| Ok(Layout { separator, has_decimal_comma });
+    match (is_single, is_decimal, is_separator) {
+        (true, true, false) => made(None, true),
+        (_, false, true) | (false, false, false) => made(Some(','), false),
+        _ => {
+            let example = example.unwrap_or_else(|| "0,12".to_owned());
+            let shown: String = example.chars().take(30).collect();
+            let cause = format!(
+                "`{shown}` may be the number {} or the numbers {}",
+                shown.replacen(',', ".", 1),
+                shown.replace(',', " and ")
+            );
+            Err(Error::new(subject, cause)
+                .remedy("write a decimal point, or semicolons between numbers"))
+        }
+    }
+}
+
+/// Reads all numbers.
+pub(super) fn table(
+    text: &str,
+    first_line: usize,
+    layout: Layout,
+    subject: &str,
+) -> Result<Table> {
+    let mut table =
+        Table { values: Vec::new(), width: 0, rows: 0, ragged: None, has_corner: false, words: 0 };
+    let mut first = first_line;
+    // some programs end every line with a separator
+    let ends = |line: &str| layout.separator.is_some_and(|s| line.ends_with(s));
+    let all_end = layout.separator.is_some() && data(text, first_line).all(|(_, line)| ends(line));
+    for (number, line) in data(text, first_line) {
+        let before = table.values.len();
+        let line = if all_end { &line[..line.len() - 1] } else { line };
+        match layout.separator {
+            Some(separator) => {
+                let fields = line.split(separator).map(str::trim);
+                fields.enumerate().try_for_each(|(i, f)| field(&mut table, f, (number, i), layout, subject))?;
+            }
+            None => {
+                let fields = line.split_whitespace();
+                fields.enumerate().try_for_each(|(i, f)| field(&mut table, f, (number, i), layout, subject))?;
+            }
+        }
+        let width = table.values.len() - before;
+        match table.rows {
+            0 => (table.width, first) = (width, number),
+            // a corner of blanks disappears between blanks
+            1 if width == table.width + 1 && width > 2 && !table.has_corner => {
+                table.values.insert(0, f64::NAN);
+                (table.width, table.has_corner) = (width, true);
+            }
+            _ if width != table.width && table.ragged.is_none() => {
+                table.ragged = Some((number, width, first));
+            }
+            _ => {}
+        }
+        table.rows += 1;
+        // points need three numbers for each pixel
+        if table.values.len() > 4 * MAX_PIXELS {
+            return Err(Error::new(subject, format!("the file has more than {} numbers", 4 * MAX_PIXELS))
+                .remedy("crop the surface, or scale it down to a pitch of about 95 nm"));
+        }
+    }
+    table.has_corner |= table.values.first().is_some_and(|v| v.is_nan());
+    Ok(table)
+}
+
+fn field(
+    table: &mut Table,
+    field: &str,
+    (line, at): (usize, usize),
+    layout: Layout,
+    subject: &str,
+) -> Result<()> {
+    let value = match layout.has_decimal_comma {
+        true => field.replacen(',', ".", 1).parse::<f64>(),
+        false => field.parse::<f64>(),
+    };
+    let value = match value {
+        Ok(value) => value,
+        Err(_) => slow(field, layout, table.values.is_empty())
+            .ok_or_else(|| not_a_number(subject, line, at + 1, field))?,
+    };
+    table.words += usize::from(value.is_nan() && !field.eq_ignore_ascii_case("nan") && !field.is_empty());
+    table.values.push(value);
+    Ok(())
+}
+
+/// Numbers in quotes, with a Fortran exponent or a true minus sign, and words for void. An empty field only as the corner.
+fn slow(field: &str, layout: Layout, is_corner: bool) -> Option<f64> {
+    let bare = field.trim_matches(['"', '\'', ' ']);
+    if bare.is_empty() {
+        return is_corner.then_some(f64::NAN);
+    }
+    if VOIDS.contains(&bare.to_ascii_lowercase().as_str()) {
+        return Some(f64::NAN);
+    }
+    let plain = bare.replace('−', "-").replace(['D', 'd'], "e");
+    let plain = if layout.has_decimal_comma { plain.replacen(',', ".", 1) } else { plain };
+    plain.parse().ok()
+}
+
+fn not_a_number(subject: &str, line: usize, column: usize, field: &str) -> Error {
+    let shown: String = field.chars().take(40).collect();
+    let cause = match shown.as_str() {
+        "" => format!("line {line}: field {column} is empty"),
+        _ => format!("line {line}: field {column}, `{shown}`, is not a number"),
+    };
+    let remedy = match field {
+        "" => "write `nan` for a void pixel, and no separator at the end of a line",
+        _ if field.contains(',') => "write numbers with a decimal point, not a comma",
+        _ => "write numbers only; start headings and comments with `#`",
+    };
+    Error::new(subject, cause).remedy(remedy)
+}
