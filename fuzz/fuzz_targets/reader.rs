@@ -2,7 +2,7 @@
 
 use diffraction_shaders::surface::read::parse;
 use diffraction_shaders::surface::{MAX_PIXELS, voids};
-use diffraction_shaders::plan::FileSource;
+use diffraction_shaders::plan::{FileSource, Flip, Trust, VoidValue};
 
 /// The key of a plan that integers need.
 #[allow(dead_code, reason = "not every format has integers")]
@@ -11,15 +11,23 @@ pub const INTEGERS: Option<f64> = Some(0.375);
 #[allow(dead_code, reason = "not every format has floats")]
 pub const FLOATS: Option<f64> = None;
 
-/// Reads `bytes` as a file named `name`, once with each of the values of `height_um`.
+/// What plans say about a file: nothing, a scale, or everything.
+fn plans(name: &str, height_um: Option<f64>) -> [FileSource; 3] {
+    let bare = FileSource { path: name.into(), height_um, ..FileSource::default() };
+    let scaled = FileSource { size_um: Some(1.0), trust: Trust::Plan, ..bare.clone() };
+    let all = FileSource {
+        size_y_um: Some(2.0),
+        channel: Some("2".to_owned()),
+        void_value: Some(VoidValue::Number(-9999.0)),
+        flip: Flip::Rows,
+        ..scaled.clone()
+    };
+    [bare, scaled, all]
+}
+
+/// Reads `bytes` as a file named `name`, with each of the values of `height_um` and each of [`plans`].
 pub fn read(name: &str, heights_um: &[Option<f64>], bytes: &[u8]) {
-    for &height_um in heights_um {
-        let source = FileSource {
-            path: name.into(),
-            size_um: (!name.ends_with("gsf")).then_some(1.0),
-            height_um,
-            ..FileSource::default()
-        };
+    for source in heights_um.iter().flat_map(|&height_um| plans(name, height_um)) {
         match parse(&source, "fuzz", bytes) {
             Ok(reading) => {
                 assert_eq!(reading.heights_um.len(), reading.columns * reading.rows);

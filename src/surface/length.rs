@@ -42,14 +42,21 @@ pub(super) fn unit(text: &str) -> Unit {
 
 /// µm per unit of a name that is a length.
 fn um(text: &str) -> Option<f64> {
-    // a micro sign or a small `a` with ring stays what it is in lower case; the Å of U+212B becomes that of U+00C5
+    // the Å of U+212B becomes that of U+00C5
     let lower = text.to_lowercase();
-    if let Some((um, _)) = UNITS.iter().find(|(_, names)| names.contains(&lower.as_str())) {
-        // a capital changes the meaning of these: megametres, petametres
-        return (!["Mm", "Pm", "M"].contains(&text)).then_some(*um);
+    // a capital changes the meaning of these: megametres, petametres
+    if ["Mm", "Pm", "M"].contains(&text) {
+        return None;
     }
-    let (factor, rest) = power(&lower)?;
-    Some(factor * um(rest.trim_start_matches(['*', '·', '×', ' '])).filter(|_| !rest.is_empty())?)
+    named(&lower).or_else(|| {
+        let (factor, rest) = power(&lower)?;
+        Some(factor * named(rest.trim_start_matches(['*', '·', '×', ' ']))?)
+    })
+}
+
+/// µm per unit of a name in lower case.
+fn named(lower: &str) -> Option<f64> {
+    UNITS.iter().find(|(_, names)| names.contains(&lower)).map(|(um, _)| *um)
 }
 
 /// A leading power of ten and what follows it: `10^-6 m`, `10-6m`, `10⁻⁶ m`, `1e-6 m`, `10**-6 m`.

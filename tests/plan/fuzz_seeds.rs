@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use crate::support::heights as support;
 use crate::support::heights::{COLUMNS, ROWS};
-use diffraction_shaders::plan::{FileSource, Plan};
+use diffraction_shaders::plan::{FileSource, Plan, Trust};
 use diffraction_shaders::surface::read::parse;
 use diffraction_shaders::surface::{HeightField, write_gsf};
 use exr::prelude::*;
@@ -43,6 +43,8 @@ fn every_seed_is_small_and_read() {
                     path: path.clone(),
                     pixel_um: Some(0.1),
                     height_um,
+                    // seeds state all kinds of scales
+                    trust: Trust::Plan,
                     ..FileSource::default()
                 };
                 parse(&source, "seed", &bytes)
@@ -106,7 +108,9 @@ fn pngs(w: u32, h: u32) -> Seeds {
         let samples = vec![255; (w * h) as usize * bytes];
         (format!("png/{name}.png"), support::png(w, h, colour, &samples))
     })
-    .into()
+    .into_iter()
+    .chain([("png/gwyddion.png".to_owned(), keyed_png(w, h))])
+    .collect()
 }
 
 fn tiffs(w: u32, h: u32, floats: &[f32], wide: &[u16]) -> Seeds {
@@ -131,6 +135,8 @@ fn tiffs(w: u32, h: u32, floats: &[f32], wide: &[u16]) -> Seeds {
         ("tiff/lzw.tiff".into(), packed(TiffCompression::Lzw)),
         ("tiff/deflate.tiff".into(), packed(TiffCompression::Deflate(Default::default()))),
         ("tiff/packbits.tiff".into(), packed(TiffCompression::Packbits)),
+        ("tiff/imagej.tiff".into(), described_tiff(w, h, "ImageJ=1\nunit=nm\ncf=0\nc0=1\nc1=2\nvunit=nm\n")),
+        ("tiff/ome.tiff".into(), described_tiff(w, h, "<OME><Image><Pixels PhysicalSizeX=\"0.5\"/></Image></OME>")),
     ]
 }
 
@@ -164,8 +170,54 @@ fn exrs(floats: &[f32]) -> Seeds {
     seeds.push(("exr/tiles.exr".into(), encoded(tiles, FlatSamples::F32(floats.to_vec()))));
     let channels: Vec<(&str, Vec<f32>)> =
         ["A", "B", "G", "R"].map(|name| (name, floats.to_vec())).into();
+    let list = [AnyChannel::new("Y", FlatSamples::F32(floats.to_vec()))].into_iter().collect();
+    let mut keyed = Layer::new(
+        (COLUMNS, ROWS),
+        LayerAttributes::default(),
+        Encoding::UNCOMPRESSED,
+        AnyChannels::sort(list),
+    );
+    for key in ["Gwy::XReal", "Gwy::ZScale"] {
+        keyed.attributes.other.insert(Text::new_or_panic(key), AttributeValue::F32(1e-6));
+    }
+    let mut out = std::io::Cursor::new(Vec::new());
+    Image::from_layer(keyed).write().to_buffered(&mut out).unwrap();
+    seeds.push(("exr/gwyddion.exr".into(), out.into_inner()));
     seeds.push(("exr/rgba.exr".into(), support::exr(COLUMNS, ROWS, &channels, true)));
     seeds
+}
+
+const BLOCKS: &str = "# Channel: Height\n# Width: 1 µm\n# Value units: nm\n1 2\n3 4\n\n# Channel: Phase\n# Value units: deg\n5 6\n7 9\n";
+
+const ZYGO: &str = "Zygo ASCII Data File - Format 2\n1 8 3 5 \"d\"\n0 0 0 0 0 0\n0 0 2 2\n\"\"\n\"\"\n\"\"\n0 0.5 6e-07 0 1 0 5e-07 1\n2 2 0 0 0 0 \"\"\n0\n1 1 20\n0 \"\"\n1 0\n\"\"\n#\n1 2 3 4\n#\n";
+
+fn wide_text(text: &str) -> Vec<u8> {
+    let units = text.encode_utf16().flat_map(u16::to_le_bytes);
+    [0xff, 0xfe].into_iter().chain(units).collect()
+}
+
+/// A PNG whose texts have Gwyddion's keys.
+fn keyed_png(w: u32, h: u32) -> Vec<u8> {
+    let mut out = Vec::new();
+    let mut encoder = png::Encoder::new(&mut out, w, h);
+    encoder.set_color(png::ColorType::Grayscale);
+    for (key, value) in [("Gwy::XReal", "1e-6"), ("Gwy::ZMin", "0"), ("Gwy::ZMax", "1e-7")] {
+        encoder.add_text_chunk(key.into(), value.into()).unwrap();
+    }
+    encoder.add_itxt_chunk("Gwy::ZUnit".into(), "m".into()).unwrap();
+    encoder.write_header().unwrap().write_image_data(&support::greys()).unwrap();
+    out
+}
+
+/// A TIFF with a description and a resolution.
+fn described_tiff(w: u32, h: u32, text: &str) -> Vec<u8> {
+    let mut out = std::io::Cursor::new(Vec::new());
+    let mut encoder = TiffEncoder::new(&mut out).unwrap();
+    let mut image = encoder.new_image::<colortype::Gray8>(w, h).unwrap();
+    image.encoder().write_tag(tiff::tags::Tag::ImageDescription, text).unwrap();
+    image.resolution(tiff::tags::ResolutionUnit::None, tiff::encoder::Rational { n: 2, d: 1 });
+    image.write_data(&support::greys()).unwrap();
+    out.into_inner()
 }
 
 /// The formats with a header of text.
@@ -193,5 +245,16 @@ Title = a title
         ("text/blank.txt".into(), b"\xef\xbb\xbf0.1 0.2\r\n3 4 # end\r\n\r\n".to_vec()),
         ("text/semicolon.txt".into(), b"0.1; 0.2; 0.3\n1; 2; NaN".to_vec()),
         ("text/tab.txt".into(), b"0.1\t0.2\n0.3\t0.4\n".to_vec()),
+        ("text/wide.txt".into(), wide_text("# Value units: nm\n1 2\n3 4\n")),
+        ("text/latin.txt".into(), b"# Width: 1 \xb5m\r1 2\r3 4\r".to_vec()),
+        ("text/decimal.txt".into(), b"0,12\n0,07\n-0,10\n".to_vec()),
+        ("text/blocks.txt".into(), BLOCKS.into()),
+        ("text/points.txt".into(), b"x y z in um\n0 0 1\n1 0 2\n0 1 3\n1 1 5\n".to_vec()),
+        ("text/profile.txt".into(), b"# distance_um,height_nm\n0,1\n0.5,4\n1,2\n".to_vec()),
+        ("text/coordinates.txt".into(), b"nan 0 1 2\n0 5 3 1\n1 2 8 4\n".to_vec()),
+        ("text/esri.txt".into(), b"ncols 2\nnrows 2\ncellsize 5\nNODATA_value -9999\n1 2 3 -9999\n".to_vec()),
+        ("text/columns.txt".into(), b"\\Samps/line: 2\n\\Lines: 2\n\\Scan Size: 5 um\nA(V)\tHeight(nm)\n1\t2\n3\t4\n5\t6\n7\t9\n".to_vec()),
+        ("text/surfer.txt".into(), b"DSAA\n2 2\n0 1\n0 1\n0 9\n1 2\n3 4\n".to_vec()),
+        ("text/zygo.txt".into(), ZYGO.into()),
     ]
 }

@@ -3,10 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use diffraction_shaders::error::Error;
+use diffraction_shaders::surface::read::Reading;
 use diffraction_shaders::plan::{FileSource, Level, SurfaceOptics, SurfaceSource, SurfaceSpec};
 
 pub const COLUMNS: usize = 5;
 pub const ROWS: usize = 3;
+
+/// [`greys`] as numbers of a hundredth each, one string per row.
+pub fn rows(between: &str) -> Vec<String> {
+    let cell = |col, row| format!("{:.2}", f64::from(grey(col, row)) / 100.0);
+    (0..ROWS).map(|r| (0..COLUMNS).map(|c| cell(c, r)).collect::<Vec<_>>().join(between)).collect()
+}
 
 /// No two equal, no symmetry: the top left corner is 7, columns step by 3, rows by 40.
 pub fn grey(col: usize, row: usize) -> u8 {
@@ -18,6 +25,20 @@ pub fn greys() -> Vec<u8> {
     (0..ROWS).flat_map(|r| (0..COLUMNS).map(move |c| grey(c, r))).collect()
 }
 
+/// Top left 7, one to the right 10, one row down 47: so neither flipped nor transposed.
+#[track_caller]
+pub fn assert_upright(reading: &Reading, unit: f64) {
+    assert_eq!((reading.columns, reading.rows), (COLUMNS, ROWS));
+    for (i, h) in reading.heights_um.iter().enumerate() {
+        let wanted = f64::from(grey(i % COLUMNS, i / COLUMNS)) * unit;
+        assert!((h - wanted).abs() <= 1e-6 * wanted, "pixel {i}: {h}, not {wanted}");
+    }
+    assert!(
+        (reading.heights_um[0] - 7.0 * unit).abs() < 1e-6
+            && (reading.heights_um[5] - 47.0 * unit).abs() < 1e-6
+    );
+}
+
 /// A folder that vanishes with the test.
 pub fn folder() -> tempfile::TempDir {
     tempfile::tempdir().unwrap()
@@ -27,6 +48,11 @@ pub fn put(dir: &tempfile::TempDir, name: &str, bytes: &[u8]) -> PathBuf {
     let path = dir.path().join(name);
     std::fs::write(&path, bytes).unwrap();
     path
+}
+
+/// A file about which the plan says nothing.
+pub fn bare(path: &Path) -> FileSource {
+    FileSource { path: path.to_owned(), ..FileSource::default() }
 }
 
 /// A file of floats with a pitch of 0.1 µm.

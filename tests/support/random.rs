@@ -126,15 +126,29 @@ fn rough(kind: String) -> impl Strategy<Value = Vec<String>> {
 /// Files of floats and of integers; those with a scale of their own are too coarse for the shortest wavelength.
 fn files() -> impl Strategy<Value = Vec<String>> {
     let scale = prop_oneof![
-        (0.02..0.0899f64).prop_map(|x| format!("pixel_um = {x:?}")),
-        (0.1..0.4f64).prop_map(|x| format!("size_um = {x:?}")),
+        (0.02..0.0899f64).prop_map(|x| vec![format!("pixel_um = {x:?}")]),
+        (0.1..0.4f64).prop_map(|x| vec![format!("size_um = {x:?}")]),
+        (0.1..0.4f64, 0.06..0.26f64)
+            .prop_map(|(x, y)| vec![format!("size_um = {x:?}"), format!("size_y_um = {y:?}")]),
     ];
     let heights = prop_oneof![
         (0.01..0.2f64).prop_map(|x| ("npy/f4.npy", format!("z_unit_um = {x:?}"))),
         (0.01..0.5f64).prop_map(|x| ("npy/u2.npy", format!("height_um = {x:?}"))),
     ];
-    (heights, scale).prop_map(|((file, heights), scale)| {
-        vec![format!("file = \"seeds/{file}\""), heights, scale]
+    let word = |name: &str| {
+        let key = key("surface", name);
+        line(&key, select(quoted(&key)).boxed())
+    };
+    let more = some_of(vec![
+        word("flip"),
+        word("trust"),
+        word("void_value"),
+        Just("channel = 1".to_owned()).boxed(),
+        (0.03..0.0899f64).prop_map(|x| format!("resample_um = {x:?}")).boxed(),
+    ]);
+    (heights, scale, more).prop_map(|((file, heights), scale, more)| {
+        let file = vec![format!("file = \"seeds/{file}\""), heights];
+        file.into_iter().chain(scale).chain(more).collect()
     })
 }
 

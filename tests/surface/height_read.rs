@@ -2,25 +2,11 @@
 
 use crate::support::heights::*;
 use diffraction_shaders::input::read_heights as read;
-use diffraction_shaders::plan::FileSource;
+use diffraction_shaders::plan::{FileSource, Trust};
 use diffraction_shaders::surface::read::Reading;
 use diffraction_shaders::surface::{HeightField, write_gsf};
 use image::ExtendedColorType;
 use tiff::encoder::colortype;
-
-/// Top left 7, one to the right 10, one row down 47: so neither flipped nor transposed.
-#[track_caller]
-fn assert_upright(reading: &Reading, unit: f64) {
-    assert_eq!((reading.columns, reading.rows), (COLUMNS, ROWS));
-    for (i, h) in reading.heights_um.iter().enumerate() {
-        let wanted = f64::from(grey(i % COLUMNS, i / COLUMNS)) * unit;
-        assert!((h - wanted).abs() <= 1e-6 * wanted, "pixel {i}: {h}, not {wanted}");
-    }
-    assert!(
-        (reading.heights_um[0] - 7.0 * unit).abs() < 1e-6
-            && (reading.heights_um[5] - 47.0 * unit).abs() < 1e-6
-    );
-}
 
 /// Reads bytes under a name; integers with a full range of 0.51 µm (2 nm per grey step of 8 bits).
 fn open(name: &str, bytes: &[u8]) -> Reading {
@@ -135,7 +121,7 @@ Title = {title}
 }
 
 #[test]
-fn a_scale_in_the_plan_overrides_that_of_a_gsf_and_says_so() {
+fn a_scale_in_the_plan_contradicts_that_of_a_gsf_or_is_trusted() {
     let dir = folder();
     let header = r#"XRes = 5
 YRes = 3
@@ -145,22 +131,32 @@ XYUnits = m
 ZUnits = m
 "#;
     let path = put(&dir, "a.gsf", &gsf(header, &[0.0; 15]));
-    let wide =
-        read(&FileSource { size_um: Some(2.0), pixel_um: None, ..floats(&path) }, "probe").unwrap();
-    assert!((wide.pitch_x_um - 0.4).abs() < 1e-12 && (wide.pitch_y_um - 0.2).abs() < 1e-12);
-    assert!(
-        wide.notes.iter().any(|n| n.contains("size_um = 2") && n.contains("overrides")),
-        "{:?}",
-        wide.notes
+    let wide = FileSource { size_um: Some(2.0), ..bare(&path) };
+    assert_says(
+        read(&wide, "probe"),
+        &["size_um = 2", "2 × 0.6 µm", "1 × 0.3 µm", "XReal", "trust = \"plan\""],
     );
-    let square = read(&FileSource { pixel_um: Some(0.3), ..floats(&path) }, "probe").unwrap();
-    assert_eq!((square.pitch_x_um, square.pitch_y_um), (0.3, 0.3));
-    let unit = read(&FileSource { z_unit_um: Some(1.0), ..floats(&path) }, "probe").unwrap();
-    assert!(unit.notes.iter().any(|n| n.contains("z_unit_um = 1")), "{:?}", unit.notes);
-    // the same numbers are no contradiction
-    let same =
-        read(&FileSource { size_um: Some(1.0), pixel_um: None, ..floats(&path) }, "probe").unwrap();
-    assert!(same.notes.is_empty(), "{:?}", same.notes);
+    let trusted = |source: FileSource| {
+        let reading = read(&FileSource { trust: Trust::Plan, ..source }, "probe").unwrap();
+        assert!(reading.notes.iter().any(|n| n.contains("trust")), "{:?}", reading.notes);
+        (reading.pitch_x_um, reading.pitch_y_um)
+    };
+    let close = |(x, y): (f64, f64), wanted: (f64, f64)| {
+        assert!((x - wanted.0).abs() < 1e-12 && (y - wanted.1).abs() < 1e-12, "{x} {y}");
+    };
+    // the width alone keeps the file's aspect, the pitch makes pixels square
+    close(trusted(wide), (0.4, 0.2));
+    let square = FileSource { pixel_um: Some(0.3), ..bare(&path) };
+    assert_says(read(&square, "probe"), &["pixel_um = 0.3", "0.2 × 0.1 µm"]);
+    close(trusted(square), (0.3, 0.3));
+    let unit = FileSource { z_unit_um: Some(1.0), ..bare(&path) };
+    assert_says(read(&unit, "probe"), &["z_unit_um = 1", "1000000 µm per unit", "ZUnits"]);
+    trusted(unit);
+    // within a percent there is no contradiction, and the plan's number is used
+    let close_by = FileSource { size_um: Some(1.004), ..bare(&path) };
+    let reading = read(&close_by, "probe").unwrap();
+    assert!(reading.notes.is_empty(), "{:?}", reading.notes);
+    close((reading.pitch_x_um, reading.pitch_y_um), (0.2008, 0.1004));
 }
 
 #[test]
@@ -189,7 +185,7 @@ fn text_with_every_separator() {
     };
     for between in [" ", "  ", "\t", ",", ", ", ";", " ; "] {
         let text = format!(
-            "# heights\r\n{}\r\n\r\n {} # middle\n{}",
+            "# heights\r\n{}\r\n\r\n {} # middle\n\n{}",
             line(0, between),
             line(1, between),
             line(2, between)
@@ -222,5 +218,6 @@ fn float_units_and_sizes() {
 #[test]
 fn heights_that_look_like_metres_are_noted() {
     let reading = open_floats("a.txt", b"0 1e-7\n2e-7 3e-7\n");
-    assert!(reading.notes.iter().any(|n| n.contains("metres")), "{:?}", reading.notes);
+    let says = |n: &String| n.contains("numbers are in m, write z_unit_um = 1000000");
+    assert!(reading.notes.iter().any(says), "{:?}", reading.notes);
 }

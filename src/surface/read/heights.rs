@@ -53,7 +53,8 @@ impl Conversion {
             *v = self.offset + *v * self.scale;
             (low, high) = (low.min(*v), high.max(*v));
         }
-        if high - low > MAX_HEIGHT_UM {
+        // infinite bounds have no difference
+        if high - low > MAX_HEIGHT_UM || (high - low).is_nan() {
             let cause = format!(
                 "heights from {low} to {high} µm ({}) span more than {MAX_HEIGHT_UM} µm",
                 self.origin

@@ -1,10 +1,13 @@
 //! Blocks of numbers: one for each channel, apart by headers or blank lines. One is chosen; none are ever joined.
 
-use super::decode::{Line, line, lines};
+use super::decode::{self, Line, line, lines};
+use super::even::Even;
 use super::header::Header;
 use super::names;
 use crate::error::{Error, Result};
-use crate::surface::raster::Stated;
+
+/// No program writes more channels than this into one file.
+const MAX_BLOCKS: usize = 1000;
 
 /// A header and the numbers below it.
 pub(super) struct Block<'t> {
@@ -50,7 +53,7 @@ pub(super) fn split<'t>(text: &'t str, subject: &str) -> Result<Vec<Block<'t>>> 
     for (number, raw) in lines(text) {
         match line(raw) {
             Line::Blank => gap = true,
-            found @ (Line::Comment(words) | Line::Words(words)) => {
+            found @ (Line::Comment(words) | Line::Words(words)) if !is_coordinates(&found) => {
                 let is_comment = matches!(found, Line::Comment(_));
                 if !spoke && !gap && !Header::begins_block(words) {
                     if is_comment {
@@ -65,12 +68,17 @@ pub(super) fn split<'t>(text: &'t str, subject: &str) -> Result<Vec<Block<'t>>> 
                 header.add(number, words, is_comment);
                 spoke = true;
             }
-            Line::Data(_) => {
+            _ => {
                 let start = raw.as_ptr() as usize - text.as_ptr() as usize;
                 if spoke {
                     let mut own = std::mem::take(&mut header);
                     if let Some(last) = blocks.last() {
                         own.inherit(&last.header);
+                    }
+                    if blocks.len() == MAX_BLOCKS {
+                        let cause = format!("the file has more than {MAX_BLOCKS} blocks of numbers");
+                        return Err(Error::new(subject, cause)
+                            .remedy("save the block of heights alone"));
                     }
                     blocks.push(Block { header: own, segments: Vec::new() });
                 }
@@ -168,11 +176,19 @@ fn candidates<'t>(block: Block<'t>) -> Vec<(Option<String>, Chosen<'t>)> {
     }
 }
 
+/// Whether a line is a word and evenly spaced numbers: coordinates beside the name of their corner.
+fn is_coordinates(line: &Line) -> bool {
+    let Line::Words(words) = line else { return false };
+    let fields = decode::fields(words);
+    let numbers: Option<Vec<f64>> = fields.get(1..).and_then(|rest| {
+        rest.iter().map(|field| field.replacen(',', ".", 1).parse().ok()).collect()
+    });
+    numbers.is_some_and(|numbers| numbers.len() > 2 && Even::within(&numbers, 1e-3).is_some())
+}
+
 /// Whether the first line looks like a point, x y z.
 fn is_points(segments: &[Segment], header: &Header) -> bool {
     let Some(first) = segments.first() else { return false };
     let text = first.text();
-    let fields = text.lines().next().unwrap_or_default().split([' ', '\t', ',', ';']);
-    fields.filter(|field| !field.is_empty()).count() == 3 && header.stated([1, 1]) == Stated::default()
-        || header.columns(3).is_some()
+    decode::fields(text.lines().next().unwrap_or_default()).len() == 3 || header.columns(3).is_some()
 }

@@ -77,6 +77,16 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     pieces.flat_map(|line| line.split('\r')).enumerate().map(|(i, line)| (i + 1, line))
 }
 
+/// The fields of one line, whichever single separator it has.
+pub(super) fn fields(line: &str) -> Vec<&str> {
+    let line = line.trim_end();
+    match [';', '\t'].into_iter().find(|&c| line.contains(c)) {
+        Some(separator) => line.split(separator).map(str::trim).collect(),
+        None if line.contains(' ') => line.split_whitespace().map(|f| f.trim_end_matches(',')).collect(),
+        None => line.split(',').collect(),
+    }
+}
+
 /// What a line is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Line<'t> {

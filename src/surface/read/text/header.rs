@@ -72,6 +72,9 @@ fn key_of(text: &str) -> Option<Key> {
     KEYS.iter().find(|(_, names)| names.contains(&bare.as_str())).map(|(key, _)| *key)
 }
 
+/// Lines of a header beyond this many say nothing about heights.
+const MAX_LINES: usize = 4000;
+
 /// A line that is no key with a value.
 #[derive(Clone, Debug)]
 pub(super) struct Remark {
@@ -105,6 +108,9 @@ impl Header {
     }
 
     pub fn add(&mut self, line: usize, text: &str, is_comment: bool) {
+        if self.entries.len() + self.remarks.len() >= MAX_LINES {
+            return;
+        }
         match entry(text) {
             Some((key, name, value)) => {
                 self.entries.push((key, name.to_owned(), value.to_owned()));
@@ -269,7 +275,9 @@ pub(super) fn of_columns(
         stated.unit = Some(found.clone());
         stated.heights_by = format!("column `{}`", columns[heights].label);
     }
-    if let Some(Column { unit: Some(Unit::Length(um)), .. }) = lateral.map(|at| &columns[at]) {
+    if stated.lateral == Lateral::LikeHeights
+        && let Some(Column { unit: Some(Unit::Length(um)), .. }) = lateral.map(|at| &columns[at])
+    {
         stated.lateral = Lateral::Um(*um);
     }
 }

@@ -13,8 +13,10 @@ pub(super) struct Table {
     pub rows: usize,
     /// The first line whose width differs: its number, its width, the first line's number.
     pub ragged: Option<(usize, usize, usize)>,
-    /// Whether the first cell of the first line is empty, missing or a word.
+    /// Whether the first cell of the first line is empty, missing, NaN or a word.
     pub has_corner: bool,
+    /// What is wrong with an empty or missing corner, unless the table has coordinates.
+    pub corner_fault: Option<Error>,
     /// Cells with words for void.
     pub words: usize,
 }
@@ -141,7 +143,7 @@ pub(super) fn table(
     subject: &str,
 ) -> Result<Table> {
     let mut table =
-        Table { values: Vec::new(), width: 0, rows: 0, ragged: None, has_corner: false, words: 0 };
+        Table { values: Vec::new(), width: 0, rows: 0, ragged: None, has_corner: false, corner_fault: None, words: 0 };
     let mut first = first_line;
     // some programs end every line with a separator
     let ends = |line: &str| layout.separator.is_some_and(|s| line.ends_with(s));
@@ -165,6 +167,7 @@ pub(super) fn table(
             // a corner of blanks disappears between blanks
             1 if width == table.width + 1 && width > 2 && !table.has_corner => {
                 table.values.insert(0, f64::NAN);
+                table.corner_fault = Some(ragged(subject, (number, width), (first, width - 1)));
                 (table.width, table.has_corner) = (width, true);
             }
             _ if width != table.width && table.ragged.is_none() => {
@@ -196,26 +199,41 @@ fn field(
     };
     let value = match value {
         Ok(value) => value,
-        Err(_) => slow(field, layout, table.values.is_empty())
-            .ok_or_else(|| not_a_number(subject, line, at + 1, field))?,
+        Err(_) => match slow(field, layout) {
+            Some(value) => value,
+            None if table.values.is_empty() => {
+                table.corner_fault = Some(not_a_number(subject, line, at + 1, field));
+                f64::NAN
+            }
+            None => return Err(not_a_number(subject, line, at + 1, field)),
+        },
     };
-    table.words += usize::from(value.is_nan() && !field.eq_ignore_ascii_case("nan") && !field.is_empty());
+    let is_word = value.is_nan() && !field.eq_ignore_ascii_case("nan");
+    table.words += usize::from(is_word && table.corner_fault.is_none());
     table.values.push(value);
     Ok(())
 }
 
-/// Numbers in quotes, with a Fortran exponent or a true minus sign, and words for void. An empty field only as the corner.
-fn slow(field: &str, layout: Layout, is_corner: bool) -> Option<f64> {
+/// Numbers in quotes, with a Fortran exponent or a true minus sign, and words for void.
+fn slow(field: &str, layout: Layout) -> Option<f64> {
     let bare = field.trim_matches(['"', '\'', ' ']);
-    if bare.is_empty() {
-        return is_corner.then_some(f64::NAN);
-    }
     if VOIDS.contains(&bare.to_ascii_lowercase().as_str()) {
         return Some(f64::NAN);
     }
     let plain = bare.replace('−', "-").replace(['D', 'd'], "e");
     let plain = if layout.has_decimal_comma { plain.replacen(',', ".", 1) } else { plain };
     plain.parse().ok()
+}
+
+/// The error of a line with another number of fields than the first.
+pub(super) fn ragged(
+    subject: &str,
+    (line, width): (usize, usize),
+    (first, first_width): (usize, usize),
+) -> Error {
+    let cause =
+        format!("line {line} has {width} numbers, but line {first} has {first_width}");
+    Error::new(subject, cause).remedy("write the same number of heights in every row")
 }
 
 fn not_a_number(subject: &str, line: usize, column: usize, field: &str) -> Error {

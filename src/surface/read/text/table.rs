@@ -64,7 +64,8 @@ fn shape(
     let error = |cause: String| Error::new(subject, cause);
     let pixels = header.pixels();
     let is_all = |count: usize| pixels.is_some_and(|(c, r)| c.checked_mul(r) == Some(count as u64));
-    if let (true, Some((columns, rows))) = (is_all(table.values.len()), pixels) {
+    let is_sound = table.corner_fault.is_none();
+    if let (true, Some((columns, rows))) = (is_sound && is_all(table.values.len()), pixels) {
         let (columns, rows) = check_pixels(subject, columns, rows)?;
         let mut stated = header.stated([columns, rows]);
         if let Some([only]) = header.columns(1).as_deref() {
@@ -73,25 +74,21 @@ fn shape(
         return matrix(columns, rows, table.values, stated, channel, header, subject);
     }
     if let Some((line, width, first)) = table.ragged {
-        return Err(error(format!(
-            "line {line} has {width} numbers, but line {first} has {}",
-            table.width
-        ))
-        .remedy("write the same number of heights in every row"));
+        return Err(numbers::ragged(subject, (line, width), (first, table.width)));
     }
     let names = names.as_deref();
     if let (Some(names), Some((columns, rows)), true) = (names, pixels, is_all(table.rows)) {
         let (columns, rows) = check_pixels(subject, columns, rows)?;
         return of_named(table, names, [columns, rows], header, channel, subject);
     }
-    if let Some(raster) = as_points(&table, names, header, channel, subject)? {
+    if is_sound && let Some(raster) = as_points(&table, names, header, channel, subject)? {
         return Ok(raster);
     }
     if is_parted && table.width == 3 {
         return Err(error("blank lines part the numbers, which are no points on a grid".into())
             .remedy("remove the blank lines, or choose a block with `channel = …`"));
     }
-    if let Some((step, heights)) = profile::find(&table, names, subject)? {
+    if is_sound && let Some((step, heights)) = profile::find(&table, names, subject)? {
         let mut stated = header.stated([heights.len(), 1]);
         coordinates_of(&mut stated, [Some(step), None], "the first column of distances");
         if let Some(names) = names {
@@ -109,6 +106,9 @@ fn shape(
         coordinates_of(&mut stated, steps, "the coordinates in the first row and column");
         let notes = vec!["the first row and column are read as coordinates, y upwards".to_owned()];
         return Ok(Raster { columns, rows, samples: Samples::Float(values), stated, notes });
+    }
+    if let Some(fault) = table.corner_fault {
+        return Err(fault);
     }
     if let Some((columns, rows)) = pixels {
         let cause = format!(
