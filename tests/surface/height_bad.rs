@@ -62,7 +62,7 @@ fn truncated_files() {
                 r#"XRes = 10
 YRes = 6
 XReal = 1e-6
-YReal = 1e-6
+YReal = 6e-7
 ZUnits = m
 "#,
                 &[1e-7; 60],

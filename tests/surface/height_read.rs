@@ -96,7 +96,7 @@ fn npy_of_both_widths_byte_orders_and_memory_orders() {
 
 #[test]
 fn gsf_carries_its_own_scale_with_oblong_pixels() {
-    let metres: Vec<f32> = greys().into_iter().map(|g| f32::from(g) * 1e-8).collect();
+    let metres: Vec<f32> = greys().into_iter().map(|g| f32::from(g) * 1e-9).collect();
     // titles of four lengths run through every amount of padding
     for title in ["", "a", "ab", "abc"] {
         let header = format!(
@@ -112,7 +112,7 @@ Title = {title}
         let source =
             FileSource { pixel_um: None, ..floats(&put(&dir, "a.gsf", &gsf(&header, &metres))) };
         let reading = read(&source, "probe").unwrap();
-        assert_upright(&reading, 0.01);
+        assert_upright(&reading, 0.001);
         assert!(
             (reading.pitch_x_um - 0.2).abs() < 1e-12 && (reading.pitch_y_um - 0.1).abs() < 1e-12
         );

@@ -86,7 +86,7 @@ fn commas_that_may_mean_two_things() {
         assert_says(open(text), &["may be the number", "the numbers", "semicolons"]);
     }
     assert_says(open("0,12,0,13\n0,05,0,07\n"), &["may be the number"]);
-    assert_says(open("1.2;3,4\n5.6;7,8\n"), &["points, commas and semicolons"]);
+    assert_says(open("1.2;3,4\n5.6;7,8\n"), &["decimal commas or as separators"]);
     // what decides: a sign, an exponent's point, a name for each column, more fields than a number has
     for text in ["1,-2\n3,4\n", "1.0,2\n3,4\n", "# a,b\n1,2\n3,4\n"] {
         let reading = open(text).unwrap();

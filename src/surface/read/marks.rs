@@ -90,6 +90,9 @@ fn suspicious(samples: &Samples) -> Option<(f64, usize)> {
     let finite = || values.iter().copied().filter(|v| v.is_finite());
     let (low, high) =
         finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    if low > high {
+        return None;
+    }
     for extreme in [low, high] {
         let number = top.map_or(extreme, |top| (extreme * top).round());
         let is_known = match top {

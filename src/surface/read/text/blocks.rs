@@ -42,6 +42,8 @@ pub(super) struct Chosen<'t> {
     pub segment: Segment<'t>,
     /// Whether blank lines part the numbers, as around the lines of points.
     pub is_parted: bool,
+    /// Whether it is the one that the plan's `channel` names.
+    pub is_named: bool,
 }
 
 /// Splits a text. Lines of words between rows of numbers are errors.
@@ -145,7 +147,7 @@ pub(super) fn choose<'t>(
     });
     let by_number = || wanted.parse::<usize>().ok().filter(|n| (1..=all.len()).contains(n));
     match by_name.or_else(|| by_number().map(|n| n - 1)) {
-        Some(at) => Ok(all.swap_remove(at).1),
+        Some(at) => Ok(Chosen { is_named: true, ..all.swap_remove(at).1 }),
         // a column of the only block may have that name
         None if all.len() == 1 => Ok(all.swap_remove(0).1),
         None => {
@@ -163,7 +165,7 @@ fn candidates<'t>(block: Block<'t>) -> Vec<(Option<String>, Chosen<'t>)> {
     let is_one = segments.iter().all(|segment| segment.rows == 1)
         || header.pixels().is_some()
         || is_points(&segments, &header);
-    let chosen = |segment: Segment<'t>, is_parted| Chosen { header: header.clone(), segment, is_parted };
+    let chosen = |segment: Segment<'t>, is_parted| Chosen { header: header.clone(), segment, is_parted, is_named: false };
     match segments.as_slice() {
         [] => Vec::new(),
         [only] => vec![(label, chosen(*only, false))],

@@ -40,10 +40,10 @@ struct Seen {
     tight_comma: bool,
 }
 
-/// The data of lines, with their numbers.
+/// The data of lines, with their numbers. Words before numbers are a corner: a block has no other words.
 fn data(text: &str, first_line: usize) -> impl Iterator<Item = (usize, &str)> {
     lines(text).filter_map(move |(number, raw)| match line(raw) {
-        Line::Data(data) => Some((first_line + number - 1, data)),
+        Line::Data(data) | Line::Words(data) => Some((first_line + number - 1, data)),
         _ => None,
     })
 }
@@ -70,7 +70,7 @@ pub(super) fn layout(
             (true, true) => Err(mixed(subject)),
         },
         (true, false) if !semicolon => made(Some(','), false),
-        (true, true) if point && !semicolon => made(Some(','), false),
+        (true, true) if (point || !blank) && !semicolon => made(Some(','), false),
         (false, true) if point => made(Some(','), false),
         (false, true) => only_commas(text, first_line, has_two_names, subject),
         _ => Err(mixed(subject)),
@@ -93,8 +93,8 @@ fn look(line: &[u8], seen: &mut Seen) {
 }
 
 fn mixed(subject: &str) -> Error {
-    Error::new(subject, "the file has points, commas and semicolons between its digits, so its numbers may be read in two ways")
-        .remedy("write numbers with a decimal point and blanks, tabs or commas between them")
+    Error::new(subject, "commas stand between digits in a way that may be read as decimal commas or as separators")
+        .remedy("write numbers with a decimal point, and blanks, tabs or semicolons between them")
 }
 
 /// Commas are all that stands between digits: decimal ones, or separators of whole numbers?

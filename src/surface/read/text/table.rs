@@ -19,7 +19,8 @@ const LONG_LINE: usize = 1024;
 
 /// Heights of the chosen block.
 pub(super) fn read(chosen: Chosen, channel: Option<&str>, subject: &str) -> Result<Raster> {
-    let Chosen { header, segment, is_parted } = chosen;
+    let Chosen { header, segment, is_parted, is_named } = chosen;
+    let channel = channel.filter(|_| !is_named);
     let (text, first_line) = (segment.text(), segment.first_line);
     let has_two_names = header.columns(2).is_some();
     let layout = numbers::layout(text, first_line, has_two_names, subject)?;
