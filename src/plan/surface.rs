@@ -74,7 +74,9 @@ pub(super) fn read(
     };
     let source = match (table.get("grating"), table.get("file")) {
         (Some(item), None) => SurfaceSource::Grating(grating_surface(table, &item, lambda_min_nm)?),
-        (None, Some(item)) => SurfaceSource::File(file::read(table, &item, folder, limit_um(lambda_min_nm))?),
+        (None, Some(item)) => {
+            SurfaceSource::File(file::read(table, &item, folder, limit_um(lambda_min_nm))?)
+        }
         (grating, _) => {
             let cause = if grating.is_some() {
                 "has both grating and file"

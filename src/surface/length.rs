@@ -20,8 +20,23 @@ const UNITS: [(f64, Names); 9] = [
     (
         1.0,
         &[
-            "µm", "μm", "um", "~m", "\\u00b5m", "&#181;m", "&#xb5;m", "micron", "microns", "µ", "μ",
-            "micrometer", "micrometre", "micrometers", "micrometres", "mkm", "мкм",
+            "µm",
+            "μm",
+            "um",
+            "~m",
+            "\\u00b5m",
+            "&#181;m",
+            "&#xb5;m",
+            "micron",
+            "microns",
+            "µ",
+            "μ",
+            "micrometer",
+            "micrometre",
+            "micrometers",
+            "micrometres",
+            "mkm",
+            "мкм",
         ],
     ),
     (1e-3, &["nm", "nanometer", "nanometre", "nanometers", "nanometres", "нм"]),
@@ -77,9 +92,9 @@ fn power(text: &str) -> Option<(f64, &str)> {
         .or_else(|| text.strip_prefix("1e"))
         .or_else(|| text.strip_prefix("1.0e"))?;
     let rest = rest.trim_start_matches(['{', '(']);
-    let end = rest.char_indices().find(|&(_, c)| plain(c).is_none()).map_or(rest.len(), |(at, _)| at);
-    let exponent: i32 =
-        rest[..end].chars().filter_map(plain).collect::<String>().parse().ok()?;
+    let end =
+        rest.char_indices().find(|&(_, c)| plain(c).is_none()).map_or(rest.len(), |(at, _)| at);
+    let exponent: i32 = rest[..end].chars().filter_map(plain).collect::<String>().parse().ok()?;
     let factor = (exponent.abs() <= 15).then(|| 10f64.powi(exponent))?;
     Some((factor, rest[end..].trim_start_matches(['}', ')']).trim_start()))
 }
@@ -104,7 +119,15 @@ pub(super) fn quantity(text: &str) -> Option<(f64, &str)> {
 
 /// Names of units for messages: the one with this many µm.
 pub(super) fn name(um: f64) -> Option<&'static str> {
-    let named = [(1e6, "m"), (1e4, "cm"), (1e3, "mm"), (1.0, "µm"), (1e-3, "nm"), (1e-4, "Å"), (1e-6, "pm")];
+    let named = [
+        (1e6, "m"),
+        (1e4, "cm"),
+        (1e3, "mm"),
+        (1.0, "µm"),
+        (1e-3, "nm"),
+        (1e-4, "Å"),
+        (1e-6, "pm"),
+    ];
     named.iter().find(|(known, _)| (known / um - 1.0).abs() < 1e-9).map(|(_, name)| *name)
 }
 
@@ -126,7 +149,20 @@ mod tests {
     fn units_in_every_spelling() {
         for (um, spellings) in [
             (1e6, vec!["m", "Metres", "[m]", "meter"]),
-            (1.0, vec!["µm", "\u{3bc}m", "um", "(micron)", "10^-6 m", "10⁻⁶ m", "1e-6 m", "10-6m", "\\u00B5m"]),
+            (
+                1.0,
+                vec![
+                    "µm",
+                    "\u{3bc}m",
+                    "um",
+                    "(micron)",
+                    "10^-6 m",
+                    "10⁻⁶ m",
+                    "1e-6 m",
+                    "10-6m",
+                    "\\u00B5m",
+                ],
+            ),
             (1e-3, vec!["nm", "Nanometers", "nanometres", "10^-9 m", "10**-9 m", "1e-9m"]),
             (1e-4, vec!["Å", "\u{212b}", "Angstrom", "ang", "A\u{30a}"]),
             (1e-6, vec!["pm", "10^{-12} m"]),

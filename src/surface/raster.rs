@@ -76,9 +76,8 @@ impl Stated {
     /// The unit of heights and what names it, for messages.
     pub fn unit_words(&self) -> String {
         match &self.unit {
-            Some(Unit::Length(um)) => {
-                length::name(*um).map_or_else(|| format!("{} µm", length::shown(*um)), str::to_owned)
-            }
+            Some(Unit::Length(um)) => length::name(*um)
+                .map_or_else(|| format!("{} µm", length::shown(*um)), str::to_owned),
             Some(Unit::Other(word)) if word.is_empty() => "no unit".to_owned(),
             Some(Unit::Other(word)) => word.clone(),
             None => "µm".to_owned(),

@@ -79,10 +79,8 @@ fn lines(heights: &[f64], old: usize, new: usize, joins: bool) -> Vec<f64> {
     }
     let (from, to) = if joins { (old, new) } else { (2 * old, 2 * new) };
     let mut planner = FftPlanner::new();
-    let plan = Plan {
-        forward: planner.plan_fft_forward(from),
-        inverse: planner.plan_fft_inverse(to),
-    };
+    let plan =
+        Plan { forward: planner.plan_fft_forward(from), inverse: planner.plan_fft_inverse(to) };
     let mut out = Vec::with_capacity(heights.len() / old * new);
     let mut wave = Vec::with_capacity(from);
     for line in heights.chunks_exact(old) {

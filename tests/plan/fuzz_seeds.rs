@@ -135,8 +135,14 @@ fn tiffs(w: u32, h: u32, floats: &[f32], wide: &[u16]) -> Seeds {
         ("tiff/lzw.tiff".into(), packed(TiffCompression::Lzw)),
         ("tiff/deflate.tiff".into(), packed(TiffCompression::Deflate(Default::default()))),
         ("tiff/packbits.tiff".into(), packed(TiffCompression::Packbits)),
-        ("tiff/imagej.tiff".into(), described_tiff(w, h, "ImageJ=1\nunit=nm\ncf=0\nc0=1\nc1=2\nvunit=nm\n")),
-        ("tiff/ome.tiff".into(), described_tiff(w, h, "<OME><Image><Pixels PhysicalSizeX=\"0.5\"/></Image></OME>")),
+        (
+            "tiff/imagej.tiff".into(),
+            described_tiff(w, h, "ImageJ=1\nunit=nm\ncf=0\nc0=1\nc1=2\nvunit=nm\n"),
+        ),
+        (
+            "tiff/ome.tiff".into(),
+            described_tiff(w, h, "<OME><Image><Pixels PhysicalSizeX=\"0.5\"/></Image></OME>"),
+        ),
     ]
 }
 

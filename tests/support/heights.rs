@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use diffraction_shaders::error::Error;
-use diffraction_shaders::surface::read::Reading;
 use diffraction_shaders::plan::{FileSource, Level, SurfaceOptics, SurfaceSource, SurfaceSpec};
+use diffraction_shaders::surface::read::Reading;
 
 pub const COLUMNS: usize = 5;
 pub const ROWS: usize = 3;
@@ -57,11 +57,7 @@ pub fn bare(path: &Path) -> FileSource {
 
 /// A file of floats with a pitch of 0.1 µm.
 pub fn floats(path: &Path) -> FileSource {
-    FileSource {
-        path: path.to_owned(),
-        pixel_um: Some(0.1),
-    ..FileSource::default()
-    }
+    FileSource { path: path.to_owned(), pixel_um: Some(0.1), ..FileSource::default() }
 }
 
 /// A file of integers with a pitch of 0.1 µm and a full range of 0.51 µm.

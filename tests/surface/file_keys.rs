@@ -44,7 +44,8 @@ fn rows_or_columns_are_turned_round() {
 
 /// A sine of `waves` periods over `size` µm.
 fn sine(waves: f64, columns: usize, size: f64) -> HeightField {
-    let height = |i: usize| 0.05 * (TAU * waves * (i % columns) as f64 / columns as f64 + 0.3).sin();
+    let height =
+        |i: usize| 0.05 * (TAU * waves * (i % columns) as f64 / columns as f64 + 0.3).sin();
     let pitch = size / columns as f64;
     HeightField::new(columns, 8, pitch, pitch, (0..columns * 8).map(height).collect()).unwrap()
 }
@@ -82,7 +83,9 @@ fn resampling_keeps_what_both_pitches_hold() {
 fn resampling_says_what_it_loses() {
     // three periods stay, twelve lie beyond the new Nyquist frequency
     let slow = sine(3.0, 32, 3.2);
-    let fast = |i: usize| 0.025 * (TAU * (12.0 * (i % 32) as f64 / 32.0 + 3.0 * (i / 32) as f64 / 8.0)).sin();
+    let fast = |i: usize| {
+        0.025 * (TAU * (12.0 * (i % 32) as f64 / 32.0 + 3.0 * (i / 32) as f64 / 8.0)).sin()
+    };
     let sum = slow.heights_um().iter().enumerate().map(|(i, h)| h + fast(i)).collect();
     let field = HeightField::new(32, 8, 0.1, 0.1, sum).unwrap();
     let (found, note) = resampled(&field, 0.2);
@@ -144,9 +147,8 @@ fn advice_about_a_coarse_pitch_names_both_axes() {
 fn every_key_of_a_file_is_part_of_its_hash() {
     let dir = folder();
     let path = put(&dir, "a.txt", b"0.1 0.2\n0.3 0.5\n");
-    let identity = |source: FileSource| {
-        SurfaceInput::read(&surface(source)).unwrap().identity().to_owned()
-    };
+    let identity =
+        |source: FileSource| SurfaceInput::read(&surface(source)).unwrap().identity().to_owned();
     let base = || FileSource { size_um: Some(1.0), ..bare(&path) };
     let other = put(&dir, "b.txt", b"0.1 0.2\n0.3 0.5\n");
     assert_eq!(identity(base()), identity(FileSource { path: other, ..base() }));
@@ -173,7 +175,10 @@ fn every_key_of_a_file_is_part_of_its_hash() {
 #[test]
 fn files_of_instruments_are_sent_to_import() {
     let dir = folder();
-    for extension in ["spm", "ibw", "nid", "gwy", "x3p", "sur", "opd", "SDF", "mi", "al3d", "plu", "top", "di", "nms", "opdx", "mnt", "mat", "h5", "dm3", "001"] {
+    for extension in [
+        "spm", "ibw", "nid", "gwy", "x3p", "sur", "opd", "SDF", "mi", "al3d", "plu", "top", "di",
+        "nms", "opdx", "mnt", "mat", "h5", "dm3", "001",
+    ] {
         let path = put(&dir, &format!("my scan.{extension}"), b"\0\x01\x02\x03");
         let wanted = format!("cargo xtask import \"{}\"", path.display());
         assert_says(read(&floats(&path), "probe"), &["format of instruments", &wanted]);
@@ -186,7 +191,10 @@ fn files_of_instruments_are_sent_to_import() {
     ] {
         assert_says(read(&floats(&put(&dir, name, bytes)), "probe"), &["cargo xtask import"]);
     }
-    assert_says(read(&floats(&put(&dir, "a.jpg", b"x")), "probe"), &["`jpg`", "gsf", "tsv", "import"]);
+    assert_says(
+        read(&floats(&put(&dir, "a.jpg", b"x")), "probe"),
+        &["`jpg`", "gsf", "tsv", "import"],
+    );
     for extension in ["asc", "dat", "xyz", "prn", "tsv"] {
         let path = put(&dir, &format!("t.{extension}"), rows("\t").join("\n").as_bytes());
         assert_upright(&read(&floats(&path), "probe").unwrap(), 0.01);

@@ -126,7 +126,10 @@ fn a_channel_of_an_exr_is_chosen_by_name() {
     let dir = folder();
     let bytes = exr(COLUMNS, ROWS, &[("height", heights), ("phase", other)], false);
     let path = put(&dir, "a.exr", &bytes);
-    assert_says(read(&floats(&path), "probe"), &["height and phase differ", "channel = \"height\""]);
+    assert_says(
+        read(&floats(&path), "probe"),
+        &["height and phase differ", "channel = \"height\""],
+    );
     let by_name = |name: &str| FileSource { channel: Some(name.into()), ..floats(&path) };
     assert_upright(&read(&by_name("Height"), "probe").unwrap(), 0.01);
     assert_says(read(&by_name("depth"), "probe"), &["depth", "height, phase"]);
@@ -150,7 +153,9 @@ fn tiff_with(description: &str, per_unit: Option<(u32, u32)>, unit: ResolutionUn
 #[test]
 fn calibrations_of_imagej_and_ome() {
     let ome = |unit: &str| {
-        format!("<?xml version=\"1.0\"?><OME xmlns=\"http://www.openmicroscopy.org/Schemas/OME/2016-06\"><Image ID=\"Image:0\"><Pixels ID=\"Pixels:0\" SizeX=\"5\" PhysicalSizeX=\"0.5\" PhysicalSizeY=\"0.25\"{unit}/></Image></OME>")
+        format!(
+            "<?xml version=\"1.0\"?><OME xmlns=\"http://www.openmicroscopy.org/Schemas/OME/2016-06\"><Image ID=\"Image:0\"><Pixels ID=\"Pixels:0\" SizeX=\"5\" PhysicalSizeX=\"0.5\" PhysicalSizeY=\"0.25\"{unit}/></Image></OME>"
+        )
     };
     let nm = " PhysicalSizeXUnit=\"nm\" PhysicalSizeYUnit=\"nm\"";
     let two = Some((2, 1));

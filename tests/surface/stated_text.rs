@@ -86,15 +86,22 @@ fn units_of_heights() {
 fn a_plan_that_contradicts_a_header_is_refused_or_trusted() {
     let text = format!("# Width: 2.50 µm\n# Height: 0.75 µm\n# Value units: nm\n{}\n", matrix());
     let wide = FileSource { size_um: Some(25.0), ..FileSource::default() };
-    let words = ["size_um = 25", "25 × 7.5 µm", "2.5 × 0.75 µm", "Width: 2.50 µm", "trust = \"plan\""];
+    let words =
+        ["size_um = 25", "25 × 7.5 µm", "2.5 × 0.75 µm", "Width: 2.50 µm", "trust = \"plan\""];
     refuse(&text, wide.clone(), &words);
     let tall = FileSource { size_um: Some(2.5), size_y_um: Some(1.0), ..FileSource::default() };
     refuse(&text, tall.clone(), &["size_y_um = 1", "2.5 × 1 µm", "2.5 × 0.75 µm"]);
     let micro = FileSource { z_unit_um: Some(1.0), ..FileSource::default() };
-    refuse(&text, micro.clone(), &["z_unit_um = 1", "0.001 µm per unit", "Value units: nm", "trust"]);
+    refuse(
+        &text,
+        micro.clone(),
+        &["z_unit_um = 1", "0.001 µm per unit", "Value units: nm", "trust"],
+    );
     let dir = folder();
     let path = put(&dir, "a.txt", text.as_bytes());
-    for (source, pitch, unit) in [(wide, (5.0, 2.5), 1e-5), (tall, (0.5, 1.0 / 3.0), 1e-5), (micro, (0.5, 0.25), 1e-2)] {
+    for (source, pitch, unit) in
+        [(wide, (5.0, 2.5), 1e-5), (tall, (0.5, 1.0 / 3.0), 1e-5), (micro, (0.5, 0.25), 1e-2)]
+    {
         let source = FileSource { path: path.clone(), trust: Trust::Plan, ..source };
         let reading = read(&source, "probe").unwrap();
         assert_upright(&reading, unit);
@@ -110,7 +117,10 @@ fn a_plan_that_contradicts_a_header_is_refused_or_trusted() {
 
 #[test]
 fn lengths_without_a_unit_need_the_plan() {
-    let text = format!("ncols 5\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 50\nNODATA_value -9999\n{}\n", matrix());
+    let text = format!(
+        "ncols 5\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 50\nNODATA_value -9999\n{}\n",
+        matrix()
+    );
     refuse(&text, FileSource::default(), &["no physical scale", "cellsize: 50", "without a unit"]);
     let dir = folder();
     let path = put(&dir, "a.asc", text.as_bytes());
@@ -129,11 +139,15 @@ fn lengths_without_a_unit_need_the_plan() {
 
 #[test]
 fn a_stated_number_of_pixels_makes_lines_irrelevant() {
-    let header = "# x-pixels = 5\n# y-pixels = 3\n# x-length = 2500\n# y-length = 750\n# z-unit = nm\n";
+    let header =
+        "# x-pixels = 5\n# y-pixels = 3\n# x-length = 2500\n# y-length = 750\n# z-unit = nm\n";
     let one_line = rows(" ").join(" ");
     let one_column = rows("\n").join("\n");
-    let wrapped: String =
-        one_line.split(' ').enumerate().map(|(i, n)| if i % 4 == 3 { format!("{n}\n") } else { format!("{n} ") }).collect();
+    let wrapped: String = one_line
+        .split(' ')
+        .enumerate()
+        .map(|(i, n)| if i % 4 == 3 { format!("{n}\n") } else { format!("{n} ") })
+        .collect();
     for body in [one_line, one_column, wrapped] {
         let reading = open(format!("{header}{body}\n"));
         assert_upright(&reading, 1e-5);
@@ -147,7 +161,9 @@ fn a_stated_number_of_pixels_makes_lines_irrelevant() {
 fn formats_of_zygo_and_surfer() {
     let phases: Vec<String> = greys().iter().map(|g| (u32::from(*g) * 100).to_string()).collect();
     let header = |kind: &str| {
-        format!("Zygo {kind} Data File - Format 2\n1 8 3 5 \"Thu\"\n0 0 0 0 0 0\n0 0 5 3\n\"c\"\n\"s\"\n\"p\"\n0 0.5 6.328e-07 0 1 0 5e-07 1\n5 3 0 0 0 0 \"o\"\n0 0 0 0 0 0 0 0 0 0\n1 1 20 2 0 0 0 0 0\n0 \"x\"\n1 0\n\"l\"\n#\n")
+        format!(
+            "Zygo {kind} Data File - Format 2\n1 8 3 5 \"Thu\"\n0 0 0 0 0 0\n0 0 5 3\n\"c\"\n\"s\"\n\"p\"\n0 0.5 6.328e-07 0 1 0 5e-07 1\n5 3 0 0 0 0 \"o\"\n0 0 0 0 0 0 0 0 0 0\n1 1 20 2 0 0 0 0 0\n0 \"x\"\n1 0\n\"l\"\n#\n"
+        )
     };
     // half a wave of 632.8 nm in 32768 steps
     let step = 0.5 * 0.6328 / 32768.0;
@@ -157,7 +173,11 @@ fn formats_of_zygo_and_surfer() {
     assert_pitch(&reading, 0.5, 0.5);
     let holes = open(ascii.replacen(" 1000 ", " 2147483640 ", 1));
     assert!(holes.heights_um[1].is_nan() && !holes.heights_um[0].is_nan());
-    refuse(header("ASCII") + &phases[1..].join(" ") + "\n#\n", FileSource::default(), &["Zygo", "number of phases"]);
+    refuse(
+        header("ASCII") + &phases[1..].join(" ") + "\n#\n",
+        FileSource::default(),
+        &["Zygo", "number of phases"],
+    );
     let pixels: String = (0..15)
         .map(|i| format!("{} {} {}\n", i % 5, i / 5, f64::from(greys()[i]) / 100.0))
         .collect();
@@ -181,7 +201,9 @@ fn formats_of_zygo_and_surfer() {
 fn named_columns_with_a_stated_number_of_pixels() {
     let lines: String =
         greys().iter().map(|g| format!("{}\t{:.2}\n", 255 - g, f64::from(*g) / 100.0)).collect();
-    let text = format!("\"\\Samps/line: 5\"\n\"\\Lines: 3\"\n\"\\Scan Size: 500 nm\"\nPhase(deg)\tHeight_Sensor(nm)\n{lines}");
+    let text = format!(
+        "\"\\Samps/line: 5\"\n\"\\Lines: 3\"\n\"\\Scan Size: 500 nm\"\nPhase(deg)\tHeight_Sensor(nm)\n{lines}"
+    );
     let dir = folder();
     let path = put(&dir, "a.txt", text.as_bytes());
     let reading = read(&bare(&path), "probe").unwrap();

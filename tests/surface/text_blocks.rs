@@ -19,10 +19,15 @@ fn block(name: &str, unit: &str, gap: &str) -> String {
 #[test]
 fn the_first_block_is_used_if_it_is_called_height() {
     for gap in ["\n", ""] {
-        let text = block("Height", "nm", gap) + &block("Phase", "deg", gap) + &block("Z 2", "pm", gap);
+        let text =
+            block("Height", "nm", gap) + &block("Phase", "deg", gap) + &block("Z 2", "pm", gap);
         let reading = open(&text, None).unwrap();
         assert_upright(&reading, 1e-5);
-        assert!(reading.notes.iter().any(|n| n.contains("first of 3") && n.contains("Phase")), "{:?}", reading.notes);
+        assert!(
+            reading.notes.iter().any(|n| n.contains("first of 3") && n.contains("Phase")),
+            "{:?}",
+            reading.notes
+        );
         assert_upright(&open(&text, Some("1")).unwrap(), 1e-5);
         assert_upright(&open(&text, Some("z 2")).unwrap(), 1e-8);
         assert_upright(&open(&text, Some("3")).unwrap(), 1e-8);
@@ -37,14 +42,20 @@ fn the_first_block_is_used_if_it_is_called_height() {
 #[test]
 fn other_blocks_are_asked_about() {
     let text = block("Phase", "nm", "\n") + &block("Height", "pm", "");
-    assert_says(open(&text, None), &["2 blocks", "1: Phase (line 3, 3 rows)", "2: Height", "channel"]);
+    assert_says(
+        open(&text, None),
+        &["2 blocks", "1: Phase (line 3, 3 rows)", "2: Height", "channel"],
+    );
     assert_upright(&open(&text, Some("height")).unwrap(), 1e-8);
     // blank lines alone, too
     let bare = format!("{0}\n\n{0}\n", rows(" ").join("\n"));
     assert_says(open(&bare, None), &["2 blocks", "no name", "blank lines"]);
     assert_upright(&open(&bare, Some("2")).unwrap(), 0.01);
     let uneven = format!("{}\n\n{}\n", rows(" ").join("\n"), rows(" ")[..2].join("\n"));
-    assert_says(open(&uneven, None), &["1: no name (line 1, 3 rows)", "2: no name (line 5, 2 rows)"]);
+    assert_says(
+        open(&uneven, None),
+        &["1: no name (line 1, 3 rows)", "2: no name (line 5, 2 rows)"],
+    );
 }
 
 #[test]

@@ -14,7 +14,8 @@ fn open(bytes: impl AsRef<[u8]>) -> Result<Reading> {
 fn every_end_of_line() {
     for end in ["\n", "\r\n", "\r", "\n\n", "\r\r\n", "\r\r"] {
         assert_upright(&open(rows(" ").join(end)).unwrap(), 0.01);
-        let header = format!("# Channel: Height{end}# Value units: um{end}{}{end}", rows("\t").join(end));
+        let header =
+            format!("# Channel: Height{end}# Value units: um{end}{}{end}", rows("\t").join(end));
         assert_upright(&open(header).unwrap(), 0.01);
     }
     // a CR is no blank between numbers
@@ -26,7 +27,11 @@ fn a_long_line_is_a_profile_and_says_so() {
     let line = vec!["0.1 0.2"; 512].join(" ");
     let reading = open(&line).unwrap();
     assert_eq!((reading.columns, reading.rows), (1024, 1));
-    assert!(reading.notes.iter().any(|n| n.contains("32 × 32") && n.contains("x-pixels")), "{:?}", reading.notes);
+    assert!(
+        reading.notes.iter().any(|n| n.contains("32 × 32") && n.contains("x-pixels")),
+        "{:?}",
+        reading.notes
+    );
     let reading = open(format!("# x-pixels = 32\n# y-pixels = 32\n{line}\n")).unwrap();
     assert_eq!((reading.columns, reading.rows), (32, 32));
     // a number that fills no square is a profile without a word
@@ -53,7 +58,8 @@ fn every_encoding() {
     }
     // units survive in every encoding
     let micro = "# Width: 0.5 \u{b5}m\n# Value units: \u{c5}\n";
-    let latin: Vec<u8> = format!("{micro}{}\n", rows(" ").join("\n")).chars().map(|c| c as u8).collect();
+    let latin: Vec<u8> =
+        format!("{micro}{}\n", rows(" ").join("\n")).chars().map(|c| c as u8).collect();
     let dir = folder();
     let reading = read(&bare(&put(&dir, "a.txt", &latin)), "probe").unwrap();
     assert_upright(&reading, 1e-6);
@@ -100,7 +106,10 @@ fn words_quotes_and_other_spellings_of_numbers() {
     let reading = open("0.1 Bad\n--- 0.4\n").unwrap();
     assert!(reading.heights_um[1].is_nan() && reading.heights_um[2].is_nan());
     assert!(reading.notes.iter().any(|n| n.contains("2 cells")), "{:?}", reading.notes);
-    assert_eq!(open("\"0.1\",\"0.2\"\n\"0.3\",\"0.5\"\n").unwrap().heights_um, [0.1, 0.2, 0.3, 0.5]);
+    assert_eq!(
+        open("\"0.1\",\"0.2\"\n\"0.3\",\"0.5\"\n").unwrap().heights_um,
+        [0.1, 0.2, 0.3, 0.5]
+    );
     assert_eq!(open("1.0D-1 2\u{2009}\n−3 4\n").unwrap().heights_um, [0.1, 2.0, -3.0, 4.0]);
     assert_eq!(open("0.1;0.2;\n0.3;0.5;\n").unwrap().columns, 2);
     // a damaged number in the first row is no heading

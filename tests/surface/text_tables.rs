@@ -55,8 +55,7 @@ fn points_in_any_order_and_spelling() {
         }
     }
     // blank lines between scan lines, as some plotting programs want them
-    let parted: String =
-        points().chunks(5).map(|line| listed(line, " ") + "\n").collect();
+    let parted: String = points().chunks(5).map(|line| listed(line, " ") + "\n").collect();
     assert_upright(&open(parted).unwrap(), 0.01);
 }
 
@@ -83,14 +82,18 @@ fn points_take_the_units_of_their_columns() {
 
 #[test]
 fn the_plan_has_to_agree_with_coordinates() {
-    let square: Vec<[f64; 3]> = points().into_iter().map(|[x, y, z]| [x * 100.0, y * 200.0, z]).collect();
+    let square: Vec<[f64; 3]> =
+        points().into_iter().map(|[x, y, z]| [x * 100.0, y * 200.0, z]).collect();
     let text = listed(&square, " ");
     // 50 of a unit that is not stated, 0.05 µm in the plan: nm
     let keys = |pixel| FileSource { pixel_um: Some(pixel), ..FileSource::default() };
     let reading = with("a.xyz", &text, keys(0.05)).unwrap();
     assert_upright(&reading, 0.01);
     assert_pitch(&reading, 0.05, 0.05);
-    assert_says(with("a.xyz", &text, keys(0.06)), &["pixel_um = 0.06", "coordinates", "50 per pixel"]);
+    assert_says(
+        with("a.xyz", &text, keys(0.06)),
+        &["pixel_um = 0.06", "coordinates", "50 per pixel"],
+    );
     let stated = format!("# x y z in nm\n{text}");
     assert_says(with("a.xyz", stated, keys(50.0)), &["pixel_um = 50", "0.05 × 0.05 µm", "trust"]);
 }
@@ -100,7 +103,10 @@ fn points_on_no_grid_are_refused() {
     let text = |points: &[[f64; 3]]| format!("x y z\n{}", listed(points, " "));
     let mut missing = points();
     missing.remove(4);
-    assert_says(open(text(&missing)), &["14 points fill only 93.3 % of a grid of 5 × 3", "1 are missing"]);
+    assert_says(
+        open(text(&missing)),
+        &["14 points fill only 93.3 % of a grid of 5 × 3", "1 are missing"],
+    );
     let mut twice = points();
     twice.push(twice[3]);
     assert_says(open(text(&twice)), &["two points lie at x = -1.5, y = 0.5"]);
@@ -114,13 +120,19 @@ fn points_on_no_grid_are_refused() {
     // without names: too many rows for a matrix of three columns
     assert_says(open(listed(&scattered, " ")), &["60 rows of three numbers", "points"]);
     // a few rows of three heights remain a matrix
-    let small = with("a.txt", "1 5 2\n4 1 3\n2 2 9\n7 3 1\n", FileSource { pixel_um: Some(0.1), z_unit_um: Some(0.01), ..FileSource::default() }).unwrap();
+    let small = with(
+        "a.txt",
+        "1 5 2\n4 1 3\n2 2 9\n7 3 1\n",
+        FileSource { pixel_um: Some(0.1), z_unit_um: Some(0.01), ..FileSource::default() },
+    )
+    .unwrap();
     assert_eq!((small.columns, small.rows), (3, 4));
 }
 
 #[test]
 fn distances_and_heights_are_a_profile() {
-    let line = |i: u32, rise: f64| format!("{:.2},{}\n", f64::from(i) * rise, f64::from(i * i % 7) / 10.0);
+    let line =
+        |i: u32, rise: f64| format!("{:.2},{}\n", f64::from(i) * rise, f64::from(i * i % 7) / 10.0);
     let text: String = (0..20).map(|i| line(i, 0.05)).collect();
     let check = |text: &str, pitch: f64, unit: f64| {
         let reading = open(text).unwrap();
@@ -157,8 +169,11 @@ fn coordinates_around_a_matrix_are_used_as_its_scale() {
         }
         text
     };
-    for (corner, between) in [("nan", " "), ("", "\t"), ("", ";"), ("", ","), ("y/x", ";"), ("NaN", ",")] {
-        let reading = open(body(corner, between, true)).unwrap_or_else(|e| panic!("{corner}{between}: {e}"));
+    for (corner, between) in
+        [("nan", " "), ("", "\t"), ("", ";"), ("", ","), ("y/x", ";"), ("NaN", ",")]
+    {
+        let reading =
+            open(body(corner, between, true)).unwrap_or_else(|e| panic!("{corner}{between}: {e}"));
         assert_upright(&reading, 0.01);
         assert_pitch(&reading, 0.5, 0.25);
         // where y grows downwards in the file, the last row is the top one
@@ -176,7 +191,11 @@ fn rows_that_may_be_coordinates_or_heights_are_refused() {
     refused("0 1 2 3\n5 2 9 1\n4 4 2 8\n7 1 1 3\n", "the first row is");
     refused("0 5 2 9\n1 4 4 2\n2 7 1 1\n3 0 2 6\n", "the first column is");
     // slopes and steps are heights
-    for heights in ["0 1 2 3\n1 2 3 4\n2 3 4 5\n3 4 5 6\n", "0 1 2 3\n0 1 2 3\n0 1 2 3\n", "1 1 1 1\n5 2 9 1\n4 4 2 8\n"] {
+    for heights in [
+        "0 1 2 3\n1 2 3 4\n2 3 4 5\n3 4 5 6\n",
+        "0 1 2 3\n0 1 2 3\n0 1 2 3\n",
+        "1 1 1 1\n5 2 9 1\n4 4 2 8\n",
+    ] {
         let reading = with("a.txt", heights, keys()).unwrap();
         assert_eq!(reading.columns, 4);
     }

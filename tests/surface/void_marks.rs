@@ -20,8 +20,16 @@ fn holes(reading: &Reading) -> Vec<usize> {
 #[test]
 fn marks_are_asked_about_and_then_void() {
     for mark in [
-        "-9999", "-99999", "-32768", "32767", "2147483647", "2147483640", "1.70141e38",
-        "3.4028234663852886e38", "-1e30", "65535",
+        "-9999",
+        "-99999",
+        "-32768",
+        "32767",
+        "2147483647",
+        "2147483640",
+        "1.70141e38",
+        "3.4028234663852886e38",
+        "-1e30",
+        "65535",
     ] {
         let text = format!("10 20 {mark}\n40 {mark} 60\n15 25 37\n");
         let shown: f64 = mark.parse().unwrap();
@@ -43,7 +51,12 @@ fn marks_are_asked_about_and_then_void() {
 
 #[test]
 fn heights_that_only_look_like_marks_stay() {
-    for text in ["30000 32767\n31000 32000\n", "-9999 -9990\n-9980 -9950\n", "10 20\n40 9998\n", "0 0\n0 0\n"] {
+    for text in [
+        "30000 32767\n31000 32000\n",
+        "-9999 -9990\n-9980 -9950\n",
+        "10 20\n40 9998\n",
+        "0 0\n0 0\n",
+    ] {
         assert!(holes(&open(text, None).unwrap()).is_empty(), "{text}");
     }
 }
@@ -72,13 +85,21 @@ fn reliefs_that_make_no_sense_are_warned_about() {
     let dir = folder();
     let notes = |scale: f64, keys: FileSource| {
         let text: String = (0..8)
-            .map(|r| (0..8).map(|c| format!("{:e} ", scale * f64::from((r * c) % 5) / 4.0)).collect::<String>() + "\n")
+            .map(|r| {
+                (0..8)
+                    .map(|c| format!("{:e} ", scale * f64::from((r * c) % 5) / 4.0))
+                    .collect::<String>()
+                    + "\n"
+            })
             .collect();
         let path = put(&dir, "a.txt", text.as_bytes());
         read(&FileSource { path, pixel_um: Some(0.1), ..keys }, "probe").unwrap().notes.join("\n")
     };
     let none = FileSource::default;
-    assert!(notes(1e-4, none()).contains("0.1 nm") && notes(1e-4, none()).contains("in mm, write z_unit_um = 1000"));
+    assert!(
+        notes(1e-4, none()).contains("0.1 nm")
+            && notes(1e-4, none()).contains("in mm, write z_unit_um = 1000")
+    );
     assert!(notes(1e-7, none()).contains("in m, write z_unit_um = 1000000"));
     let high = notes(80.0, none());
     assert!(high.contains("80 µm") && high.contains("in nm, write z_unit_um = 0.001"), "{high}");

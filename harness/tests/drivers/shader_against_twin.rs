@@ -266,12 +266,8 @@ fn listed_directions_agree_too() {
 #[test]
 fn a_measured_scan_agrees_at_two_angles() {
     let Some(path) = data::find("elaphe_65um.png") else { return };
-    let source = FileSource {
-        path,
-        size_um: Some(65.0),
-        height_um: Some(0.375),
-        ..FileSource::default()
-    };
+    let source =
+        FileSource { path, size_um: Some(65.0), height_um: Some(0.375), ..FileSource::default() };
     let source = SurfaceSource::File(source);
     let spec = SurfaceSpec {
         name: "elaphe".into(),

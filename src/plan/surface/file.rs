@@ -37,12 +37,7 @@ const EXCLUDES: [(&str, &str, &str, &str); 3] = [
 ];
 
 /// Reads the keys. `limit_um`: the maximum pitch that resolves all orders.
-pub(super) fn read(
-    table: &Table,
-    item: &Item,
-    folder: &Path,
-    limit_um: f64,
-) -> Option<FileSource> {
+pub(super) fn read(table: &Table, item: &Item, folder: &Path, limit_um: f64) -> Option<FileSource> {
     let path = item.string("the path of a height field, relative to the plan")?;
     if path.is_empty() || path.contains('\0') {
         item.fail("is not a valid path", "give the path of a height field, relative to the plan");

@@ -19,10 +19,51 @@ pub(super) enum Format {
 
 /// Extensions of instruments, of programs that evaluate their files, and of containers: converted by `import`.
 const INSTRUMENTS: [&str; 45] = [
-    "3ds", "al3d", "ardf", "bcr", "bcrf", "crd", "datx", "di", "dm3", "dm4", "ezd", "gwy",
-    "gxyzf", "h5", "hdf5", "ibw", "jpk", "jpk-qi-data", "mat", "mdt", "mi", "mnt", "nc", "nid",
-    "nhf", "nms", "nmm", "opd", "opdx", "os3d", "plu", "plux", "plx", "ps-ppt", "sdf", "sm2", "sm4",
-    "spm", "stp", "sur", "sxm", "top", "vk4", "vk6", "x3p",
+    "3ds",
+    "al3d",
+    "ardf",
+    "bcr",
+    "bcrf",
+    "crd",
+    "datx",
+    "di",
+    "dm3",
+    "dm4",
+    "ezd",
+    "gwy",
+    "gxyzf",
+    "h5",
+    "hdf5",
+    "ibw",
+    "jpk",
+    "jpk-qi-data",
+    "mat",
+    "mdt",
+    "mi",
+    "mnt",
+    "nc",
+    "nid",
+    "nhf",
+    "nms",
+    "nmm",
+    "opd",
+    "opdx",
+    "os3d",
+    "plu",
+    "plux",
+    "plx",
+    "ps-ppt",
+    "sdf",
+    "sm2",
+    "sm4",
+    "spm",
+    "stp",
+    "sur",
+    "sxm",
+    "top",
+    "vk4",
+    "vk6",
+    "x3p",
 ];
 
 /// Extensions that are read.
@@ -84,12 +125,16 @@ pub(super) fn of_path(path: &Path, subject: &str) -> Result<Format> {
         // NanoScope numbers its files: scan.001
         let is_number = !extension.is_empty() && extension.bytes().all(|b| b.is_ascii_digit());
         if is_number || INSTRUMENTS.contains(&extension.as_str()) {
-            return error(format!("`{extension}` is a format of instruments, which a plan does not read"))
-                .remedy(format!("convert it with `{import}`, which writes a GSF file beside it, and name that"));
+            return error(format!(
+                "`{extension}` is a format of instruments, which a plan does not read"
+            ))
+            .remedy(format!(
+                "convert it with `{import}`, which writes a GSF file beside it, and name that"
+            ));
         }
-        error(format!("the extension `{extension}` does not belong to a known format")).remedy(format!(
-            "name a file of {READ}; a file of an instrument is converted with `{import}`"
-        ))
+        error(format!("the extension `{extension}` does not belong to a known format")).remedy(
+            format!("name a file of {READ}; a file of an instrument is converted with `{import}`"),
+        )
     })
 }
 

@@ -47,7 +47,8 @@ impl Conversion {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for (i, v) in values.iter_mut().enumerate() {
             if v.is_infinite() {
-                let cause = format!("the height at column {}, row {} is {v}", i % columns, i / columns);
+                let cause =
+                    format!("the height at column {}, row {} is {v}", i % columns, i / columns);
                 return Err(Error::new(subject, cause).remedy("write NaN for void pixels"));
             }
             *v = self.offset + *v * self.scale;
@@ -142,7 +143,8 @@ fn float(
                 stated.unit_words(),
                 stated.heights_by
             );
-            return Err(error(cause).remedy("choose the channel of heights, or give `z_unit_um`, the µm per unit"));
+            return Err(error(cause)
+                .remedy("choose the channel of heights, or give `z_unit_um`, the µm per unit"));
         }
         (Some(plan), Some(Unit::Length(um))) => {
             if differs(plan, *um) {
@@ -167,12 +169,13 @@ fn contradiction(
     notes: &mut Vec<String>,
 ) -> Result<()> {
     if source.trust == Trust::Plan {
-        notes.push(format!("trust = \"plan\": `{key} = {plan}` is used, although the file states {says}"));
+        notes.push(format!(
+            "trust = \"plan\": `{key} = {plan}` is used, although the file states {says}"
+        ));
         return Ok(());
     }
     let cause = format!("`{key} = {plan}` contradicts the file, which states {says}");
-    let remedy = format!(
-        "remove `{key}` to use the file's, or add `trust = \"plan\"` to use the plan's"
-    );
+    let remedy =
+        format!("remove `{key}` to use the file's, or add `trust = \"plan\"` to use the plan's");
     Err(Error::new(subject, cause).remedy(remedy))
 }

@@ -68,7 +68,9 @@ fn units(range: f64, conversion: &Conversion) -> String {
         })
         .collect();
     match (sensible.is_empty(), conversion.unit_is_assumed) {
-        (true, true) => "; the file names no unit, so its numbers are taken as µm: check `z_unit_um`".to_owned(),
+        (true, true) => {
+            "; the file names no unit, so its numbers are taken as µm: check `z_unit_um`".to_owned()
+        }
         (true, false) => "; check the unit of the heights and the pitch".to_owned(),
         (false, true) => format!("; the file names no unit: {}", sensible.join("; ")),
         (false, false) => format!("; {}", sensible.join("; ")),

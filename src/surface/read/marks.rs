@@ -7,8 +7,20 @@ use crate::surface::raster::{Samples, Stated};
 
 /// Numbers that programs write where they have no height: limits of integer types, round numbers of nines, Zygo's limit.
 const KNOWN: [f64; 14] = [
-    -9999.0, 9999.0, -99999.0, 99999.0, -999999.0, 999999.0, -32768.0, 32767.0, -32767.0, 65535.0,
-    2147483647.0, -2147483648.0, 2147483640.0, 4294967295.0,
+    -9999.0,
+    9999.0,
+    -99999.0,
+    99999.0,
+    -999999.0,
+    999999.0,
+    -32768.0,
+    32767.0,
+    -32767.0,
+    65535.0,
+    2147483647.0,
+    -2147483648.0,
+    2147483640.0,
+    4294967295.0,
 ];
 
 /// No height has this size in any unit: blanks of Surfer are 1.7e38, the largest single-precision number is 3.4e38.

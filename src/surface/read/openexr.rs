@@ -66,7 +66,8 @@ pub(super) fn read(bytes: &[u8], source: &FileSource, subject: &str) -> Result<R
         let is_wanted = |name: &str| name.eq_ignore_ascii_case(wanted.trim());
         channels.retain(|c| is_wanted(&c.name.to_string()));
         if channels.is_empty() {
-            let cause = format!("`channel = {wanted}` is not in the file, which has {}", names.join(", "));
+            let cause =
+                format!("`channel = {wanted}` is not in the file, which has {}", names.join(", "));
             return Err(error(cause).remedy("give the name of one of these channels"));
         }
     } else if channels.len() > 1 {

@@ -111,7 +111,8 @@ fn of_file(
         if !likely {
             return Ok(None);
         }
-        let unit = name(shape.unit_um).map_or_else(|| format!("{} µm", shape.unit_um), str::to_owned);
+        let unit =
+            name(shape.unit_um).map_or_else(|| format!("{} µm", shape.unit_um), str::to_owned);
         notes.push(format!(
             "{by} has no unit: taken as {unit}, like the heights; `pixel_um` or `size_um` says otherwise"
         ));
@@ -154,7 +155,8 @@ fn of_plan(
 ) -> Option<(String, [f64; 2])> {
     let aspect = file.map_or(1.0, |[x, y]| y / x);
     let along = if columns == 1 { rows } else { columns };
-    let over = |key: &str, size: f64, pixels: usize| format!("`{key} = {size}` over {pixels} pixels");
+    let over =
+        |key: &str, size: f64, pixels: usize| format!("`{key} = {size}` over {pixels} pixels");
     match (source.size_um, source.size_y_um, source.pixel_um) {
         (Some(x), Some(y), _) => Some((
             format!("`size_um = {x}` and `size_y_um = {y}`"),

@@ -119,7 +119,10 @@ fn select(
 ) -> Result<()> {
     let Some(channel) = &source.channel else {
         if decoder.more_images() {
-            notes.push("the TIFF has several images; the first is used (`channel = 2` is the second)".to_owned());
+            notes.push(
+                "the TIFF has several images; the first is used (`channel = 2` is the second)"
+                    .to_owned(),
+            );
         }
         return Ok(());
     };
@@ -138,10 +141,8 @@ fn stated(decoder: &mut Decoder<Cursor<&[u8]>>, bits: u8) -> Stated {
         Value::Rational(n, d) if d != 0 => Some(f64::from(n) / f64::from(d)),
         _ => None,
     };
-    let resolution =
-        [Tag::XResolution, Tag::YResolution].map(|tag| find(tag).and_then(ratio));
-    let resolution_unit =
-        find(Tag::ResolutionUnit).and_then(|v| v.into_u32().ok()).unwrap_or(INCH);
+    let resolution = [Tag::XResolution, Tag::YResolution].map(|tag| find(tag).and_then(ratio));
+    let resolution_unit = find(Tag::ResolutionUnit).and_then(|v| v.into_u32().ok()).unwrap_or(INCH);
     let description = match find(Tag::ImageDescription) {
         Some(Value::Ascii(text)) => text,
         // texts that are not ASCII

@@ -63,9 +63,8 @@ pub(super) fn split<'t>(text: &'t str, subject: &str) -> Result<Vec<Block<'t>>> 
                     }
                     let shown: String = words.chars().take(40).collect();
                     let cause = format!("line {number}: `{shown}` is not a number");
-                    return Err(Error::new(subject, cause).remedy(
-                        "write numbers only; start headings and comments with `#`",
-                    ));
+                    return Err(Error::new(subject, cause)
+                        .remedy("write numbers only; start headings and comments with `#`"));
                 }
                 header.add(number, words, is_comment);
                 spoke = true;
@@ -78,9 +77,11 @@ pub(super) fn split<'t>(text: &'t str, subject: &str) -> Result<Vec<Block<'t>>> 
                         own.inherit(&last.header);
                     }
                     if blocks.len() == MAX_BLOCKS {
-                        let cause = format!("the file has more than {MAX_BLOCKS} blocks of numbers");
-                        return Err(Error::new(subject, cause)
-                            .remedy("save the block of heights alone"));
+                        let cause =
+                            format!("the file has more than {MAX_BLOCKS} blocks of numbers");
+                        return Err(
+                            Error::new(subject, cause).remedy("save the block of heights alone")
+                        );
                     }
                     blocks.push(Block { header: own, segments: Vec::new() });
                 }
@@ -151,8 +152,10 @@ pub(super) fn choose<'t>(
         // a column of the only block may have that name
         None if all.len() == 1 => Ok(all.swap_remove(0).1),
         None => {
-            let cause = format!("`channel = {wanted}` is not in the file, which has {}", listed(&all));
-            Err(Error::new(subject, cause).remedy("give the name or the number of one of these blocks"))
+            let cause =
+                format!("`channel = {wanted}` is not in the file, which has {}", listed(&all));
+            Err(Error::new(subject, cause)
+                .remedy("give the name or the number of one of these blocks"))
         }
     }
 }
@@ -165,7 +168,12 @@ fn candidates<'t>(block: Block<'t>) -> Vec<(Option<String>, Chosen<'t>)> {
     let is_one = segments.iter().all(|segment| segment.rows == 1)
         || header.pixels().is_some()
         || is_points(&segments, &header);
-    let chosen = |segment: Segment<'t>, is_parted| Chosen { header: header.clone(), segment, is_parted, is_named: false };
+    let chosen = |segment: Segment<'t>, is_parted| Chosen {
+        header: header.clone(),
+        segment,
+        is_parted,
+        is_named: false,
+    };
     match segments.as_slice() {
         [] => Vec::new(),
         [only] => vec![(label, chosen(*only, false))],
@@ -192,5 +200,6 @@ fn is_coordinates(line: &Line) -> bool {
 fn is_points(segments: &[Segment], header: &Header) -> bool {
     let Some(first) = segments.first() else { return false };
     let text = first.text();
-    decode::fields(text.lines().next().unwrap_or_default()).len() == 3 || header.columns(3).is_some()
+    decode::fields(text.lines().next().unwrap_or_default()).len() == 3
+        || header.columns(3).is_some()
 }

@@ -33,7 +33,8 @@ pub(super) fn find(table: &Table, subject: &str) -> Result<Option<Coordinates>> 
         let all: Vec<f64> = (0..rows).map(|r| values[r * width + at]).collect();
         Even::within(&all, EXACT)
     };
-    let is_row = width > 3 && whole_row(0).is_some() && whole_row(1).is_none() && whole_row(2).is_none();
+    let is_row =
+        width > 3 && whole_row(0).is_some() && whole_row(1).is_none() && whole_row(2).is_none();
     let is_column = rows > 3
         && whole_column(0).is_some()
         && whole_column(1).is_none()

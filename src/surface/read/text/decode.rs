@@ -33,9 +33,8 @@ pub(super) fn text<'b>(
     subject: &str,
     notes: &mut Vec<String>,
 ) -> Result<Cow<'b, str>> {
-    let error = |cause: &str| {
-        Error::new(subject, cause).remedy("save it as UTF-8, or export it again")
-    };
+    let error =
+        |cause: &str| Error::new(subject, cause).remedy("save it as UTF-8, or export it again");
     let wide = |bytes: &[u8], from: fn([u8; 2]) -> u16| {
         let (pairs, rest) = bytes.as_chunks::<2>();
         let units: Vec<u16> = pairs.iter().map(|&pair| from(pair)).collect();
@@ -82,7 +81,9 @@ pub(super) fn fields(line: &str) -> Vec<&str> {
     let line = line.trim_end();
     match [';', '\t'].into_iter().find(|&c| line.contains(c)) {
         Some(separator) => line.split(separator).map(str::trim).collect(),
-        None if line.contains(' ') => line.split_whitespace().map(|f| f.trim_end_matches(',')).collect(),
+        None if line.contains(' ') => {
+            line.split_whitespace().map(|f| f.trim_end_matches(',')).collect()
+        }
         None => line.split(',').collect(),
     }
 }

@@ -22,9 +22,10 @@ impl Even {
         let step = (last - first) / (values.len() - 1) as f64;
         let is_even = step != 0.0
             && step.is_finite()
-            && values.iter().enumerate().all(|(i, v)| {
-                ((v - first) / step - i as f64).abs() <= tolerance
-            });
+            && values
+                .iter()
+                .enumerate()
+                .all(|(i, v)| ((v - first) / step - i as f64).abs() <= tolerance);
         is_even.then_some(Even { first, step })
     }
 

@@ -43,27 +43,192 @@ enum Axis {
 use Axis::{Both, X, Y};
 
 const KEYS: [(Key, &[&str]); 22] = [
-    (Key::Channel, &["channel", "kanal", "kanál", "canal", "canale", "チャネル", "канал", "display", "channelname"]),
-    (Key::Size(X), &["width", "breite", "šířka", "largeur", "larghezza", "anchura", "幅", "ширина", "xamplitude", "xreal", "xrange", "xsize", "sizex", "scansizex", "xscansize", "fieldwidth"]),
-    (Key::Size(Y), &["height", "höhe", "výška", "hauteur", "altezza", "altura", "高さ", "высота", "yamplitude", "yreal", "yrange", "ysize", "sizey", "scansizey", "yscansize", "fieldheight"]),
+    (
+        Key::Channel,
+        &[
+            "channel",
+            "kanal",
+            "kanál",
+            "canal",
+            "canale",
+            "チャネル",
+            "канал",
+            "display",
+            "channelname",
+        ],
+    ),
+    (
+        Key::Size(X),
+        &[
+            "width",
+            "breite",
+            "šířka",
+            "largeur",
+            "larghezza",
+            "anchura",
+            "幅",
+            "ширина",
+            "xamplitude",
+            "xreal",
+            "xrange",
+            "xsize",
+            "sizex",
+            "scansizex",
+            "xscansize",
+            "fieldwidth",
+        ],
+    ),
+    (
+        Key::Size(Y),
+        &[
+            "height",
+            "höhe",
+            "výška",
+            "hauteur",
+            "altezza",
+            "altura",
+            "高さ",
+            "высота",
+            "yamplitude",
+            "yreal",
+            "yrange",
+            "ysize",
+            "sizey",
+            "scansizey",
+            "yscansize",
+            "fieldheight",
+        ],
+    ),
     (Key::Size(Both), &["scansize", "imagesize", "fieldsize"]),
     (Key::Length(X), &["xlength"]),
     (Key::Length(Y), &["ylength"]),
-    (Key::Pitch(X), &["dx", "scalex", "xscale", "xstep", "stepx", "pixelsizex", "xpixelsize", "pixelwidth", "xpitch", "xspacing", "xincrement"]),
-    (Key::Pitch(Y), &["dy", "scaley", "yscale", "ystep", "stepy", "pixelsizey", "ypixelsize", "pixelheight", "ypitch", "yspacing", "yincrement"]),
-    (Key::Pitch(Both), &["cellsize", "pixelsize", "pitch", "pixelpitch", "spacing", "pixelspacing", "lateralresolution"]),
-    (Key::Pixels(X), &["xpixels", "ncols", "nx", "xres", "columns", "numberofcolumns", "sampsline", "xpoints", "numberofpoints"]),
-    (Key::Pixels(Y), &["ypixels", "nrows", "ny", "yres", "rows", "numberofrows", "lines", "numberoflines", "ypoints"]),
+    (
+        Key::Pitch(X),
+        &[
+            "dx",
+            "scalex",
+            "xscale",
+            "xstep",
+            "stepx",
+            "pixelsizex",
+            "xpixelsize",
+            "pixelwidth",
+            "xpitch",
+            "xspacing",
+            "xincrement",
+        ],
+    ),
+    (
+        Key::Pitch(Y),
+        &[
+            "dy",
+            "scaley",
+            "yscale",
+            "ystep",
+            "stepy",
+            "pixelsizey",
+            "ypixelsize",
+            "pixelheight",
+            "ypitch",
+            "yspacing",
+            "yincrement",
+        ],
+    ),
+    (
+        Key::Pitch(Both),
+        &[
+            "cellsize",
+            "pixelsize",
+            "pitch",
+            "pixelpitch",
+            "spacing",
+            "pixelspacing",
+            "lateralresolution",
+        ],
+    ),
+    (
+        Key::Pixels(X),
+        &[
+            "xpixels",
+            "ncols",
+            "nx",
+            "xres",
+            "columns",
+            "numberofcolumns",
+            "sampsline",
+            "xpoints",
+            "numberofpoints",
+        ],
+    ),
+    (
+        Key::Pixels(Y),
+        &[
+            "ypixels",
+            "nrows",
+            "ny",
+            "yres",
+            "rows",
+            "numberofrows",
+            "lines",
+            "numberoflines",
+            "ypoints",
+        ],
+    ),
     (Key::Unit(Both), &["xyunits", "xyunit", "lateralunit", "lateralunits", "xyunitsare"]),
     (Key::Unit(X), &["xunit", "xunits", "unitx"]),
     (Key::Unit(Y), &["yunit", "yunits", "unity"]),
-    (Key::Heights, &["valueunits", "valueunit", "jednotkyhodnot", "einheiten", "unités", "unitàvalore", "unidadesdevalor", "値の単位", "единицыизмерения", "zunit", "zunits", "unitz", "unitdata", "dataunit", "dataunits", "heightunit", "heightunits", "unit", "units"]),
+    (
+        Key::Heights,
+        &[
+            "valueunits",
+            "valueunit",
+            "jednotkyhodnot",
+            "einheiten",
+            "unités",
+            "unitàvalore",
+            "unidadesdevalor",
+            "値の単位",
+            "единицыизмерения",
+            "zunit",
+            "zunits",
+            "unitz",
+            "unitdata",
+            "dataunit",
+            "dataunits",
+            "heightunit",
+            "heightunits",
+            "unit",
+            "units",
+        ],
+    ),
     (Key::Amplitude, &["zamplitude"]),
     (Key::Bit2nm, &["bit2nm"]),
     (Key::Scale, &["scaledata"]),
     (Key::ScaleNeeded, &["datascaleneeded"]),
     (Key::Void, &["nodatavalue", "nodata", "voidvalue", "missingvalue", "fillvalue", "novalue"]),
-    (Key::Known, &["xllcorner", "yllcorner", "xllcenter", "yllcenter", "xoffset", "yoffset", "voidpixels", "scanspeed", "description", "fileformat", "originalfile", "biasx", "biasy", "biasdata", "title", "comment", "date", "time"]),
+    (
+        Key::Known,
+        &[
+            "xllcorner",
+            "yllcorner",
+            "xllcenter",
+            "yllcenter",
+            "xoffset",
+            "yoffset",
+            "voidpixels",
+            "scanspeed",
+            "description",
+            "fileformat",
+            "originalfile",
+            "biasx",
+            "biasy",
+            "biasdata",
+            "title",
+            "comment",
+            "date",
+            "time",
+        ],
+    ),
     (Key::Known, &["startofdata", "startdata", "data"]),
 ];
 
@@ -184,7 +349,8 @@ impl Header {
         ] {
             let both = self.pair(kind);
             let of = |axis: Axis, place: usize| {
-                let found = self.value(kind(axis)).and_then(|text| self.length(text, axis, kind(axis)));
+                let found =
+                    self.value(kind(axis)).and_then(|text| self.length(text, axis, kind(axis)));
                 found.or(both.map(|b| b[place]))
             };
             let found = [of(X, 0), of(Y, 1)];
@@ -197,10 +363,7 @@ impl Header {
             let um = |unit: Option<f64>| unit.unwrap_or(1.0);
             let per = |place: usize| if is_size { pixels[place] as f64 } else { 1.0 };
             let y = found[1].filter(|(y, other)| *y > 0.0 && other.is_some() == unit.is_some());
-            stated.pitch = [
-                Some(x * um(unit) / per(0)),
-                y.map(|(y, unit)| y * um(unit) / per(1)),
-            ];
+            stated.pitch = [Some(x * um(unit) / per(0)), y.map(|(y, unit)| y * um(unit) / per(1))];
             stated.lateral = unit.map_or(Lateral::Unknown, |_| Lateral::Um(1.0));
             stated.pitch_by = self.words(&[kind(X), kind(Y), kind(Both)]);
             return;
@@ -248,7 +411,9 @@ impl Header {
         let found = self
             .value(Key::Heights)
             .map(|words| scaled(unit(words)))
-            .or_else(|| self.number(Key::Bit2nm).filter(|n| *n > 0.0).map(|nm| Unit::Length(nm * 1e-3)))
+            .or_else(|| {
+                self.number(Key::Bit2nm).filter(|n| *n > 0.0).map(|nm| Unit::Length(nm * 1e-3))
+            })
             .or_else(|| self.value(Key::Amplitude).and_then(of_range));
         if found.is_some() {
             stated.unit = found;
@@ -259,7 +424,8 @@ impl Header {
     /// The lines with these keys, for messages.
     fn words(&self, keys: &[Key]) -> String {
         let lines = self.entries.iter().filter(|(key, ..)| keys.contains(key));
-        let shown: Vec<String> = lines.map(|(_, name, value)| format!("`{name}: {value}`")).take(2).collect();
+        let shown: Vec<String> =
+            lines.map(|(_, name, value)| format!("`{name}: {value}`")).take(2).collect();
         shown.join(", ")
     }
 }

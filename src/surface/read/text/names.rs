@@ -37,7 +37,9 @@ impl Column {
 /// Whether a channel's name says that it holds heights.
 pub(super) fn is_height(name: &str) -> bool {
     let name = name.to_lowercase();
-    ["height", "topo", "höhe", "hauteur", "výška", "altezza", "altura"].iter().any(|word| name.contains(word))
+    ["height", "topo", "höhe", "hauteur", "výška", "altezza", "altura"]
+        .iter()
+        .any(|word| name.contains(word))
         || matches!(name.trim(), "z" | "zsensor" | "z sensor")
 }
 

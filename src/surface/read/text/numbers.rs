@@ -93,8 +93,11 @@ fn look(line: &[u8], seen: &mut Seen) {
 }
 
 fn mixed(subject: &str) -> Error {
-    Error::new(subject, "commas stand between digits in a way that may be read as decimal commas or as separators")
-        .remedy("write numbers with a decimal point, and blanks, tabs or semicolons between them")
+    Error::new(
+        subject,
+        "commas stand between digits in a way that may be read as decimal commas or as separators",
+    )
+    .remedy("write numbers with a decimal point, and blanks, tabs or semicolons between them")
 }
 
 /// Commas are all that stands between digits: decimal ones, or separators of whole numbers?
@@ -107,7 +110,8 @@ fn only_commas(
     let (mut is_decimal, mut is_separator, mut example) = (false, has_two_names, None);
     let mut is_single = true;
     for (_, line) in data(text, first_line) {
-        let fields: Vec<&str> = line.trim().split(',').map(|f| f.trim_matches(['"', ' '])).collect();
+        let fields: Vec<&str> =
+            line.trim().split(',').map(|f| f.trim_matches(['"', ' '])).collect();
         is_single &= fields.len() <= 2;
         example = example.or_else(|| (fields.len() == 2).then(|| line.trim().to_owned()));
         for (at, field) in fields.iter().enumerate() {
@@ -136,14 +140,16 @@ fn only_commas(
 }
 
 /// Reads all numbers.
-pub(super) fn table(
-    text: &str,
-    first_line: usize,
-    layout: Layout,
-    subject: &str,
-) -> Result<Table> {
-    let mut table =
-        Table { values: Vec::new(), width: 0, rows: 0, ragged: None, has_corner: false, corner_fault: None, words: 0 };
+pub(super) fn table(text: &str, first_line: usize, layout: Layout, subject: &str) -> Result<Table> {
+    let mut table = Table {
+        values: Vec::new(),
+        width: 0,
+        rows: 0,
+        ragged: None,
+        has_corner: false,
+        corner_fault: None,
+        words: 0,
+    };
     let mut first = first_line;
     // some programs end every line with a separator
     let ends = |line: &str| layout.separator.is_some_and(|s| line.ends_with(s));
@@ -154,11 +160,15 @@ pub(super) fn table(
         match layout.separator {
             Some(separator) => {
                 let fields = line.split(separator).map(str::trim);
-                fields.enumerate().try_for_each(|(i, f)| field(&mut table, f, (number, i), layout, subject))?;
+                fields
+                    .enumerate()
+                    .try_for_each(|(i, f)| field(&mut table, f, (number, i), layout, subject))?;
             }
             None => {
                 let fields = line.split_whitespace();
-                fields.enumerate().try_for_each(|(i, f)| field(&mut table, f, (number, i), layout, subject))?;
+                fields
+                    .enumerate()
+                    .try_for_each(|(i, f)| field(&mut table, f, (number, i), layout, subject))?;
             }
         }
         let width = table.values.len() - before;
@@ -178,8 +188,11 @@ pub(super) fn table(
         table.rows += 1;
         // points need three numbers for each pixel
         if table.values.len() > 4 * MAX_PIXELS {
-            return Err(Error::new(subject, format!("the file has more than {} numbers", 4 * MAX_PIXELS))
-                .remedy("crop the surface, or scale it down to a pitch of about 95 nm"));
+            return Err(Error::new(
+                subject,
+                format!("the file has more than {} numbers", 4 * MAX_PIXELS),
+            )
+            .remedy("crop the surface, or scale it down to a pitch of about 95 nm"));
         }
     }
     table.has_corner |= table.values.first().is_some_and(|v| v.is_nan());
@@ -231,8 +244,7 @@ pub(super) fn ragged(
     (line, width): (usize, usize),
     (first, first_width): (usize, usize),
 ) -> Error {
-    let cause =
-        format!("line {line} has {width} numbers, but line {first} has {first_width}");
+    let cause = format!("line {line} has {width} numbers, but line {first} has {first_width}");
     Error::new(subject, cause).remedy("write the same number of heights in every row")
 }
 

@@ -49,7 +49,8 @@ fn check_first_row(header: &Header, table: &Table, is_named: bool, subject: &str
         return Ok(());
     }
     let word = fields.iter().find(|f| f.parse::<f64>().is_err()).copied().unwrap_or_default();
-    let cause = format!("line {}: `{word}` is not a number, in a line like the rows of heights", last.line);
+    let cause =
+        format!("line {}: `{word}` is not a number, in a line like the rows of heights", last.line);
     Err(Error::new(subject, cause)
         .remedy("correct the number; start headings and comments with `#`"))
 }
@@ -117,7 +118,9 @@ fn shape(
             table.values.len(),
             table.rows
         );
-        return Err(error(cause).remedy("the file is truncated, or its header is wrong; export it again"));
+        return Err(
+            error(cause).remedy("the file is truncated, or its header is wrong; export it again")
+        );
     }
     let (columns, rows) = check_pixels(subject, table.width as u64, table.rows as u64)?;
     let stated = header.stated([columns, rows]);
@@ -138,9 +141,13 @@ fn matrix(
             || header.label().is_some_and(|label| label.trim().eq_ignore_ascii_case(wanted.trim()))
     };
     if let Some(wanted) = channel.filter(|wanted| !is_named(wanted)) {
-        let has = header.label().map_or("one without a name".to_owned(), |label| format!("only {label}"));
-        return Err(Error::new(subject, format!("`channel = {wanted}` is not in the file, which has {has}"))
-            .remedy("remove `channel`"));
+        let has =
+            header.label().map_or("one without a name".to_owned(), |label| format!("only {label}"));
+        return Err(Error::new(
+            subject,
+            format!("`channel = {wanted}` is not in the file, which has {has}"),
+        )
+        .remedy("remove `channel`"));
     }
     let mut notes = Vec::new();
     let side = values.len().isqrt();

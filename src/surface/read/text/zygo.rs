@@ -59,7 +59,8 @@ fn parse(text: &str, is_xyz: bool, subject: &str) -> Result<Raster> {
         stated.unit = Some(Unit::Length(1.0));
         let origin = [number(3, 0).unwrap_or(0.0), number(3, 1).unwrap_or(0.0)];
         let places = sections.first().copied().unwrap_or_default();
-        pixels(places, [columns, rows], origin).ok_or_else(|| broken("has a line that is no pixel"))?
+        pixels(places, [columns, rows], origin)
+            .ok_or_else(|| broken("has a line that is no pixel"))?
     } else {
         let resolution = number(10, 0).filter(|r| [0.0, 1.0, 2.0].contains(r));
         let steps = resolution.map(|r| STEPS[r as usize]);
@@ -72,7 +73,8 @@ fn parse(text: &str, is_xyz: bool, subject: &str) -> Result<Raster> {
             section.iter().map(|line| line.split_whitespace().count()).sum()
         };
         let phases = sections.iter().rev().find(|section| words(section) == columns * rows);
-        let phases = phases.ok_or_else(|| broken("has another number of phases than its header says"))?;
+        let phases =
+            phases.ok_or_else(|| broken("has another number of phases than its header says"))?;
         let parsed: Option<Vec<f64>> = phases
             .iter()
             .flat_map(|line| line.split_whitespace())

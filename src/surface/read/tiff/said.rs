@@ -37,7 +37,10 @@ fn per_pixel(resolution: Option<f64>) -> Option<f64> {
 fn imagej(tags: &Tags) -> Stated {
     let value = |key: &str| {
         let lines = tags.description.lines();
-        lines.filter_map(|line| line.split_once('=')).find(|(k, _)| k.trim() == key).map(|(_, v)| v.trim())
+        lines
+            .filter_map(|line| line.split_once('='))
+            .find(|(k, _)| k.trim() == key)
+            .map(|(_, v)| v.trim())
     };
     let mut stated = Stated::default();
     // without a unit, or in pixels, ImageJ's resolution means nothing
