@@ -197,6 +197,15 @@ YReal = 1e-6
     place.put("cut.gsf", gsf(20, &[0; 100]));
     place.put("huge.gsf", gsf(20000, &[]));
     place.put("cut.tiff", b"II*\0\x08\0\0\0\x05\0");
+    place.put("scan.spm", b"\\*File list");
+    let metres: Vec<u8> = [1e-7f32; 400].iter().flat_map(|h| h.to_le_bytes()).collect();
+    place.put("good.gsf", gsf(20, &metres));
+    let marked: Vec<f32> =
+        (0..600u16).map(|i| if i == 7 { -9999.0 } else { f32::from(i % 9) }).collect();
+    place.put("mark.npy", npy("(20, 30)", &marked));
+    place.put("nm.txt", "# Width: 1 µm\n# Value units: nm\n1 2\n3 5\n");
+    place.put("two.txt", "1 2\n3 5\n\n1 2\n3 5\n");
+    place.put("comma.txt", "1,2\n3,5\n");
     fs::create_dir(place.0.path().join("folder.png")).unwrap();
     let cases: &[(&str, &[&str])] = &[
         ("file = \"absent.png\"\nsize_um = 1.0\nheight_um = 0.3", &["absent.png"]),
@@ -226,6 +235,19 @@ pixel_um = 0.1"#,
             &["size_um", "pixel_um"],
         ),
         ("file = \"grey.png\"\nheight_um = 0.3\nsize_um = -1.0", &["size_um = -1"]),
+        ("file = \"scan.spm\"\nsize_um = 1.0", &["diffraction import \"", "scan.spm\""]),
+        ("file = \"good.gsf\"\nsize_um = 1.5", &["size_um = 1.5", "1 × 1 µm", "trust = \"plan\""]),
+        ("file = \"nm.txt\"\nz_unit_um = 1.0", &["z_unit_um = 1", "0.001 µm", "Value units: nm"]),
+        ("file = \"mark.npy\"\nsize_um = 1.0", &["1 pixels are -9999", "void_value = -9999"]),
+        ("file = \"two.txt\"\nsize_um = 1.0", &["2 blocks", "channel"]),
+        ("file = \"comma.txt\"\nsize_um = 1.0", &["the number 1.2 or the numbers 1 and 2"]),
+        ("file = \"nm.txt\"\nflip = \"up\"", &["flip", "rows"]),
+        ("file = \"nm.txt\"\nvoid_value = \"zero\"", &["void_value", "none"]),
+        (
+            "file = \"nm.txt\"\nresample_um = 0.2",
+            &["resample_um = 0.2", "0.1 µm along x and y", "800 nm"],
+        ),
+        ("file = \"nm.txt\"\nsize_y_um = 1.0\npixel_um = 0.1", &["size_y_um and pixel_um"]),
         ("file = \"grey.png\"\nheight_um = 0.3\nsize_um = 1e9", &["size_um"]),
         (
             "file = \"grey.png\"\nheight_um = 0.3\nsize_um = 30.0",

@@ -9,6 +9,8 @@ mod coordinates;
 mod decode;
 mod even;
 mod header;
+mod keys;
+mod layout;
 mod names;
 mod numbers;
 mod points;

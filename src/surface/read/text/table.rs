@@ -3,6 +3,7 @@
 use super::blocks::Chosen;
 use super::coordinates;
 use super::header::{Header, height_column, of_columns};
+use super::layout;
 use super::names::{Column, Role};
 use super::numbers::{self, Table};
 use super::points::{self, Fault};
@@ -23,7 +24,7 @@ pub(super) fn read(chosen: Chosen, channel: Option<&str>, subject: &str) -> Resu
     let channel = channel.filter(|_| !is_named);
     let (text, first_line) = (segment.text(), segment.first_line);
     let has_two_names = header.columns(2).is_some();
-    let layout = numbers::layout(text, first_line, has_two_names, subject)?;
+    let layout = layout::layout(text, first_line, has_two_names, subject)?;
     let table = numbers::table(text, first_line, layout, subject)?;
     let mut notes = Vec::new();
     if table.words > 0 {
