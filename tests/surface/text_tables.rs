@@ -113,7 +113,7 @@ fn points_on_no_grid_are_refused() {
     let uneven: Vec<_> = points().into_iter().map(|[x, y, z]| [x * x, y, z]).collect();
     assert_says(open(text(&uneven)), &["not evenly spaced", "interpolate"]);
     let scattered: Vec<_> = (0..60)
-        .map(|i| f64::from(i))
+        .map(f64::from)
         .map(|i| [(i * 0.618).fract(), (i * 0.414).fract(), (i * 0.2).sin()])
         .collect();
     assert_says(open(text(&scattered)), &["no regular grid"]);
