@@ -192,7 +192,7 @@ const FAULTS: [Fault; 10] = [
 ];
 
 /// Numbers that a key refuses, by the last part of its name.
-const BAD_NUMBERS: [(&str, &[&str]); 22] = [
+const BAD_NUMBERS: [(&str, &[&str]); 24] = [
     ("schema", &["0", "2", "-1", "1.0"]),
     ("period_um", &["0", "-1.0", "nan", "inf"]),
     ("height_um", &["0.0", "-0.1", "-inf", "nan"]),
@@ -210,7 +210,10 @@ const BAD_NUMBERS: [(&str, &[&str]); 22] = [
     ("bake_mib", &["0.1", "513", "-inf"]),
     ("rotate_deg", &["nan", "inf", "-inf"]),
     ("size_um", &["0", "-1.0", "nan"]),
-    ("pixel_um", &["0.0", "0.3", "inf"]),
+    ("pixel_um", &["0.0", "inf"]),
+    // with it, a coarse pixel_um is accepted
+    ("resample_um", &["0", "-0.1", "0.3", "nan"]),
+    ("size_y_um", &["0", "-1.0", "inf"]),
     ("z_unit_um", &["0", "-1e-3", "nan"]),
     ("pitch_um", &["0", "-0.5", "inf"]),
     ("length_um", &["0.0", "-0.5", "nan"]),

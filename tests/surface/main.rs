@@ -10,6 +10,7 @@ mod height_bad;
 mod height_prepare;
 mod height_read;
 mod height_synthetic;
+mod hostile_files;
 mod input;
 mod same_heights;
 mod stated_pictures;
