@@ -1,8 +1,8 @@
 //! What the targets of the file formats share: any bytes give heights that keep the documented promises, or an error.
 
+use diffraction_shaders::plan::{FileSource, Flip, Trust, VoidValue};
 use diffraction_shaders::surface::read::parse;
 use diffraction_shaders::surface::{MAX_PIXELS, voids};
-use diffraction_shaders::plan::{FileSource, Flip, Trust, VoidValue};
 
 /// The key of a plan that integers need.
 #[allow(dead_code, reason = "not every format has integers")]
