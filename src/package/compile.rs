@@ -120,13 +120,16 @@ impl<'a> Compiler<'a> {
         self.with_work(|work| {
             let mut package = generate(work, self.progress)?;
             let mut listed = work.variants.to_vec();
+            let mut gaps = package.gaps.clone();
             if let Some(folder) = self.rest {
+                let is_kept = |gap: &Gap| work.variants.iter().all(|v| v.name != gap.variant);
+                gaps.extend(Gap::of_package(folder)?.into_iter().filter(is_kept));
                 package.overlay(folder, |path| path != readme::FILE)?;
                 let new =
                     listed.into_iter().filter(|variant| !self.plan.variants.contains(variant));
                 listed = self.plan.variants.iter().cloned().chain(new).collect();
             }
-            let index = index(&Work { variants: &listed, ..*work })?;
+            let index = index(&Work { variants: &listed, ..*work }, gaps)?;
             let readme = readme::readme(&package, &index, &self.plan.rejected)?;
             package.insert(readme::FILE, readme, Equality::Bytes)?;
             package.seal(index)?;
@@ -178,18 +181,6 @@ fn generate(
         gaps.extend(surface.gaps.iter().cloned());
         pairs.extend(surface.variants.iter().map(|variant| (surface, variant)));
     }
-    if pairs.is_empty() {
-        let nothing = "nothing is left to generate";
-        let error = match gaps.first() {
-            Some(Gap { surface, variant, reason }) => {
-                let subject = format!("{surface} {variant}");
-                Error::new(subject, format!("{nothing}: {reason}"))
-            }
-            None => Error::new("plan", format!("{nothing}: no variant is for a surface"))
-                .remedy("see the key surfaces of its presets"),
-        };
-        return Err(vec![Diagnostic::from(&error)]);
-    }
     let built = pairs.into_par_iter().map(|(s, v)| build(work, s, v));
     let mut built = all_or_errors(built.collect())?;
     // so that the variants that share a table come together, and one term table at a time is in memory
@@ -201,13 +192,25 @@ fn generate(
         (work.go_on)().map_err(|error| vec![Diagnostic::from(&error)])?;
         let label = format!("{} {}", one.surface.name(), one.variant.name);
         let baked = |columns, of| progress(Step::Baked { label: &label, columns, of });
-        if let Err(error) = one.insert(work, &mut package, &mut last, &baked) {
-            errors.push(Diagnostic::from(&error).variant(&label));
+        match one.insert(work, &mut package, &mut last, &baked) {
+            Ok(gap) => gaps.extend(gap),
+            Err(error) => errors.push(Diagnostic::from(&error).variant(&label)),
         }
         progress(Step::Finished(&label));
     }
     if !errors.is_empty() {
         return Err(errors);
+    }
+    if package.files().is_empty() {
+        let nothing = "nothing is left to generate";
+        let error = match gaps.first() {
+            Some(Gap { surface, reason, .. }) => {
+                Error::new(format!("surface {surface}"), format!("{nothing}: {reason}"))
+            }
+            None => Error::new("plan", format!("{nothing}: no variant is for a surface"))
+                .remedy("see the key surfaces of its presets"),
+        };
+        return Err(vec![Diagnostic::from(&error)]);
     }
     for surface in &surfaces {
         let notes = surface.notes.iter().map(|note| format!("{}: {note}", surface.name()));

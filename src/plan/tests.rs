@@ -55,7 +55,7 @@ fn others(key: &str) -> &'static [&'static str] {
         "coherence_um" => &["4"],
         "refractive_index" => &["1.7"],
         "illuminant" => &["\"A\""],
-        "hoist" | "shadowing" => &["true", "false"],
+        "hoist" | "shadowing" | "accept_error" => &["true", "false"],
         _ => &[],
     }
 }

@@ -47,7 +47,7 @@ fn the_winner_is_within_the_budget_and_its_preset_can_be_pasted() {
     let found = tunes(folder.path());
     let stdout = String::from_utf8(done.stdout).unwrap();
     let lines = |found: &[Tune]| -> String {
-        found.iter().map(|t| results::line(&Record::Tune(t.clone()))).collect()
+        found.iter().map(|t| results::line(&Record::Tune(t.clone())).expect("finite")).collect()
     };
     assert_eq!(stdout, lines(&found));
     let winners: Vec<&Tune> = found.iter().filter(|t| t.verdict == Verdict::Winner).collect();

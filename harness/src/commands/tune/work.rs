@@ -73,7 +73,10 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         keep(folder, &records)?;
     }
     let shown = match args.json {
-        true => records.iter().map(|r| results::line(&Record::Tune(r.clone()))).collect(),
+        true => {
+            let lines = records.iter().map(|r| results::line(&Record::Tune(r.clone())));
+            lines.collect::<Result<String, _>>()?
+        }
         false => text::text(&records, args.all),
     };
     console.data(&shown)?;
