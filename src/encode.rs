@@ -80,7 +80,8 @@ pub fn exr(image: Floats<'_>) -> Result<Vec<u8>> {
             format!("{width} × {height} pixels, above the format's limit of {} per side", i32::MAX);
         return Err(Error::new("EXR file", cause).remedy("write a smaller image"));
     }
-    for (name, samples) in &image.channels {
+    // tables hold any bits; their numbers were checked when they were computed
+    for (name, samples) in image.channels.iter().filter(|_| image.colours) {
         let number = |i: usize| samples.value_by_flat_index(i).to_f32();
         if let Some(at) = (0..width * height).find(|&i| !number(i).is_finite()) {
             let (column, row, value) = (at % width, at / width, number(at));

@@ -65,6 +65,11 @@ impl TexelFormat {
         }
     }
 
+    /// Whether its numbers are 32-bit floats.
+    pub fn is_single(self) -> bool {
+        matches!(self, TexelFormat::Rg32Float | TexelFormat::Rgba32Float)
+    }
+
     /// The largest number that it holds.
     pub fn max(self) -> f64 {
         match self {

@@ -29,6 +29,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::Result;
+use diffraction_shaders::error::Error;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use console::{Console, MessageFormat};
@@ -162,7 +163,8 @@ pub fn finish(outcome: Result<ExitCode>, console: &Console) -> ExitCode {
         Err(error) if console::is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             console.error(&error);
-            ExitCode::from(2)
+            let finding = error.chain().filter_map(|cause| cause.downcast_ref::<Error>());
+            ExitCode::from(if { finding }.any(Error::is_finding) { 1 } else { 2 })
         }
     }
 }

@@ -295,7 +295,10 @@ mod tests {
         let sound = with(vec![1e308, -0.5], Some(2.0));
         assert_eq!(
             sound.as_deref(),
-            Ok(r#"{"probes":[{"name":"a","values":[1.0],"more":null},{"name":"b","values":[1e308,-0.5],"more":2.0}]}"#)
+            Ok(concat!(
+                r#"{"probes":[{"name":"a","values":[1.0],"more":null},"#,
+                r#"{"name":"b","values":[1e+308,-0.5],"more":2.0}]}"#
+            ))
         );
         for (values, more, place) in [
             (vec![1.0, f64::NAN], None, "probes.1.values.1: is NaN"),

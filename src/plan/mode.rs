@@ -116,7 +116,7 @@ const BAKED: Declared = Declared {
         WINDOW,
         COLOURS,
     ],
-    sometimes: &[("accept_error", When::AcceptsError)],
+    sometimes: &[],
     refused: &[],
 };
 

@@ -86,13 +86,37 @@ pub(super) fn name(table: &Table) -> Option<String> {
         );
         return None;
     }
+    if let Some(reason) = reserved(text) {
+        item.fail(reason, "use another name; it becomes the name of a folder");
+        return None;
+    }
     Some(text.to_owned())
+}
+
+/// Why a name of a folder makes trouble elsewhere: Windows cannot have it, or programs take it for an option.
+fn reserved(name: &str) -> Option<&'static str> {
+    let device = ["com", "lpt"].iter().find_map(|port| name.strip_prefix(port));
+    let is_port = device.is_some_and(|number| number.len() == 1 && number != "-" && number.parse::<u8>().is_ok());
+    match name {
+        "con" | "prn" | "aux" | "nul" => Some("is a device on Windows, where no folder can have this name"),
+        _ if is_port => Some("is a device on Windows, where no folder can have this name"),
+        _ if name.starts_with('-') => Some("begins with a hyphen, which programs take for an option"),
+        _ => None,
+    }
 }
 
 fn file(table: &Table, item: &Item, folder: &Path, lambda_min_nm: f64) -> Option<FileSource> {
     let path = item.string("the path of a height field, relative to the plan")?;
     if path.is_empty() || path.contains('\0') {
         item.fail("is not a valid path", "give the path of a height field, relative to the plan");
+        return None;
+    }
+    if let Some(control) = path.chars().find(|c| c.is_control()) {
+        let cause = format!(
+            "contains the control character U+{:04X}: in a TOML string between \" a backslash begins an escape",
+            u32::from(control)
+        );
+        item.fail(cause, "write / in place of \\, or put the path between ' '");
         return None;
     }
     let [size_um, pixel_um, height_um, z_unit_um] = FILE_KEYS.map(|key| table.get(key));

@@ -28,7 +28,8 @@ pub struct Variant {
     pub terms: Auto<u32>,
     /// Error that `terms = "auto"` must keep.
     pub term_error: f64,
-    /// Whether it is built even if its stated error is above the limit, so that sweeps show what goes wrong.
+    /// Whether it is built even if its stated error is above the limit, so that sweeps show what goes wrong. Read by modes
+    /// with terms.
     pub accept_error: bool,
     /// How the amplitude is computed from the table. Read by `full` and `adaptive`.
     pub reconstruction: Reconstruction,

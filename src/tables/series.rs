@@ -282,6 +282,8 @@ impl Series {
             Packing::Single => "number of layers of the terms, one term in each",
         };
         into.count("LAYER_COUNT", self.layers() as usize, layers);
+        let whole = self.layers() as usize / 4 * 4;
+        into.count("WHOLE_LAYERS", whole, "number of layers in whole groups of four");
         into.number("WAVELENGTH_MIN_UM", self.min_nm() * 1e-3, "shortest wavelength, µm");
     }
 }

@@ -8,8 +8,6 @@ use crate::surface::facts::{Outliers, outliers};
 use crate::tables::basis::{Expansion, MAX_TERMS, max_z};
 use crate::tables::{Choice, LaidExpansion};
 
-use super::lay;
-
 /// Maximum error of the phase function, as colours see it, of a variant that does not state `accept_error = true`.
 pub const MAX_PHASE_ERROR: f64 = 0.1;
 
@@ -72,7 +70,7 @@ pub(super) fn judge(
 ) -> Result<bool> {
     let expansion = laid.get();
     let (basis, terms) = (variant.basis.as_str(), expansion.terms);
-    let range_um = lay::height_range_um(height);
+    let range_um = range(height);
     let (bound, wanted) = (expansion.bound(), variant.term_error);
     let cause = if variant.terms == Auto::Auto && bound > wanted {
         format!(
@@ -101,6 +99,12 @@ pub(super) fn judge(
     remedies.extend(dust(variant, height, light)?);
     let remedy = format!("{}; accept_error = true builds it all the same", remedies.join("; or "));
     Err(Error::new(&variant.name, cause).remedy(remedy))
+}
+
+/// Range of the heights, µm.
+fn range(height: &HeightField) -> f64 {
+    let (low_um, high_um) = height.range_um();
+    high_um - low_um
 }
 
 /// The rounding error and its limit, if it is above.
@@ -167,6 +171,6 @@ fn dust(variant: &Variant, height: &HeightField, light: &Light) -> Result<Option
         "use clip_percent = {percent}{then}: {pixels} pixels ({:.3} %) are dust or spikes, up to {farthest_um:.3} µm outside \
          the range of {:.3} µm of the others",
         100.0 * share,
-        lay::height_range_um(clipped),
+        range(clipped),
     )))
 }

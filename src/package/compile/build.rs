@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::hash::{TOOL_VERSION, of_value};
 use crate::package::manifest::{Described, TableEntry, describe, manifest};
 use crate::package::{Content, Equality, Gap, JSON_TOLERANCE, Package, bindings, probe};
-use crate::plan::{TableFormat, Variant};
+use crate::plan::{Mode, TableFormat, Variant};
 use crate::shader::emit::emit;
 use crate::shader::specialise;
 use crate::tables::container::encode;
@@ -104,7 +104,7 @@ impl Built<'_> {
         {
             // the tables that came with it
             package.retain(|path| known.contains(path));
-            let reason = Error::new(variant, reason).remedy(REFUSED).to_string();
+            let reason = Error::new(variant, reason).remedy(remedy(self.variant.mode)).to_string();
             return Ok(Some(Gap { surface: surface.to_owned(), variant: variant.clone(), reason }));
         }
         for (path, bytes, compare) in std::mem::take(&mut self.files) {
@@ -250,8 +250,15 @@ impl Built<'_> {
 }
 
 /// Remedy of a variant whose probes disagree with the truth.
-const REFUSED: &str = "use a smaller step_nm, a larger window_radius, table = \"f32\" or more terms; accept_error = true builds \
-                       it all the same";
+fn remedy(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Baked => "use a larger bake_mib or a smaller bake_error",
+        _ => {
+            "use a smaller step_nm, a larger window_radius, table = \"f32\" or more terms; accept_error = true builds it all \
+             the same"
+        }
+    }
+}
 
 /// Largest difference between processors of a number in a table, relative to the layer's largest: the rounding to 32
 /// bits, once more.
