@@ -43,6 +43,11 @@ impl Light {
             .remedy("use wavelengths between 380 and 780 nm at which the illuminant has power"))
     }
 
+    /// Its X, Y and Z added, relative to those of all visible light.
+    fn sum(&self) -> f64 {
+        self.samples.iter().flat_map(|sample| sample.xyz).sum()
+    }
+
     /// Error of the phase function as colours see it: the error, the same at all wavelengths, that would change X, Y or Z
     /// as much as these errors may. An error ε of an amplitude of at most 1 changes its square by at most 2ε + ε².
     pub(super) fn seen_error(&self, expansion: &Expansion) -> f64 {
@@ -60,6 +65,18 @@ impl Light {
         change / ((1.0 + change).sqrt() + 1.0)
     }
 }
+
+/// Whether the light of a variant is nearly all visible light, so that its colours can be compared with exact ones. A
+/// variant of one wavelength is not.
+pub fn is_whole_light(variant: &Variant) -> Result<bool> {
+    let [min_nm, max_nm] = Wavelengths::VISIBLE_NM;
+    let visible = Wavelengths { min_nm, max_nm, step_nm: STEP_NM };
+    let all = Light::new(&Variant { wavelengths: visible, ..variant.clone() })?;
+    Ok(Light::new(variant)?.sum() >= WHOLE * all.sum())
+}
+
+/// Minimum share of visible light that counts as all of it.
+const WHOLE: f64 = 0.9;
 
 /// Refuses a series whose error is above the limit, with what would do. Returns whether it is above and accepted.
 pub(super) fn judge(

@@ -181,7 +181,7 @@ bake_mib = 0.25
 const WIDE: &str = r#"schema = 1
 [[surface]]
 name = "wide"
-grating = { kind = "blazed", period_um = 800.0, height_um = 0.004, pixels = 9000 }
+grating = { kind = "blazed", period_um = 800.0, height_um = 0.1, pixels = 9000 }
 [variants]
 terms = 1
 window_radius = 0

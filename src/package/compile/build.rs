@@ -17,7 +17,7 @@ use crate::shader::specialise;
 use crate::tables::container::encode;
 use crate::tables::{Table, TableSpec, TexelFormat};
 use crate::variant::{
-    DIRECTIONAL, ExactProbe, Form, Function, MAX_PROBE_ERROR, PROBES, Twin, probe_error,
+    DIRECTIONAL, ExactProbe, Form, Function, MAX_PROBE_ERROR, PROBES, Twin, is_whole_light, probe_error,
 };
 
 use super::cache::Cache;
@@ -100,7 +100,7 @@ impl Built<'_> {
         }
         let (surface, variant) = (self.surface.name(), &self.variant.name);
         let (exact, expected) = self.probes(work, package, last)?;
-        if let (Some(reason), false) = (self.refusal(&exact, &expected), self.variant.accept_error)
+        if let (Some(reason), false) = (self.refusal(&exact, &expected)?, self.variant.accept_error)
         {
             // the tables that came with it
             package.retain(|path| known.contains(path));
@@ -117,19 +117,27 @@ impl Built<'_> {
         Ok(None)
     }
 
-    /// Why the probes show that the variant is not what it claims to be; `None` if they agree.
-    fn refusal(&self, exact: &[ExactProbe], expected: &[[f64; 3]]) -> Option<String> {
+    /// Why the probes show that the variant is not what it claims to be. `None` if they agree, or if the variant has only
+    /// a part of the light of the exact colours.
+    fn refusal(
+        &self,
+        exact: &[ExactProbe],
+        expected: &[[f64; 3]],
+    ) -> Result<Option<String>, Error> {
+        if !is_whole_light(self.variant)? {
+            return Ok(None);
+        }
         let exact: Vec<[f64; 3]> = exact.iter().map(|probe| probe.xyz).collect();
-        let error = probe_error(&self.form, &exact, expected)?;
+        let Some(error) = probe_error(&self.form, &exact, expected) else { return Ok(None) };
         // a number that is not finite is no agreement either
         let agrees = error <= MAX_PROBE_ERROR;
-        (!agrees).then(|| {
+        Ok((!agrees).then(|| {
             format!(
                 "its colours have little to do with the exact ones: on its {} probes they differ by {error:.2} of these \
                  (root mean square), above {MAX_PROBE_ERROR}",
                 expected.len()
             )
-        })
+        }))
     }
 
     fn insert_table(
