@@ -85,7 +85,9 @@ pub fn exr(image: Floats<'_>) -> Result<Vec<u8>> {
         let number = |i: usize| samples.value_by_flat_index(i).to_f32();
         if let Some(at) = (0..width * height).find(|&i| !number(i).is_finite()) {
             let (column, row, value) = (at % width, at / width, number(at));
-            let cause = format!("channel {name} at column {column}, row {row} is {value}, not a finite number");
+            let cause = format!(
+                "channel {name} at column {column}, row {row} is {value}, not a finite number"
+            );
             return Err(Error::new("EXR file", cause));
         }
     }

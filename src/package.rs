@@ -247,7 +247,11 @@ impl Package {
             files.insert(path.as_str(), listed(file)?);
         }
         let manifest = Manifest { generated_by, index, files };
-        self.insert(MANIFEST, json(MANIFEST, &manifest)?, Equality::Json { tolerance: JSON_TOLERANCE })
+        self.insert(
+            MANIFEST,
+            json(MANIFEST, &manifest)?,
+            Equality::Json { tolerance: JSON_TOLERANCE },
+        )
     }
 
     /// Removes the files that `keep` does not ask for.

@@ -148,8 +148,9 @@ impl Table {
             self.texels[at],
             self.format.name()
         );
-        Err(Error::new(format!("table {}", self.name), cause)
-            .remedy("use a basis whose terms are smaller, such as basis = \"optimal\", or table = \"f32\""))
+        Err(Error::new(format!("table {}", self.name), cause).remedy(
+            "use a basis whose terms are smaller, such as basis = \"optimal\", or table = \"f32\"",
+        ))
     }
 
     /// The table with numbers as the shader reads them: rounded to the texel format.

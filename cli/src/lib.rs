@@ -29,8 +29,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::Result;
-use diffraction_shaders::error::Error;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
+use diffraction_shaders::error::Error;
 
 use console::{Console, MessageFormat};
 

@@ -261,7 +261,8 @@ fn cost_table(plan: &Plan, costs: &Costs) -> String {
             let is_accepted = costs.iter().any(|((name, _), (_, on))| {
                 *name == variant.name && on.series().is_some_and(Series::is_accepted)
             });
-            let mark = if is_accepted { " (error above its limit, accepted by the plan)" } else { "" };
+            let mark =
+                if is_accepted { " (error above its limit, accepted by the plan)" } else { "" };
             starts.push((begin, format!("{}{mark}", variant.name)));
         }
     }

@@ -366,7 +366,8 @@ mod tests {
     fn a_line_that_is_no_record_is_an_error_with_its_place() {
         let folder = tempfile::tempdir().expect("folder");
         let path = folder.path().join(FILE);
-        std::fs::write(&path, line(&gap("one")).expect("finite") + "{\"kind\":\"none\"}\n").expect("writes");
+        std::fs::write(&path, line(&gap("one")).expect("finite") + "{\"kind\":\"none\"}\n")
+            .expect("writes");
         let error = read(&path).expect_err("unknown kind").to_string();
         assert!(error.contains("records.jsonl:2"), "{error}");
     }

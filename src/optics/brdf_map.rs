@@ -60,7 +60,10 @@ impl BrdfMap {
         let is_finite = |xyz: &Option<[f64; 3]>| xyz.iter().flatten().all(|part| part.is_finite());
         if let Some(at) = self.xyz.iter().position(|xyz| !is_finite(xyz)) {
             let (column, row) = (at % self.size, at / self.size);
-            let cause = format!("the colour at column {column}, row {row} is {:?}, not finite", self.xyz[at]);
+            let cause = format!(
+                "the colour at column {column}, row {row} is {:?}, not finite",
+                self.xyz[at]
+            );
             return Err(Error::new("PNG picture", cause));
         }
         let side = self.size as u32;

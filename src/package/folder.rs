@@ -44,7 +44,12 @@ pub(super) fn open(out: &Path) -> Result<Option<Folder>> {
     let unreadable = |e| error("cannot be read").source(e).remedy("check its permissions");
     let mut entries = fs::read_dir(&root).map_err(unreadable)?;
     if entries.next().is_none() {
-        return Ok(Some(Folder { root, listed: BTreeMap::new(), gaps: Vec::new(), has_manifest: false }));
+        return Ok(Some(Folder {
+            root,
+            listed: BTreeMap::new(),
+            gaps: Vec::new(),
+            has_manifest: false,
+        }));
     }
     let manifest = fs::read(root.join(MANIFEST)).ok();
     let manifest = manifest.and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok());

@@ -216,8 +216,7 @@ fn chebyshev(phase: f64) -> (Vec<Curve>, Vec<Vec<f64>>) {
         }
         errors
     };
-    let parts: Vec<Vec<f64>> =
-        (0..=PARTS).map(|i| omitted(i as f64 / PARTS as f64)).collect();
+    let parts: Vec<Vec<f64>> = (0..=PARTS).map(|i| omitted(i as f64 / PARTS as f64)).collect();
     let truncation = (0..=count).map(|terms| parts.iter().map(|errors| errors[terms]).collect());
     ((0..count).map(curve).collect(), truncation.collect())
 }

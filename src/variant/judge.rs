@@ -172,7 +172,8 @@ fn enough(
     let mut expansion = laid.get().clone();
     Ok((1..=MAX_TERMS).find(|terms| {
         expansion.terms = *terms;
-        light.seen_error(&expansion) <= MAX_PHASE_ERROR && rounded_away(*table, &expansion).is_none()
+        light.seen_error(&expansion) <= MAX_PHASE_ERROR
+            && rounded_away(*table, &expansion).is_none()
     }))
 }
 

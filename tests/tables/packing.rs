@@ -81,7 +81,8 @@ packing = ["paired", "single"]"#,
 #[test]
 fn terms_of_a_tall_surface_overflow_without_scales() {
     let tall = BLAZED.replace("0.3", "1.5");
-    let plan = plan(&tall, "mode = \"adaptive\"\nterms = \"auto\"\ntable = \"f16\"\naccept_error = true");
+    let plan =
+        plan(&tall, "mode = \"adaptive\"\nterms = \"auto\"\ntable = \"f16\"\naccept_error = true");
     let (height, variant) = (&load(&plan.surfaces[0]).unwrap().field, &plan.variants[0]);
     let form = Form::new(variant, height).unwrap();
     let series = form.series().unwrap();

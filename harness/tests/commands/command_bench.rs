@@ -58,7 +58,10 @@ fn results_are_appended_and_what_cannot_be_built_is_a_gap() {
     assert!(text.contains("a flat surface has no period"), "{text}");
     let records = results::read(&folder.path().join("out/records.jsonl")).unwrap();
     let stdout = String::from_utf8(done.stdout).unwrap();
-    assert_eq!(stdout, records.iter().map(|r| results::line(r).expect("finite")).collect::<String>());
+    assert_eq!(
+        stdout,
+        records.iter().map(|r| results::line(r).expect("finite")).collect::<String>()
+    );
     let gaps = records.iter().filter(|r| match r {
         Record::Gap(gap) => gap.failed && gap.variant.as_deref() == Some("gems"),
         _ => false,

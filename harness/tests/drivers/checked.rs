@@ -37,7 +37,7 @@ fn fine(terms: u32, window_radius: u32) -> Variant {
 #[test]
 fn loops_that_a_driver_ends_early_are_caught() {
     let height = relief();
-    let deep = fine(31, 4);
+    let deep = fine(31, 8);
     let placement = Placement { height: &height, rotate_deg: 0.0, variant: &deep };
     if let Some(gpu) = found(Gpu::open(Backend::Vulkan, None)) {
         check(&Prepared::new(placement).unwrap(), &gpu).unwrap();
@@ -74,7 +74,10 @@ fn a_fine_sum_takes_few_steps() {
 #[test]
 fn a_wrong_shader_does_not_pass() {
     let height = relief();
-    let variant = Variant { wavelengths: Wavelengths { step_nm: 5.0, ..fine(19, 1).wavelengths }, ..fine(19, 1) };
+    let variant = Variant {
+        wavelengths: Wavelengths { step_nm: 5.0, ..fine(19, 1).wavelengths },
+        ..fine(19, 1)
+    };
     let placement = Placement { height: &height, rotate_deg: 30.0, variant: &variant };
     let Some(gpu) = found(Gpu::open(Backend::Vulkan, None)) else { return };
     let sound = Prepared::new(placement).unwrap();
@@ -96,14 +99,18 @@ fn a_wrong_shader_does_not_pass() {
     let mut empty = sound.clone();
     empty.terms.texels.fill(0.0);
     let runner = DriverRunner::with(empty, gpu.clone());
-    let black = runner.tristimulus(&[Directions { wi: direction(0.0, 0.0), wr: direction(0.0, 0.0) }]);
+    let black =
+        runner.tristimulus(&[Directions { wi: direction(0.0, 0.0), wr: direction(0.0, 0.0) }]);
     assert_eq!(black.unwrap(), [[0.0; 3]]);
 }
 
 #[test]
 fn the_horizon_is_black_on_every_route() {
     let height = relief();
-    let variant = Variant { wavelengths: Wavelengths { step_nm: 5.0, ..fine(19, 1).wavelengths }, ..fine(19, 1) };
+    let variant = Variant {
+        wavelengths: Wavelengths { step_nm: 5.0, ..fine(19, 1).wavelengths },
+        ..fine(19, 1)
+    };
     let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     let pair = |i: f64, r: f64| Directions { wi: direction(i, 0.0), wr: direction(r, 180.0) };
     let directions = [pair(90.0, 20.0), pair(20.0, 90.0), pair(90.0, 90.0), pair(20.0, 20.0)];

@@ -17,7 +17,8 @@ use crate::shader::specialise;
 use crate::tables::container::encode;
 use crate::tables::{Table, TableSpec, TexelFormat};
 use crate::variant::{
-    DIRECTIONAL, ExactProbe, Form, Function, MAX_PROBE_ERROR, PROBES, Twin, is_whole_light, probe_error,
+    DIRECTIONAL, ExactProbe, Form, Function, MAX_PROBE_ERROR, PROBES, Twin, is_whole_light,
+    probe_error,
 };
 
 use super::cache::Cache;

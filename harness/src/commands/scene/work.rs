@@ -15,8 +15,8 @@ use diffraction_shaders::surface::{self, Surface};
 use glam::DVec3;
 
 use super::args::{Args, Filter, Sweep};
-use crate::drivers::{Prepared, check};
 use crate::drivers::gpu::{Backend, Gpu};
+use crate::drivers::{Prepared, check};
 use crate::results::Part;
 use crate::scene::drawing::{Drawing, Hdr, Look, Truth, truth};
 use crate::scene::tone_map::{display, exr, reduced, stacked, strip};
