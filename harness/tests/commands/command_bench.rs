@@ -14,10 +14,12 @@ grating = { kind = "flat", period_um = 2.5, pixels = 40 }
 [[preset]]
 name = "quick"
 terms = 2
+accept_error = true
 wavelengths = { min_nm = 400, max_nm = 700, step_nm = 100 }
 [[preset]]
 name = "slow"
 terms = 8
+accept_error = true
 wavelengths = { min_nm = 400, max_nm = 700, step_nm = 50 }
 [[preset]]
 name = "gems"

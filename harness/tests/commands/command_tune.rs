@@ -17,6 +17,7 @@ grating = { kind = "sinusoidal", period_um = 2.0, height_um = 0.25, pixels = 40 
 name = "short"
 mode = "adaptive"
 terms = 2
+accept_error = true
 "#;
 
 /// Measures as little as there can be.
