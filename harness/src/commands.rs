@@ -10,6 +10,7 @@ mod report;
 mod restart;
 mod scene;
 mod serve;
+mod setup;
 mod testbench;
 mod tune;
 mod validate;
