@@ -1,9 +1,9 @@
 """The command line of dxc, for the library alone.
 
-    python3 dxc.py libdxcompiler.so -T ps_6_0 -E main [-spirv] [-Fo OUT] FILE.hlsl
+    python3 dxc.py libdxcompiler.so -T ps_6_0 -E main [-spirv] [-Fo OUT] FILE.hlsl [, -T vs_6_0 …]
     python3 dxc.py libdxcompiler.so --version
 
-Errors of the compiler go to stderr, and the exit code is 1. The library's interface is COM without Windows: objects that
+Commas separate runs, since loading the library takes longer than one. Errors of the compiler go to stderr, and the exit code is 1. The library's interface is COM without Windows: objects that
 begin with a table of methods. In its versions up to 1.7 `IUnknown` has a virtual destructor there, which takes two places
 in each table.
 """
@@ -58,7 +58,7 @@ def compile_file(compiler, library, options, path):
         text = file.read()
     create = method(library, CREATE_BLOB_ON_HEAP, ctypes.c_char_p, Number, Number, Pointer)
     source = made("the source", create, text, len(text), UTF_8)
-    words = [word for word in ("-spirv", "-Gis") if word in options]
+    words = ["-spirv"] if "-spirv" in options else []
     result = made(
         "the compiler",
         method(compiler, COMPILE, Pointer, Word, Word, Word, Pointer, Number, Pointer, Number, Pointer, Pointer),
@@ -68,7 +68,8 @@ def compile_file(compiler, library, options, path):
     method(result, GET_STATUS, Pointer)(ctypes.byref(status))
     if status.value != 0:
         said = content(made("the messages", method(result, GET_ERRORS, Pointer)))
-        sys.exit(said.decode(errors="replace").strip("\0\n") or "the compiler failed without a message")
+        said = said.decode(errors="replace").strip("\0\n") or "the compiler failed without a message"
+        sys.exit(f"-T {options['-T']} -E {options['-E']}:\n{said}")
     code = content(made("the code", method(result, GET_RESULT, Pointer)))
     if not code:
         sys.exit("the compiler wrote nothing")
@@ -91,12 +92,21 @@ def main(library_path, *words):
     if words == ("--version",):
         print(version(compiler))
         return
+    library = made("IDxcLibrary", create, identifier(CLSID_LIBRARY), identifier(IID_LIBRARY))
+    rest = [*words, ","]
+    while rest:
+        end = rest.index(",")
+        run, rest = rest[:end], rest[end + 1:]
+        compile_file(compiler, library, *parsed(run))
+
+
+def parsed(words):
+    """Options and their values, and the file."""
     options, rest = {}, list(words[:-1])
     while rest:
         word = rest.pop(0)
         options[word] = rest.pop(0) if word in ("-T", "-E", "-Fo") else ""
-    library = made("IDxcLibrary", create, identifier(CLSID_LIBRARY), identifier(IID_LIBRARY))
-    compile_file(compiler, library, options, words[-1])
+    return options, words[-1]
 
 
 if __name__ == "__main__":

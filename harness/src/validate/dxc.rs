@@ -60,15 +60,21 @@ impl Dxc {
         })
     }
 
-    /// Runs the compiler on a file. Messages name the options, not the script.
-    fn compile(&self, options: &[&str], file: &Path) -> Result<(), Fault> {
-        let mut command = self.command().map_err(|trouble| trouble.to_string())?;
-        match accepted(command.args(options).arg(file), self.time_limit) {
+    /// Runs the compiler once for each list of options with a file; the library for all of them at once.
+    fn compile(&self, runs: &[Vec<String>]) -> Result<(), Fault> {
+        let command = || self.command().map_err(|trouble| trouble.to_string());
+        if matches!(self.compiler, Ok(Compiler::Program(_))) {
+            for options in runs {
+                accepted(command()?.args(options), self.time_limit)?;
+            }
+            return Ok(());
+        }
+        match accepted(command()?.args(runs.join(&",".to_owned())), self.time_limit) {
+            // the message names the options; the command line is the whole script
             Err(Fault::Refused(text)) => {
-                let said = text.split_once('\n').map_or(text.as_str(), |(_, said)| said);
-                let options: Vec<&str> =
-                    options.iter().copied().take_while(|word| *word != "-Fo").collect();
-                Err(Fault::Refused(format!("dxc {}:\n{said}", options.join(" "))))
+                let said =
+                    text.split_once("exit status: 1\n").map_or(text.as_str(), |(_, said)| said);
+                Err(Fault::Refused(format!("dxc {said}")))
             }
             other => other.map(|_| ()),
         }
@@ -101,22 +107,29 @@ impl Tool for Dxc {
 
     fn check(&self, file: &Path) -> Result<Option<f64>, Fault> {
         let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
-        let spirv = folder.path().join("shader.spv");
-        let output = spirv.to_string_lossy();
+        let (mut runs, mut written) = (Vec::new(), Vec::new());
         for input in shell::inputs(file)?.files {
             for (entry, stage) in all_entries(&input)? {
                 let profile = match stage {
                     Stage::Vertex => "vs_6_0",
                     Stage::Fragment => "ps_6_0",
                 };
-                let options = ["-T", profile, "-E", &entry];
-                self.compile(&options, &input.file)?;
-                if let Some(validator) = &self.validator {
-                    let more = [&options[..], &["-spirv", "-Fo", &output]].concat();
-                    self.compile(&more, &input.file)?;
-                    accepted(Command::new(validator).arg(&spirv), self.time_limit)?;
+                let text = input.file.to_string_lossy().into_owned();
+                let run = |more: &[&str]| {
+                    let words = [&["-T", profile, "-E", &entry], more, &[&text]].concat();
+                    words.into_iter().map(str::to_owned).collect::<Vec<_>>()
+                };
+                runs.push(run(&[]));
+                if self.validator.is_some() {
+                    let spirv = folder.path().join(format!("{entry}.spv"));
+                    runs.push(run(&["-spirv", "-Fo", &spirv.to_string_lossy()]));
+                    written.push(spirv);
                 }
             }
+            self.compile(&std::mem::take(&mut runs))?;
+        }
+        for (spirv, validator) in written.iter().zip(self.validator.iter().cycle()) {
+            accepted(Command::new(validator).arg(spirv), self.time_limit)?;
         }
         Ok(None)
     }

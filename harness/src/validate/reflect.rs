@@ -51,7 +51,7 @@ impl Tool for Reflection {
         &[Control {
             file: "diffraction.frag.spv",
             changed: "manifest.json",
-            change: Change::Text("\"emitted_binding\": 1", "\"emitted_binding\": 7"),
+            change: Change::Text("\"binding\": 1,", "\"binding\": 2,"),
         }]
     }
 

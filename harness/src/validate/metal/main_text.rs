@@ -39,7 +39,7 @@ pub(super) fn main_text(
     lines.push(format!("run::print({printed});"));
     let body: String = lines.iter().map(|line| format!("        {line}\n")).collect();
     Ok(format!(
-        "#include \"metal_stdlib\"\n#include \"run.h\"\n#include \"text.h\"\nint main(int, char** arguments) {{\n    \
+        "#include \"run.h\"\n#include \"text.h\"\nint main(int, char** arguments) {{\n    \
          run::read(arguments[1]);\n    for (const run::probe& at : run::probes) {{\n{body}    }}\n}}\n"
     ))
 }

@@ -8,6 +8,9 @@
 #include <string>
 #include <vector>
 
+// last, since Metal's words are macros there
+#include "metal_stdlib"
+
 namespace run {
 struct probe {
     metal::float2 place; // of the picture, as the vertex shader interpolates it
