@@ -50,7 +50,7 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     if args.setup {
-        super::setup::dxc(console)?;
+        super::setup::DXC.install(console)?;
     }
     let tools = tools(Duration::from_secs_f64(args.time_limit));
     let report = validate(&args.folder, &tools, &args.require)?;

@@ -14,11 +14,11 @@ use crate::process::Fault;
 
 use super::{Tool, Trouble};
 
-/// A surface and a variant that cost almost nothing.
+/// A surface and a variant that cost almost nothing. The surface has no mirror symmetry, so that a flipped axis shows.
 const PLAN: &str = r#"schema = 1
 [[surface]]
 name = "control"
-grating = { kind = "blazed", period_um = 1.0, height_um = 0.1, pixels = 16 }
+grating = { kind = "crossed", x = { kind = "blazed", period_um = 1.0, height_um = 0.1, pixels = 16 }, y = { kind = "blazed", period_um = 1.2, height_um = 0.05, pixels = 16 } }
 [variants]
 terms = [3]
 wavelengths = [{ min_nm = 500, max_nm = 600, step_nm = 50 }]

@@ -51,7 +51,7 @@ impl Tool for Reflection {
         &[Control {
             file: "diffraction.frag.spv",
             changed: "manifest.json",
-            change: Change::Text("\"binding\": 1,", "\"binding\": 2,"),
+            change: Change::Text("\"size\": 32", "\"size\": 48"),
         }]
     }
 
