@@ -145,7 +145,10 @@ pub fn validate(folder: &Path, tools: &[Box<dyn Tool>], required: &[String]) -> 
         jobs.extend(readers.iter().filter(|&&i| states[i].is_ok()).map(|&i| (i, file)));
         if jobs.len() == before && is_shader(&name(file)) {
             let named: Vec<&str> = readers.iter().map(|&i| names[i]).collect();
-            let reason = format!("needs one of these tools: {}", named.join(", "));
+            let reason = match &named[..] {
+                [] => "no tool reads it".to_owned(),
+                _ => format!("needs one of these tools: {}", named.join(", ")),
+            };
             unread.insert(Unread { file: relative(file, folder), reason });
         }
     }

@@ -14,11 +14,11 @@ use crate::process::Fault;
 
 use super::{Tool, Trouble};
 
-/// A surface and a variant that cost almost nothing. The surface has no mirror symmetry, so that a flipped axis shows.
+/// A surface and a variant that cost almost nothing. It sends much light aside in both axes, so that a flipped one shows.
 const PLAN: &str = r#"schema = 1
 [[surface]]
 name = "control"
-grating = { kind = "crossed", x = { kind = "blazed", period_um = 1.0, height_um = 0.1, pixels = 16 }, y = { kind = "blazed", period_um = 1.2, height_um = 0.05, pixels = 16 } }
+grating = { kind = "crossed", x = { kind = "blazed", period_um = 1.2, height_um = 0.15, pixels = 16 }, y = { kind = "blazed", period_um = 1.2, height_um = 0.14, pixels = 16 } }
 [variants]
 terms = [3]
 wavelengths = [{ min_nm = 500, max_nm = 600, step_nm = 50 }]
@@ -102,7 +102,8 @@ pub(super) fn believed(tool: &dyn Tool, package: &Package) -> Result<Result<(), 
             Ok(_) => {}
             Err(Fault::TimedOut(limit)) => return Ok(Err(silent(limit.as_secs_f64()))),
             Err(fault) => {
-                let why = format!("it rejects a sound {} of ours: {fault}", control.file);
+                let said = beginning(&fault.to_string());
+                let why = format!("it rejects a sound {} of ours: {said}", control.file);
                 return Ok(Err(Trouble::NotBelieved(why)));
             }
         }
@@ -115,7 +116,9 @@ pub(super) fn believed(tool: &dyn Tool, package: &Package) -> Result<Result<(), 
         match judge() {
             Err(Fault::Refused(_)) => {}
             Err(Fault::TimedOut(limit)) => return Ok(Err(silent(limit.as_secs_f64()))),
-            Err(fault) => return Ok(Err(Trouble::NotBelieved(fault.to_string()))),
+            Err(fault) => {
+                return Ok(Err(Trouble::NotBelieved(beginning(&fault.to_string()))));
+            }
             Ok(_) => {
                 let what = match control.change {
                     Change::Text(from, to) => format!("with `{to}` for `{from}`"),
@@ -132,4 +135,10 @@ pub(super) fn believed(tool: &dyn Tool, package: &Package) -> Result<Result<(), 
 
 fn silent(seconds: f64) -> Trouble {
     Trouble::NotAnswering(format!("did not end within {seconds} s"))
+}
+
+/// The beginning of a message that may be a megabyte long.
+fn beginning(text: &str) -> String {
+    let lines: Vec<&str> = text.lines().take(5).collect();
+    lines.join("\n").chars().take(500).collect()
 }

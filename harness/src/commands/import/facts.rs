@@ -58,7 +58,8 @@ impl Facts {
         );
         if *voids > 0 {
             let share = *voids as f64 / (columns * rows) as f64 * 100.0;
-            let _ = writeln!(text, "  {voids} voids ({share:.2} %), written as NaN");
+            let plural = if *voids == 1 { "" } else { "s" };
+            let _ = writeln!(text, "  {voids} void{plural} ({share:.2} %), written as NaN");
         }
         let mut dropped: Vec<String> = self.others.iter().map(Channel::text).collect();
         if !self.metadata.is_empty() {
