@@ -3,7 +3,7 @@
     python3 import.py FILE OUT SOURCE [CHANNEL]
 
 OUT gets the field: lengths and heights in metres, the top row first, NaN where nothing was measured. Facts go to stdout as one
-JSON object; an object with the key `error` says why nothing was written, in words for users.
+JSON object, with lengths in µm, or in the file's numbers if it states no unit; an object with the key `error` says why nothing was written, in words for users.
 """
 
 import json
@@ -11,6 +11,7 @@ import re
 import sys
 import warnings
 
+import gwyfile
 import numpy as np
 from SurfaceTopography.IO import CannotDetectFileFormat, open_topography
 from SurfaceTopography.Support.UnitConversion import get_unit_conversion_factor
@@ -21,6 +22,22 @@ DIRECTIONS = r"\b(forward|backward|trace|retrace|fwd|bwd|left|right)\b"
 BY_SENSOR = ("zsensor", "height sensor", "heightsensor")
 # a height that is rounded to a 32-bit float may be wrong by this share of peak to valley
 ROUNDING = 1e-5
+
+
+class Unitless:
+    """A channel of a Gwyddion file whose values have no unit: SurfaceTopography leaves such channels out."""
+
+    is_height_channel, is_uniform, unit, info = True, True, None, {}
+
+    def __init__(self, index, name, field):
+        self.index, self.name, self.field = index, name, field
+        self.physical_sizes = field.xreal, field.yreal
+
+    def topography(self):
+        return self
+
+    def heights(self):
+        return self.field.data.T
 
 
 class Refused(Exception):
@@ -70,18 +87,31 @@ def metres(unit):
         return None
 
 
-def read(path, wanted):
-    """Heights in metres, top row first; the size in metres; facts."""
+def opened(path):
+    """The name of the format, and the channels."""
     reader = open_topography(path)
-    channel, reason = choose(reader.channels, wanted)
+    if reader.channels or reader.format() != "gwy":
+        return reader.name(), reader.channels
+    container = gwyfile.load(path)
+    keys = [key for key in container if re.fullmatch(r"/\d+/data", key) and not unit_of_values(container[key])]
+    return reader.name(), [Unitless(i, container.get(f"{key}/title", key), container[key]) for i, key in enumerate(keys)]
+
+
+def unit_of_values(field):
+    return (field.get("si_unit_z") or {}).get("unitstr", "")
+
+
+def read(path, wanted):
+    """Heights in metres, top row first, and the size in metres, or both in the file's numbers if it states no unit; facts."""
+    name, channels = opened(path)
+    channel, reason = choose(channels, wanted)
     topography = channel.topography()
     if not topography.is_uniform:
         raise Refused("is a profile with uneven steps, which a height map cannot hold", "resample it to even steps")
-    unit = topography.unit
-    scale = metres(unit)
+    unit = topography.unit or None
+    scale = metres(unit) if unit else 1.0
     if scale is None:
-        raise Refused(f"states the unit '{unit}', which is no length" if unit else "states no unit of length",
-                      "state it in the instrument's program, or export numbers and give size_um and z_unit_um in a plan")
+        raise Refused(f"states the unit '{unit}', which is no length", "state it in the instrument's program")
     # SurfaceTopography counts [x, y] with y from the top, as Gwyddion draws it
     heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=float), np.nan).T * scale
     sizes = [size * scale for size in topography.physical_sizes]
@@ -90,21 +120,21 @@ def read(path, wanted):
         sizes.append(sizes[0] / heights.shape[1])
     if not np.isfinite(heights).any():
         raise Refused("has no measured height in this channel", "choose another channel")
-    others = [{"name": c.name, "heights": has_heights(c)} for c in reader.channels if c.index != channel.index]
+    others = [{"name": c.name, "heights": has_heights(c)} for c in channels if c.index != channel.index]
     facts = {
-        "format": reader.name(), "channel": channel.name, "reason": reason, "file_unit": unit, "others": others,
-        "metadata": sorted(key for key in (topography.info or {}) if key not in ("unit",)),
+        "format": name, "channel": channel.name, "reason": reason, "file_unit": unit, "others": others,
+        "metadata": sorted(key for key in (topography.info or {}) if key != "unit"),
     }
     return heights, sizes, facts
 
 
-def write(path, heights, sizes, title, source):
-    """A field as GSF. Header lines end at a multiple of four bytes, filled with at least one NUL."""
+def write(path, heights, sizes, unit, title, source):
+    """A field as GSF; `unit` is m, or empty. Header lines end at a multiple of four bytes, filled with at least one NUL."""
     rows, columns = heights.shape
     one_line = lambda text: " ".join(str(text).split())
     header = (
         f"Gwyddion Simple Field 1.0\nXRes = {columns}\nYRes = {rows}\nXReal = {float(sizes[0])!r}\nYReal = {float(sizes[1])!r}\n"
-        f"XYUnits = m\nZUnits = m\nTitle = {one_line(title)}\nImporter = diffraction import\nSource = {one_line(source)}\n"
+        f"XYUnits = {unit}\nZUnits = {unit}\nTitle = {one_line(title)}\nImporter = diffraction import\nSource = {one_line(source)}\n"
     ).encode()
     with open(path, "wb") as file:
         file.write(header + b"\0" * (4 - len(header) % 4))
@@ -118,10 +148,11 @@ def run(path, out, source, wanted=None):
     if max(abs(low), abs(high)) * 2.0**-24 > ROUNDING * (high - low):
         offset = (low + high) / 2
         heights = heights - offset
-    write(out, heights, sizes, facts["channel"], source)
+    write(out, heights, sizes, "m" if facts["file_unit"] else "", facts["channel"], source)
+    factor = 1e6 if facts["file_unit"] else 1.0
     return facts | {
-        "columns": heights.shape[1], "rows": heights.shape[0], "size_um": [size * 1e6 for size in sizes],
-        "peak_to_valley_um": (high - low) * 1e6, "offset_um": offset * 1e6,
+        "columns": heights.shape[1], "rows": heights.shape[0], "size": [size * factor for size in sizes],
+        "peak_to_valley": (high - low) * factor, "offset": offset * factor,
         "voids": int(heights.size - np.isfinite(heights).sum()),
     }
 

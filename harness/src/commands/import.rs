@@ -81,7 +81,7 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         match done {
             Ok((facts, output)) => {
                 console.data(&facts.text(file, &output))?;
-                let block = block(&output, &stem(&output));
+                let block = block(&facts, &output);
                 note_refusal(&block, console);
                 blocks.push(block);
             }

@@ -79,6 +79,7 @@ fn scene() -> Option<tempfile::TempDir> {
 /// Heights in nm as the compiler reads them, by the block that was printed.
 fn heights_nm(folder: &Path, said: &str) -> (usize, f64, Vec<f64>) {
     let block = &said[said.find("[[surface]]").expect(said)..];
+    let block = block.split("\nnote: ").next().unwrap();
     let block = block.replace("level = \"plane\"", "level = \"none\"");
     let plan = Plan::parse(&format!("schema = 1\n{block}"), &folder.join("plan.toml")).unwrap();
     let surface = input::load_surface(&plan.surfaces[0]).unwrap();
@@ -160,10 +161,27 @@ fn channels_are_chosen_by_name_or_for_a_reason() {
     assert_eq!(done.status.code(), Some(0), "{said}");
     assert!(said.contains("channel 'Topo backward' (the first of several scans"), "{said}");
 
-    write(&[("Topo", "", HEIGHTS)]);
+    write(&[("Current", "A", HEIGHTS)]);
     let (done, said) = import(folder.path(), &["more.gwy"]);
     assert_eq!(done.status.code(), Some(2), "{said}");
     assert!(said.contains("no channel whose values have a unit of length"), "{said}");
+}
+
+/// What a file does not state is not invented: the plan has to say it.
+#[test]
+fn a_file_without_units_becomes_a_field_without_units() {
+    let Some(folder) = scene() else { return };
+    let file = gwy(&[("Topo", "", HEIGHTS.map(|h| h * 1e9))]);
+    fs::write(folder.path().join("bare.gwy"), file).unwrap();
+    let (done, said) = import(folder.path(), &["bare.gwy"]);
+    assert_eq!(done.status.code(), Some(0), "{said}");
+    assert!(said.contains("peak to valley 31; the file states no unit"), "{said}");
+    assert!(said.contains("a plan would refuse it") && said.contains("# size_um = …"), "{said}");
+    let stated = said.replace("# size_um = …  ", "size_um = 0.03  ");
+    let stated = stated.replace("# z_unit_um = …  ", "z_unit_um = 0.001  ");
+    let (columns, pitch, heights) = heights_nm(folder.path(), &stated);
+    assert!(columns == 3 && (pitch - 10.0).abs() < 1e-6, "{columns} {pitch}");
+    assert!((heights[5] - heights[0] - 31.0).abs() < 1e-3, "{heights:?}");
 }
 
 #[test]

@@ -20,15 +20,18 @@ pub(super) struct Facts {
     channel: String,
     /// Why this channel, where there was a choice.
     reason: Option<String>,
-    file_unit: String,
+    /// `None`: the file states none, and lengths are the file's numbers.
+    file_unit: Option<String>,
     others: Vec<Channel>,
     metadata: Vec<String>,
     columns: usize,
     rows: usize,
-    size_um: [f64; 2],
-    peak_to_valley_um: f64,
+    /// Width and height, µm.
+    size: [f64; 2],
+    /// µm.
+    peak_to_valley: f64,
     /// Taken off all heights, so that they fit 32-bit floats.
-    offset_um: f64,
+    offset: f64,
     voids: usize,
 }
 
@@ -45,16 +48,19 @@ impl Facts {
         let mut text = format!("{} -> {}\n", file.display(), output.display());
         let reason = self.reason.as_ref().map_or(String::new(), |reason| format!(" ({reason})"));
         let _ = writeln!(text, "  {format}, channel '{channel}'{reason}");
-        let [width, height] = self.size_um;
-        let (across, down) = (width / *columns as f64 * 1e3, height / *rows as f64 * 1e3);
+        let [width, height] = self.size;
+        let (um, unit) = match file_unit {
+            Some(unit) => (" µm", format!("heights were in {unit}")),
+            None => ("", "the file states no unit".to_owned()),
+        };
         let _ = writeln!(
             text,
-            "  {columns} × {rows} pixels, {} × {} µm, {} × {} nm each; peak to valley {} µm; heights were in {file_unit}",
+            "  {columns} × {rows} pixels, {} × {}{um}, {} × {}{um} each; peak to valley {}{um}; {unit}",
             short(width),
             short(height),
-            short(across),
-            short(down),
-            short(self.peak_to_valley_um)
+            short(width / *columns as f64),
+            short(height / *rows as f64),
+            short(self.peak_to_valley)
         );
         if *voids > 0 {
             let share = *voids as f64 / (columns * rows) as f64 * 100.0;
@@ -65,8 +71,8 @@ impl Facts {
         if !self.metadata.is_empty() {
             dropped.push(format!("metadata {}", self.metadata.join(", ").replace('_', " ")));
         }
-        if self.offset_um != 0.0 {
-            dropped.push(format!("{} µm of all heights, for 32-bit floats", short(self.offset_um)));
+        if self.offset != 0.0 {
+            dropped.push(format!("{}{um} of all heights, for 32-bit floats", short(self.offset)));
         }
         if !dropped.is_empty() {
             let _ = writeln!(text, "  dropped: {}", dropped.join("; "));
@@ -88,14 +94,24 @@ fn short(number: f64) -> String {
     rounded.to_string()
 }
 
-/// The block of a plan for a file.
-pub(super) fn block(output: &Path, stem: &str) -> String {
+/// The block of a plan for a file. Keys that the user has to fill in are remarks.
+pub(super) fn block(facts: &Facts, output: &Path) -> String {
+    let missing = match facts.file_unit {
+        Some(_) => "",
+        None => "# size_um = …      # the file states no unit: its width\n# z_unit_um = …    # and the unit of its heights\n",
+    };
+    let (name, file) = keys(output);
+    format!("[[surface]]\nname = \"{name}\"\nfile = {file}\nlevel = \"plane\"\n{missing}")
+}
+
+/// Name and file as a plan writes them.
+fn keys(output: &Path) -> (String, String) {
     // a JSON string is a string of TOML, too
     let file = serde_json::Value::from(output.to_string_lossy()).to_string();
-    let name: String = stem.to_lowercase().chars().map(plain).collect();
+    let stem = output.file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
+    let name: String = stem.chars().map(plain).collect();
     let words: Vec<&str> = name.split('-').filter(|word| !word.is_empty()).collect();
-    let name = if words.is_empty() { "scan".to_owned() } else { words.join("-") };
-    format!("[[surface]]\nname = \"{name}\"\nfile = {file}\nlevel = \"plane\"\n")
+    (if words.is_empty() { "scan".to_owned() } else { words.join("-") }, file)
 }
 
 fn plain(c: char) -> char {
@@ -110,10 +126,10 @@ mod tests {
     fn numbers_are_short_and_names_are_those_of_plans() {
         assert_eq!(short(64_063.999_999_999_99), "64064");
         assert_eq!(short(0.016_655_562_954), "0.0166556");
-        let text = block(Path::new("a \"b\"/Scan 1_µ.gsf"), "Scan 1_µ");
-        assert!(text.contains("name = \"scan-1\"\n"), "{text}");
-        let table: toml::Table = text.parse().unwrap();
-        assert_eq!(table["surface"][0]["file"].as_str(), Some("a \"b\"/Scan 1_µ.gsf"));
-        assert!(block(Path::new("x"), "µ").contains("\"scan\""));
+        let (name, file) = keys(Path::new("a \"b\"/Scan 1_µ.gsf"));
+        assert_eq!(name, "scan-1");
+        let table: toml::Table = format!("file = {file}").parse().unwrap();
+        assert_eq!(table["file"].as_str(), Some("a \"b\"/Scan 1_µ.gsf"));
+        assert_eq!(keys(Path::new("µ.gsf")).0, "scan");
     }
 }
