@@ -86,7 +86,12 @@ fn wrong_packages_around_a_text_are_found() {
         ),
         ("manifest.json", "diffraction.metal", "other.metal", "lists no Metal file"),
         ("probe.json", "\"probes\"", "\"prose\"", "has no probes"),
-        ("probe.json", "\"tolerance\": ", "\"tolerance\": 0.0000", "tolerances"),
+        (
+            "probe.json",
+            "\"expected\":{\"xyz\":[0.0373",
+            "\"expected\":{\"xyz\":[0.0383",
+            "probe 0: XYZ",
+        ),
     ] {
         let good = fs::read_to_string(folder.join(name)).unwrap();
         assert!(good.contains(right), "{right}");

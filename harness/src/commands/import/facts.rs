@@ -98,7 +98,9 @@ fn short(number: f64) -> String {
 pub(super) fn block(facts: &Facts, output: &Path) -> String {
     let missing = match facts.file_unit {
         Some(_) => "",
-        None => "# size_um = …      # the file states no unit: its width\n# z_unit_um = …    # and the unit of its heights\n",
+        None => {
+            "# size_um = …      # the file states no unit: its width\n# z_unit_um = …    # and the unit of its heights\n"
+        }
     };
     let (name, file) = keys(output);
     format!("[[surface]]\nname = \"{name}\"\nfile = {file}\nlevel = \"plane\"\n{missing}")

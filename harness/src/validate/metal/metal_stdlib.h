@@ -42,7 +42,7 @@ template <class T, int N> struct vec;
     const T& operator[](int i) const { return (&x)[i]; } \
     PARTS(N) \
     vec operator-() const { vec r; for (int i = 0; i < N; i++) r[i] = -(*this)[i]; return r; } \
-    OPERATOR(+) OPERATOR(-) OPERATOR(*) OPERATOR(/) \
+    OPERATOR(+) OPERATOR(-) OPERATOR(*) OPERATOR(/) OPERATOR(%) OPERATOR(&) OPERATOR(|) \
     COMPARISON(<) COMPARISON(<=) COMPARISON(>) COMPARISON(>=) COMPARISON(==) COMPARISON(!=)
 
 template <class T> struct alignas(2 * sizeof(T)) vec<T, 2> {
@@ -103,11 +103,17 @@ inline float fma(float a, float b, float c) { return std::fma(a, b, c); }
     inline float distance(V a, V b) { return length(a - b); } \
     inline V normalize(V a) { return a * rsqrt(dot(a, a)); } \
     inline V clamp(V x, V low, V high) { return min(max(x, low), high); } \
-    inline V mix(V a, V b, V t) { return a + (b - a) * t; } \
-    inline V select(V a, V b, vec<bool, V::SIZE> c) { for (int i = 0; i < V::SIZE; i++) if (c[i]) a[i] = b[i]; return a; }
+    inline V mix(V a, V b, V t) { return a + (b - a) * t; }
 FOR_VECTORS(OF_VECTORS)
 inline float3 cross(float3 a, float3 b) { return float3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x); }
-template <class T> T select(T a, T b, bool c) { return c ? b : a; }
+inline float select(float a, float b, bool c) { return c ? b : a; }
+inline int select(int a, int b, bool c) { return c ? b : a; }
+inline uint select(uint a, uint b, bool c) { return c ? b : a; }
+template <class V> struct exactly { using type = V; };
+template <class T, int N> vec<T, N> select(vec<T, N> a, typename exactly<vec<T, N>>::type b, vec<bool, N> c) {
+    for (int i = 0; i < N; i++) if (c[i]) a[i] = b[i];
+    return a;
+}
 template <int N> bool all(vec<bool, N> v) { for (int i = 0; i < N; i++) if (!v[i]) return false; return true; }
 template <int N> bool any(vec<bool, N> v) { for (int i = 0; i < N; i++) if (v[i]) return true; return false; }
 
