@@ -71,7 +71,18 @@ def choose(channels, wanted):
 
 def has_heights(channel):
     # readers give a pair of units, of lengths and of values, where the two differ
-    return channel.is_height_channel and (channel.unit is None or isinstance(channel.unit, str))
+    one_unit = channel.unit is None or isinstance(channel.unit, str)
+    return channel.is_height_channel and one_unit and not in_amperes(channel)
+
+
+def in_amperes(channel):
+    """Whether a Gwyddion file says so: its `A`, which SurfaceTopography takes for the ångström, is the ampere."""
+    raw = (channel.info or {}).get("raw_metadata") or {}
+    for key, value in raw.items() if isinstance(raw, dict) else ():
+        if str(key).endswith("/data") and isinstance(value, dict) and "GwyDataField" in value:
+            unit = value["GwyDataField"].get("si_unit_z", {}).get("GwySIUnit", {})
+            return unit.get("unitstr") == "A"
+    return False
 
 
 def heights_of(channels):
@@ -165,7 +176,7 @@ def main(*words):
     except Refused as refused:
         answer = dict(zip(("error", "remedy"), refused.args))
     except CannotDetectFileFormat:
-        answer = {"error": "is in no format that SurfaceTopography reads", "remedy": "png, tiff, exr, npy, gsf, txt and csv need no import"}
+        answer = {"error": "is in no format that SurfaceTopography reads, or damaged", "remedy": "png, tiff, exr, npy, gsf, txt and csv need no import"}
     except MemoryError:
         answer = {"error": "does not fit into memory"}
     except Exception as error:  # whatever a reader raises on a file that is not what it seems

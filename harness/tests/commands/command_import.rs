@@ -161,10 +161,11 @@ fn channels_are_chosen_by_name_or_for_a_reason() {
     assert_eq!(done.status.code(), Some(0), "{said}");
     assert!(said.contains("channel 'Topo backward' (the first of several scans"), "{said}");
 
-    write(&[("Current", "A", HEIGHTS)]);
+    // an ampere is no ångström
+    write(&[("Current", "A", HEIGHTS), ("Force", "N", HEIGHTS)]);
     let (done, said) = import(folder.path(), &["more.gwy"]);
     assert_eq!(done.status.code(), Some(2), "{said}");
-    assert!(said.contains("no channel whose values have a unit of length"), "{said}");
+    assert!(said.contains("has no channel of heights, only 'Current'"), "{said}");
 }
 
 /// What a file does not state is not invented: the plan has to say it.
@@ -194,8 +195,8 @@ fn one_bad_file_does_not_keep_the_others() {
     let (done, said) = import(folder.path(), &files);
     assert_eq!(done.status.code(), Some(2), "{said}");
     for part in [
-        "error: cut.gwy: cannot be read: ",
-        "error: note.doc: is in no format that SurfaceTopography reads (png, tiff",
+        "error: cut.gwy: is in no format that SurfaceTopography reads, or damaged",
+        "error: note.doc: is in no format that SurfaceTopography reads, or damaged (png, tiff",
         "error: absent.gwy: is not a file",
         "error: 3 of 4 files were not imported",
         "scan.gwy -> fields/scan.gsf",
