@@ -6,6 +6,7 @@
 
 mod control;
 mod dxc;
+mod files;
 mod hlsl;
 mod metal;
 mod reflect;
@@ -16,7 +17,6 @@ mod trouble;
 
 use std::{
     collections::BTreeSet,
-    fs,
     path::{Path, PathBuf},
     sync::OnceLock,
     time::Duration,
@@ -26,6 +26,8 @@ use diffraction_shaders::error::{Error, Result};
 use rayon::prelude::*;
 
 use crate::process::Fault;
+
+use files::{all_files, is_shader, name, relative};
 
 pub use control::{Change, Control};
 pub use dxc::Dxc;
@@ -117,9 +119,7 @@ pub fn validate(folder: &Path, tools: &[Box<dyn Tool>], required: &[String]) -> 
         return Err(Error::new(unknown, "is not a known validator")
             .remedy(format_args!("one of {}", names.join(", "))));
     }
-    let mut files = Vec::new();
-    walk(folder, &mut files)?;
-    files.sort();
+    let files = all_files(folder)?;
     let readers: Vec<Vec<usize>> = files
         .iter()
         .map(|file| (0..tools.len()).filter(|&i| tools[i].reads(&name(file))).collect())
@@ -197,16 +197,17 @@ fn states(
     needed: &(impl Fn(usize) -> bool + Sync),
 ) -> Result<Vec<Result<String, Trouble>>> {
     let package = if (0..tools.len()).any(needed) { Some(control::package()?) } else { None };
-    let state = |(i, tool): (usize, &Box<dyn Tool>)| {
+    let state = |i: usize| {
+        let tool = &*tools[i];
         let version = tool.version();
         match (&version, &package) {
             (Ok(_), Some(package)) if needed(i) => {
-                Ok(control::believed(&**tool, package)?.and(version))
+                Ok(control::believed(tool, package)?.and(version))
             }
             _ => Ok(version),
         }
     };
-    tools.par_iter().enumerate().map(state).collect()
+    (0..tools.len()).into_par_iter().map(state).collect()
 }
 
 /// What a tool said of a file.
@@ -235,32 +236,4 @@ fn verdict(tool: &dyn Tool, file: &Path, silent: &OnceLock<Trouble>) -> Verdict 
         }
         Err(fault) => Verdict::Rejected(fault.to_string()),
     }
-}
-
-fn name(file: &Path) -> String {
-    file.file_name().unwrap_or_default().to_string_lossy().into_owned()
-}
-
-fn relative(file: &Path, folder: &Path) -> PathBuf {
-    file.strip_prefix(folder).unwrap_or(file).to_owned()
-}
-
-/// Whether a package's file of this name is a shader.
-fn is_shader(name: &str) -> bool {
-    [Reads::Wgsl, Reads::GlslHlsl, Reads::Spirv, Reads::Metal].iter().any(|kind| kind.name(name))
-}
-
-/// Adds all files below a folder. Links are not followed.
-fn walk(folder: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
-    let unreadable = |error| Error::new(folder.display(), "cannot be listed").source(error);
-    for entry in fs::read_dir(folder).map_err(unreadable)? {
-        let entry = entry.map_err(unreadable)?;
-        let kind = entry.file_type().map_err(unreadable)?;
-        if kind.is_dir() {
-            walk(&entry.path(), files)?;
-        } else if kind.is_file() {
-            files.push(entry.path());
-        }
-    }
-    Ok(())
 }

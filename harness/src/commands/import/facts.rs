@@ -50,7 +50,7 @@ impl Facts {
         let _ = writeln!(text, "  {format}, channel '{channel}'{reason}");
         let [width, height] = self.size;
         let (um, unit) = match file_unit {
-            Some(unit) => (" µm", format!("heights were in {unit}")),
+            Some(unit) => (" µm", format!("lengths were in {unit}")),
             None => ("", "the file states no unit".to_owned()),
         };
         let _ = writeln!(

@@ -147,9 +147,9 @@ impl Job {
                 compared.push(("RGB of the entry point mesh", three(), probe.rgb, RGB));
             }
             for (what, found, expected, factor) in compared {
-                let error = (found - expected).abs().max_element() / (factor * probe.tolerance);
-                // also if it is no number
-                if !(error <= 1.0) || found.is_nan() {
+                let difference = found - expected;
+                let error = difference.abs().max_element() / (factor * probe.tolerance);
+                if error > 1.0 || error.is_nan() || difference.is_nan() {
                     return Err(format!(
                         "probe {index}: {what} is {found}, expected {expected}: {error:.3} tolerances"
                     ));
