@@ -62,9 +62,10 @@ enum Command {
 }
 
 /// All commands in the order of the help text, with those of the harness and those that only one program has.
-const ORDER: [&str; 15] = [
+const ORDER: [&str; 16] = [
     "generate",
     "list",
+    "import",
     "inspect",
     "validate",
     "explain",
