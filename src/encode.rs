@@ -1,5 +1,7 @@
-//! Pictures and float images as bytes. The only PNG writer and the only OpenEXR writer of the library.
+//! Pictures, float images and JSON as bytes: the only PNG writer, the only OpenEXR writer and the only JSON writer of the
+//! library. None of them writes a number that is not finite.
 
+mod json;
 mod viridis;
 
 use std::io::Cursor;
@@ -13,6 +15,7 @@ use png::{BitDepth, ColorType, Compression, Encoder, EncodingError};
 
 use crate::error::{Error, Result};
 
+pub use json::{json, json_line};
 pub use viridis::viridis;
 
 /// An 8-bit picture, `[row][column]`, rows from the top, sRGB.
@@ -76,6 +79,17 @@ pub fn exr(image: Floats<'_>) -> Result<Vec<u8>> {
         let cause =
             format!("{width} × {height} pixels, above the format's limit of {} per side", i32::MAX);
         return Err(Error::new("EXR file", cause).remedy("write a smaller image"));
+    }
+    // tables hold any bits; their numbers were checked when they were computed
+    for (name, samples) in image.channels.iter().filter(|_| image.colours) {
+        let number = |i: usize| samples.value_by_flat_index(i).to_f32();
+        if let Some(at) = (0..width * height).find(|&i| !number(i).is_finite()) {
+            let (column, row, value) = (at % width, at / width, number(at));
+            let cause = format!(
+                "channel {name} at column {column}, row {row} is {value}, not a finite number"
+            );
+            return Err(Error::new("EXR file", cause));
+        }
     }
     let channel = |(name, sample_data)| AnyChannel {
         name: Text::from(name),

@@ -15,6 +15,7 @@ struct Inner {
     cause: String,
     remedy: Option<String>,
     source: Option<Box<dyn std::error::Error + Send + Sync>>,
+    is_finding: bool,
 }
 
 impl Error {
@@ -25,6 +26,7 @@ impl Error {
             cause: cause.to_string(),
             remedy: None,
             source: None,
+            is_finding: false,
         }))
     }
 
@@ -40,6 +42,18 @@ impl Error {
     pub fn source(mut self, source: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Error {
         self.0.source = Some(source.into());
         self
+    }
+
+    /// Marks it as a finding: the work was done, and found something wrong. Programs exit with 1 instead of 2.
+    #[must_use]
+    pub fn finding(mut self) -> Error {
+        self.0.is_finding = true;
+        self
+    }
+
+    /// Whether it is a finding.
+    pub fn is_finding(&self) -> bool {
+        self.0.is_finding
     }
 
     /// The file, key or variant that the error is about.

@@ -21,6 +21,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::encode::json;
 use crate::error::{Error, Result};
 use crate::hash::sha256;
 use crate::plan::{Container, TableFormat};
@@ -127,7 +128,7 @@ pub struct Package {
 }
 
 /// A variant that cannot be built on a surface, and why: a listed fact, not a failure of the others.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Gap {
     /// Name of the surface.
     pub surface: String,
@@ -135,6 +136,13 @@ pub struct Gap {
     pub variant: String,
     /// Why.
     pub reason: String,
+}
+
+impl Gap {
+    /// The gaps that the manifest of a package states.
+    fn of_package(folder: &Path) -> Result<Vec<Gap>> {
+        Ok(folder::open(folder)?.map_or_else(Vec::new, |folder| folder.gaps))
+    }
 }
 
 /// What `manifest.json` says of one file. Nothing here depends on the last digits of computed numbers.
@@ -239,10 +247,16 @@ impl Package {
             files.insert(path.as_str(), listed(file)?);
         }
         let manifest = Manifest { generated_by, index, files };
-        let mut text = serde_json::to_string_pretty(&manifest)
-            .map_err(|e| error("cannot be written").source(e))?;
-        text.push('\n');
-        self.insert(MANIFEST, text, Equality::Json { tolerance: JSON_TOLERANCE })
+        self.insert(
+            MANIFEST,
+            json(MANIFEST, &manifest)?,
+            Equality::Json { tolerance: JSON_TOLERANCE },
+        )
+    }
+
+    /// Removes the files that `keep` does not ask for.
+    fn retain(&mut self, keep: impl Fn(&str) -> bool) {
+        self.files.retain(|path, _| keep(path));
     }
 
     fn insert_file(&mut self, path: &str, file: PackageFile) -> Result<()> {

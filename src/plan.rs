@@ -312,6 +312,11 @@ pub struct Wavelengths {
     pub step_nm: f64,
 }
 
+impl Wavelengths {
+    /// Visible light: the range of the colour tables, nm.
+    pub const VISIBLE_NM: [f64; 2] = [380.0, 780.0];
+}
+
 /// Number format of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]

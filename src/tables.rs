@@ -16,6 +16,7 @@ mod spec;
 
 use serde::{Deserialize, Serialize};
 
+use crate::error::{Error, Result};
 use crate::field::transform::Bins;
 use crate::optics::spectrum::Sample;
 use crate::plan::{Packing, TableFormat};
@@ -61,6 +62,21 @@ impl TexelFormat {
             TexelFormat::Rg16Float | TexelFormat::Rgb9e5Ufloat => 4,
             TexelFormat::Rg32Float | TexelFormat::Rgba16Float => 8,
             TexelFormat::Rgba32Float => 16,
+        }
+    }
+
+    /// Whether its numbers are 32-bit floats.
+    pub fn is_single(self) -> bool {
+        matches!(self, TexelFormat::Rg32Float | TexelFormat::Rgba32Float)
+    }
+
+    /// The largest number that it holds.
+    pub fn max(self) -> f64 {
+        match self {
+            TexelFormat::Rg16Float | TexelFormat::Rgba16Float => 65504.0,
+            TexelFormat::Rg32Float | TexelFormat::Rgba32Float => f64::from(f32::MAX),
+            // nine bits, exponents up to 31 with a bias of 15
+            TexelFormat::Rgb9e5Ufloat => 511.0 / 512.0 * 65536.0,
         }
     }
 
@@ -118,6 +134,24 @@ impl Table {
         filtered: false,
         texels: Vec::new(),
     };
+
+    /// Checks that its format can hold every number: none is infinite, not a number or too large.
+    fn check(&self) -> Result<()> {
+        let max = self.format.max();
+        let fits = |number: &f64| number.abs() <= max;
+        let Some(at) = self.texels.iter().position(|number| !fits(number)) else { return Ok(()) };
+        let (texel, channel) = (at / self.format.channels(), at % self.format.channels());
+        let (column, row) = (texel % self.width, texel / self.width % self.height);
+        let cause = format!(
+            "channel {channel} at column {column}, row {row}, layer {} is {}, which {} cannot hold",
+            texel / (self.width * self.height),
+            self.texels[at],
+            self.format.name()
+        );
+        Err(Error::new(format!("table {}", self.name), cause).remedy(
+            "use a basis whose terms are smaller, such as basis = \"optimal\", or table = \"f32\"",
+        ))
+    }
 
     /// The table with numbers as the shader reads them: rounded to the texel format.
     #[must_use]

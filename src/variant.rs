@@ -6,6 +6,7 @@ mod computation;
 mod cost;
 mod forms;
 mod functions;
+mod judge;
 mod lay;
 mod prefilter;
 mod tolerance;
@@ -18,6 +19,9 @@ pub use computation::{Computation, Ground};
 pub use cost::Cost;
 pub use forms::*;
 pub use functions::{DIRECTIONAL, Directional, ExactProbe, FUNCTIONS, Function, PROBES};
+pub use judge::{MAX_PHASE_ERROR, is_whole_light};
 pub use prefilter::{GRID_ERROR, NODE_ERROR, grid_error, node_level};
-pub use tolerance::{ACROSS, CENTRED, Part, Tolerance, probe_tolerances};
+pub use tolerance::{
+    ACROSS, CENTRED, MAX_PROBE_ERROR, Part, Tolerance, probe_error, probe_tolerances,
+};
 pub use twin::{Twin, mesh};

@@ -48,10 +48,22 @@ fn bin_amplitude(bin: vec2i, place: f32) -> vec2f {
 fn bin_amplitude(bin: vec2i, tau: f32) -> vec2f {
     let texel = bin + vec2i(CENTRE_COLUMN, CENTRE_ROW);
 #ifdef PAIRED
-    // even and odd powers side by side
+    // even and odd powers side by side; four layers in a step, since some drivers limit the steps of all loops
     let tau_squared = tau * tau;
     var sum = vec4f(0.0);
-    for (var layer = LAYER_COUNT - 1; layer >= 0; layer--) {
+    if (WHOLE_LAYERS + 2 < LAYER_COUNT) {
+        sum = textureLoad(terms, texel, WHOLE_LAYERS + 2, 0);
+    }
+    if (WHOLE_LAYERS + 1 < LAYER_COUNT) {
+        sum = sum * tau_squared + textureLoad(terms, texel, WHOLE_LAYERS + 1, 0);
+    }
+    if (WHOLE_LAYERS < LAYER_COUNT) {
+        sum = sum * tau_squared + textureLoad(terms, texel, WHOLE_LAYERS, 0);
+    }
+    for (var layer = WHOLE_LAYERS - 4; layer >= 0; layer -= 4) {
+        sum = sum * tau_squared + textureLoad(terms, texel, layer + 3, 0);
+        sum = sum * tau_squared + textureLoad(terms, texel, layer + 2, 0);
+        sum = sum * tau_squared + textureLoad(terms, texel, layer + 1, 0);
         sum = sum * tau_squared + textureLoad(terms, texel, layer, 0);
     }
     return sum.xy + tau * sum.zw;

@@ -21,9 +21,9 @@ fn shadowing(wi: vec3f, wr: vec3f) -> f32 {
 #endif
 
 // The gain R/R0 · (1 + wi·wr)² / (w² cos θr) · S with the reflectance R/R0 and the shadowing S. It is zero where a
-// direction is at or below the horizon.
+// direction is at or below the horizon; a millionth above it counts as at it, since a cosine is rounded that much.
 fn gain(wi: vec3f, wr: vec3f) -> f32 {
-    if (!(wi.z > 0.0 && wr.z > 0.0)) {
+    if (!(wi.z > 1e-6 && wr.z > 1e-6)) {
         return 0.0;
     }
     let half_vector = normalize(wi + wr);

@@ -53,6 +53,9 @@ pub struct RunnerArgs {
     /// before software drivers.
     #[arg(long, value_name = "SUBSTRING")]
     pub adapter: Option<String>,
+    /// Do not compare some of the driver's colours with the twin before the first result.
+    #[arg(long)]
+    pub unchecked: bool,
 }
 
 /// What computes the colours.

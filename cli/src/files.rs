@@ -1,9 +1,10 @@
-//! Writes files whole or not at all.
+//! Files that commands write: whole or not at all; and the folder of what can be made again.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use etcetera::BaseStrategy;
 
 /// Writes a temporary file beside the target and renames it, so that an interrupted write leaves the old file.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
@@ -17,4 +18,10 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
         let _ = fs::remove_file(&partial);
     }
     written.with_context(|| format!("{}: cannot be written", path.display()))
+}
+
+/// Our folder in the user's cache folder; without a home, in the folder of temporary files.
+pub fn caches() -> PathBuf {
+    let caches = etcetera::choose_base_strategy().map(|folders| folders.cache_dir());
+    caches.unwrap_or_else(|_| std::env::temp_dir()).join("diffraction-shaders")
 }

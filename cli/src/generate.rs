@@ -198,6 +198,13 @@ fn stale_text(report: &Report, args: &Args) -> String {
         .iter()
         .flat_map(|(what, paths)| paths.iter().map(move |path| format!("{what} {path}\n")));
     let mut text: String = lines.collect();
+    if report.line_ends > 0 {
+        text += &format!(
+            "{} of the changed files have other line ends (CR LF) and no other difference: keep the package's .gitattributes, \
+             which stops git from changing them\n",
+            report.line_ends
+        );
+    }
     if report.is_stale() {
         let (plan, out) = (args.plan.plan.display(), args.out.display());
         text += &format!("to mend: cargo xtask generate --plan {plan} --out {out}\n");

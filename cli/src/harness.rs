@@ -13,7 +13,8 @@ use crate::{Program, program, replace};
 pub const NAME: &str = "diffraction-harness";
 
 /// The commands that only the harness has, each with one line of help.
-pub const COMMANDS: [(&str, &str); 8] = [
+pub const COMMANDS: [(&str, &str); 9] = [
+    ("import", "Convert files of instruments to Gwyddion Simple Field, which plans read"),
     ("validate", "Check every emitted shader with external validators"),
     (
         "compare",

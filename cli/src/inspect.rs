@@ -7,6 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use diffraction_shaders::encode;
 use diffraction_shaders::package::{self, Equality, JSON_TOLERANCE, MANIFEST, Package};
 use diffraction_shaders::plan::SurfaceSpec;
 use diffraction_shaders::survey::{Survey, height_picture, spectrum_picture, survey};
@@ -88,7 +89,9 @@ fn check_ours(out: &Path) -> Result<()> {
 
 fn object(spec: &SurfaceSpec, found: &Survey) -> Result<Value> {
     let mut object = list::surface_object(spec);
-    let facts = serde_json::to_value(found).context("the facts cannot be written as JSON")?;
+    // refuses numbers that a `Value` would hold as null
+    let text = encode::json(format!("surface {}", spec.name), found)?;
+    let facts = serde_json::from_str(&text).context("the facts cannot be read back")?;
     if let (Some(object), Value::Object(facts)) = (object.as_object_mut(), facts) {
         object.extend(facts);
     }

@@ -30,6 +30,7 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
+use diffraction_shaders::error::Error;
 
 use console::{Console, MessageFormat};
 
@@ -61,9 +62,10 @@ enum Command {
 }
 
 /// All commands in the order of the help text, with those of the harness and those that only one program has.
-const ORDER: [&str; 15] = [
+const ORDER: [&str; 16] = [
     "generate",
     "list",
+    "import",
     "inspect",
     "validate",
     "explain",
@@ -162,7 +164,8 @@ pub fn finish(outcome: Result<ExitCode>, console: &Console) -> ExitCode {
         Err(error) if console::is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             console.error(&error);
-            ExitCode::from(2)
+            let finding = error.chain().filter_map(|cause| cause.downcast_ref::<Error>());
+            ExitCode::from(if { finding }.any(Error::is_finding) { 1 } else { 2 })
         }
     }
 }

@@ -106,6 +106,9 @@ fn variant_object(variant: &Variant, plan: &Plan, costs: &Costs) -> Value {
             "fetches_mean": counted.fetches_mean,
             "table_bytes": counted.table_bytes,
         });
+        if on.series().is_some_and(Series::is_accepted) {
+            cost["error_accepted"] = json!(true);
+        }
         // the surface has optics of its own
         if here.hash() != variant.hash() {
             cost["configuration"] = json!(configuration(here));
@@ -231,7 +234,7 @@ fn shown(settings: Vec<(String, Value)>) -> Vec<String> {
 /// The costs of every variant. Surfaces with the same costs share a line.
 fn cost_table(plan: &Plan, costs: &Costs) -> String {
     let mut rows: Vec<Vec<String>> = Vec::new();
-    let mut starts: Vec<(usize, &str)> = Vec::new();
+    let mut starts: Vec<(usize, String)> = Vec::new();
     for variant in &plan.variants {
         let begin = rows.len();
         for surface in &plan.surfaces {
@@ -255,7 +258,12 @@ fn cost_table(plan: &Plan, costs: &Costs) -> String {
             }
         }
         if rows.len() > begin {
-            starts.push((begin, &variant.name));
+            let is_accepted = costs.iter().any(|((name, _), (_, on))| {
+                *name == variant.name && on.series().is_some_and(Series::is_accepted)
+            });
+            let mark =
+                if is_accepted { " (error above its limit, accepted by the plan)" } else { "" };
+            starts.push((begin, format!("{}{mark}", variant.name)));
         }
     }
     if rows.is_empty() {

@@ -6,10 +6,12 @@ mod bench;
 mod compare;
 mod digits;
 mod drivers;
+mod import;
 mod report;
 mod restart;
 mod scene;
 mod serve;
+mod setup;
 mod testbench;
 mod tune;
 mod validate;
@@ -33,6 +35,8 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Convert files of instruments to Gwyddion Simple Field, which plans read.
+    Import(import::Args),
     /// Check every emitted shader with external validators.
     Validate(validate::Args),
     /// Print the colours for given directions of light and viewer.
@@ -62,6 +66,7 @@ pub fn main() -> ExitCode {
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let console = Console::new(cli.message_format);
     let outcome = match cli.command {
+        Command::Import(args) => import::run(&args, &console),
         Command::Validate(args) => validate::run(&args, &console),
         Command::Eval(args) => restart::with_drivers_for(&args.runner)
             .and_then(|()| eval::run(&args, &console, drivers::open)),

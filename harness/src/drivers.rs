@@ -1,8 +1,10 @@
 //! Runs the shaders of variants on drivers of this machine and in a browser.
 
+mod check;
 mod colour_map;
 mod driver;
 pub mod icd;
+mod limits;
 mod shader;
 mod stages;
 
@@ -13,6 +15,7 @@ pub mod passthrough;
 pub mod routes;
 
 pub use browser::BrowserRunner;
+pub use check::check;
 pub use colour_map::ColourMap;
 pub use driver::{BoundTable, Driver, DriverRunner, Prepared, Rows, params};
 pub use egl::EglRunner;

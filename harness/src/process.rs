@@ -1,50 +1,116 @@
 //! Finds, runs and stops programs of this machine.
 
 mod glslang;
+mod output;
+mod tools;
 
 use std::{
-    env,
-    io::{self, Read},
+    env, fmt, fs, io,
     path::{Path, PathBuf},
     process::{Child, Command, ExitStatus, Stdio},
-    sync::mpsc::{Receiver, channel},
     thread,
     time::{Duration, Instant},
 };
 
 pub use glslang::{GLSLANG, GLSLANG_PACKAGE, hlsl_options, hlsl_to_spirv};
+pub use output::KEPT;
+pub use tools::tools_folder;
 
 /// Interval between checks of a running tool.
 const POLL: Duration = Duration::from_millis(2);
+/// How long output is waited for after a tool has ended: what it left running may hold the stream open.
+const LAST_WORDS: Duration = Duration::from_secs(1);
+
+/// Why a program gave no good answer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// It could not be started.
+    NotStarted(String),
+    /// It did not end in time.
+    TimedOut(Duration),
+    /// A signal ended it.
+    Crashed(String),
+    /// It ended with another exit code than 0. Its command line, exit code and output.
+    Refused(String),
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Fault::TimedOut(limit) => write!(f, "did not end within {} s", limit.as_secs_f64()),
+            Fault::NotStarted(text) | Fault::Crashed(text) | Fault::Refused(text) => {
+                f.write_str(text)
+            }
+        }
+    }
+}
+
+impl From<String> for Fault {
+    fn from(text: String) -> Fault {
+        Fault::Refused(text)
+    }
+}
 
 /// The program of this name in the first folder of the PATH that has it.
 pub fn on_path(name: &str) -> Option<PathBuf> {
-    let path = env::var_os("PATH")?;
-    let programs = env::split_paths(&path)
-        .map(|folder| folder.join(format!("{name}{}", env::consts::EXE_SUFFIX)));
-    programs.into_iter().find(|program| program.is_file())
+    files_on_path(name).find(|file| is_executable(file))
 }
 
-/// Runs a command and returns its exit status and all its output, standard error first. An error after the time limit.
-pub fn run(command: &mut Command, limit: Duration) -> io::Result<(ExitStatus, String)> {
+/// A file of this name on the PATH that nobody may execute, where no program has the name.
+pub fn not_executable(name: &str) -> Option<PathBuf> {
+    if on_path(name).is_some() { None } else { files_on_path(name).next() }
+}
+
+fn files_on_path(name: &str) -> impl Iterator<Item = PathBuf> {
+    let path = env::var_os("PATH").unwrap_or_default();
+    let file = format!("{name}{}", env::consts::EXE_SUFFIX);
+    let files: Vec<PathBuf> = env::split_paths(&path).map(|folder| folder.join(&file)).collect();
+    files.into_iter().filter(|file| file.is_file())
+}
+
+#[cfg(unix)]
+fn is_executable(file: &Path) -> bool {
+    use std::os::unix::fs::PermissionsExt;
+    fs::metadata(file).is_ok_and(|data| data.permissions().mode() & 0o111 != 0)
+}
+
+#[cfg(not(unix))]
+fn is_executable(file: &Path) -> bool {
+    fs::metadata(file).is_ok()
+}
+
+/// Runs a command and returns its exit status and its output, standard error first, of each stream the first [`KEPT`] bytes.
+/// After the time limit the program and all that it started are ended.
+pub fn run(command: &mut Command, limit: Duration) -> Result<(ExitStatus, String), Fault> {
     let command = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let mut child = command.spawn()?;
-    let streams = [child.stderr.take().map(drain), child.stdout.take().map(drain)];
-    let end = Instant::now() + limit;
-    let status = wait(&mut child, end, limit)?;
-    let mut text = String::new();
-    for stream in streams.into_iter().flatten() {
-        // a process that the tool left running may hold the stream open
-        let left = end.saturating_duration_since(Instant::now());
-        let bytes = stream.recv_timeout(left).unwrap_or_default();
-        text.push_str(&String::from_utf8_lossy(&bytes));
+    #[cfg(unix)]
+    {
+        use std::os::unix::process::CommandExt;
+        // a process group of its own, so that all its processes can be ended at once
+        command.process_group(0);
     }
-    Ok((status, text))
+    let failed = |error: io::Error| Fault::NotStarted(format!("cannot be run: {error}"));
+    let mut child = command.spawn().map_err(failed)?;
+    let streams = [child.stderr.take().map(output::keep), child.stdout.take().map(output::keep)];
+    let end = Instant::now() + limit;
+    let status = loop {
+        if let Some(status) = child.try_wait().map_err(failed)? {
+            break status;
+        }
+        if Instant::now() >= end {
+            stop(&mut child);
+            return Err(Fault::TimedOut(limit));
+        }
+        thread::sleep(POLL);
+    };
+    let last = Instant::now() + LAST_WORDS;
+    let texts = streams.into_iter().flatten().map(|stream| stream.text(last));
+    Ok((status, texts.collect()))
 }
 
-/// Runs a command whose last argument is a file. Returns its output, as an error if it did not succeed.
-pub fn accepted(command: &mut Command, limit: Duration) -> Result<String, String> {
-    let (status, text) = run(command, limit).map_err(|error| error.to_string())?;
+/// Runs a command whose last argument is a file. Returns its output, as a fault if it did not succeed.
+pub fn accepted(command: &mut Command, limit: Duration) -> Result<String, Fault> {
+    let (status, text) = run(command, limit)?;
     if status.success() {
         return Ok(text);
     }
@@ -54,33 +120,17 @@ pub fn accepted(command: &mut Command, limit: Duration) -> Result<String, String
     let options = command.get_args().map(|argument| argument.to_string_lossy().into_owned());
     words.extend(options);
     words.pop();
-    Err(format!("{}: {status}\n{}", words.join(" "), text.trim()))
+    let text = format!("{}: {status}\n{}", words.join(" "), text.trim());
+    Err(if status.code().is_none() { Fault::Crashed(text) } else { Fault::Refused(text) })
 }
 
-/// Waits until the process ends, or kills it.
-fn wait(child: &mut Child, end: Instant, limit: Duration) -> io::Result<ExitStatus> {
-    loop {
-        if let Some(status) = child.try_wait()? {
-            return Ok(status);
-        }
-        if Instant::now() >= end {
-            child.kill()?;
-            child.wait()?;
-            let message = format!("did not end within {} s", limit.as_secs_f64());
-            return Err(io::Error::new(io::ErrorKind::TimedOut, message));
-        }
-        thread::sleep(POLL);
+/// Ends a program with its process group.
+fn stop(child: &mut Child) {
+    #[cfg(unix)]
+    {
+        use rustix::process::{Pid, Signal, kill_process_group};
+        let _ = kill_process_group(Pid::from_child(child), Signal::KILL);
     }
-}
-
-/// Reads a stream to its end on a thread of its own, so that neither stream can fill up.
-fn drain(mut stream: impl Read + Send + 'static) -> Receiver<Vec<u8>> {
-    let (sender, receiver) = channel();
-    thread::spawn(move || {
-        let mut bytes = Vec::new();
-        // on an error, what was read so far is still worth showing
-        let _ = stream.read_to_end(&mut bytes);
-        let _ = sender.send(bytes);
-    });
-    receiver
+    let _ = child.kill();
+    let _ = child.wait();
 }

@@ -8,6 +8,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
+use diffraction_shaders::encode;
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::optics::colour_difference::Percentiles;
 use serde::{Deserialize, Serialize};
@@ -270,7 +271,7 @@ impl Log {
             std::fs::copy(&path, folder.join(OLD)).map_err(fail)?;
             records.retain(|record| !mine(record));
             let partial = folder.join(format!("{FILE}.tmp-{}", std::process::id()));
-            let text: String = records.iter().map(line).collect();
+            let text: String = records.iter().map(line).collect::<Result<_>>()?;
             std::fs::write(&partial, text).map_err(fail)?;
             std::fs::rename(&partial, &path).map_err(fail)?;
         }
@@ -295,15 +296,14 @@ impl Log {
 
     /// Appends one line and passes it to the system at once.
     pub fn append(&mut self, record: &Record) -> Result<()> {
-        let line = line(record);
+        let line = line(record)?;
         self.file.write_all(line.as_bytes()).map_err(|e| Error::new(&self.path, e))
     }
 }
 
-/// A record as a line of JSON, with a line break.
-pub fn line(record: &Record) -> String {
-    // only numbers, strings and options, all of which JSON can represent
-    serde_json::to_string(record).map(|text| text + "\n").unwrap_or_default()
+/// A record as a line of JSON, with a line break. It is an error, with the key, if a number is not finite.
+pub fn line(record: &Record) -> Result<String> {
+    encode::json_line("record", record).map(|text| text + "\n")
 }
 
 /// Reads a file of records. An incomplete last line is ignored; any other fault is an error with its line number.
@@ -340,7 +340,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("folder");
         let path = folder.path().join(FILE);
         Log::open(&path).and_then(|mut log| log.append(&gap("one"))).expect("writes");
-        let cut = &line(&gap("two"))[..20];
+        let cut = &line(&gap("two")).expect("finite")[..20];
         let mut file = OpenOptions::new().append(true).open(&path).expect("opens");
         file.write_all(cut.as_bytes()).expect("writes");
         assert_eq!(read(&path).expect("reads"), [gap("one")]);
@@ -366,7 +366,8 @@ mod tests {
     fn a_line_that_is_no_record_is_an_error_with_its_place() {
         let folder = tempfile::tempdir().expect("folder");
         let path = folder.path().join(FILE);
-        std::fs::write(&path, line(&gap("one")) + "{\"kind\":\"none\"}\n").expect("writes");
+        std::fs::write(&path, line(&gap("one")).expect("finite") + "{\"kind\":\"none\"}\n")
+            .expect("writes");
         let error = read(&path).expect_err("unknown kind").to_string();
         assert!(error.contains("records.jsonl:2"), "{error}");
     }

@@ -7,7 +7,7 @@ use exr::image::FlatSamples;
 use glam::DVec3;
 
 use crate::encode::{self, Floats, Picture};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::optics::colour::{srgb_encode, to_rgb};
 use crate::plan::Colour;
 
@@ -57,6 +57,15 @@ impl BrdfMap {
                 [r, g, b, 255]
             }
         };
+        let is_finite = |xyz: &Option<[f64; 3]>| xyz.iter().flatten().all(|part| part.is_finite());
+        if let Some(at) = self.xyz.iter().position(|xyz| !is_finite(xyz)) {
+            let (column, row) = (at % self.size, at / self.size);
+            let cause = format!(
+                "the colour at column {column}, row {row} is {:?}, not finite",
+                self.xyz[at]
+            );
+            return Err(Error::new("PNG picture", cause));
+        }
         let side = self.size as u32;
         let texels = self.xyz.iter().map(texel).collect();
         encode::png(&Picture { width: side, height: side, texels })

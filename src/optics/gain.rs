@@ -23,11 +23,14 @@ pub fn shadowing(wi: DVec3, wr: DVec3) -> f64 {
     (2.0 * half.z * wi.z.min(wr.z) / half.dot(wr)).min(1.0)
 }
 
+/// Cosine up to which a direction is at the horizon: 90° in degrees becomes 6e-17, and 32-bit floats round to 6e-8.
+pub const HORIZON: f64 = 1e-6;
+
 /// The gain `C(wi, wr) = R/R0 · (1 + wi·wr)² / (w² cos θr) · S`, relative to a mirror at normal incidence (Stam 1999,
-/// eqs. 7 and 11). It is zero where either direction is at or below the horizon. Without `S` it diverges at grazing
-/// exit.
+/// eqs. 7 and 11). It is zero where either direction is at or below the horizon, within [`HORIZON`]. Without `S` it
+/// diverges at grazing exit.
 pub fn gain(wi: DVec3, wr: DVec3, optics: &Optics) -> f64 {
-    if !(wi.z > 0.0 && wr.z > 0.0) {
+    if !(wi.z > HORIZON && wr.z > HORIZON) {
         return 0.0;
     }
     let half = (wi + wr).normalize();
@@ -73,6 +76,8 @@ mod tests {
         for (wi, wr) in [
             (DVec3::X, DVec3::Z),
             (DVec3::Z, DVec3::X),
+            (direction(90.0, 30.0), DVec3::Z),
+            (DVec3::Z, direction(90.0, 0.0)),
             (-DVec3::Z, DVec3::Z),
             (DVec3::Z, -DVec3::Z),
         ] {

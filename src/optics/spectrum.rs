@@ -17,9 +17,9 @@ use crate::plan::{Illuminant, Wavelengths};
 pub const WAVENUMBER_NODES: usize = 512;
 
 /// First wavelength of the colour tables, nm.
-pub const TABLE_MIN_NM: f64 = 380.0;
+pub const TABLE_MIN_NM: f64 = Wavelengths::VISIBLE_NM[0];
 /// Last wavelength of the colour tables, nm.
-pub const TABLE_MAX_NM: f64 = 780.0;
+pub const TABLE_MAX_NM: f64 = Wavelengths::VISIBLE_NM[1];
 
 /// Colour weights of one wavelength: `S(λ)·(x̄, ȳ, z̄)(λ) / ∫ S ȳ dλ`, per nm.
 #[derive(Clone, Debug, PartialEq)]

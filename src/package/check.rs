@@ -13,6 +13,8 @@ use super::{Content, MANIFEST, Package, equality, folder};
 pub struct Report {
     /// In both, but different by more than the file's tolerance.
     pub changed: Vec<String>,
+    /// How many of these have other line ends, and nothing else that is different.
+    pub line_ends: usize,
     /// Only in the package.
     pub missing: Vec<String>,
     /// Listed in the folder's manifest but no longer in the package. The next run removes them.
@@ -46,17 +48,22 @@ pub fn check(package: &Package, out: &Path) -> Result<Report> {
                 .source(e)
                 .remedy("check its permissions")
         };
+        let mut has_other_ends = false;
         let is_same = match &file.content {
             Content::Kept(_) => true,
             // the bytes are nearly always the same, and this comparison does not load the whole file
             Content::Stored(path) if same_bytes(path, &on_disk).map_err(unreadable)? => true,
             content => {
                 let disk = fs::read(&on_disk).map_err(unreadable)?;
-                equality::same(file.compare, &content.read()?, &disk)
+                let fresh = content.read()?;
+                let is_same = equality::same(file.compare, &fresh, &disk);
+                has_other_ends = !is_same && without_returns(&disk) == *fresh;
+                is_same
             }
         };
         if !is_same {
             report.changed.push(path.clone());
+            report.line_ends += usize::from(has_other_ends);
         }
     }
     let gone = |path: &&String| {
@@ -73,6 +80,12 @@ pub fn check(package: &Package, out: &Path) -> Result<Report> {
     });
     report.foreign = foreign.collect();
     Ok(report)
+}
+
+/// The bytes with CR LF replaced by LF.
+fn without_returns(bytes: &[u8]) -> Vec<u8> {
+    let is_kept = |(i, byte): &(usize, &u8)| **byte != b'\r' || bytes.get(i + 1) != Some(&b'\n');
+    bytes.iter().enumerate().filter(is_kept).map(|(_, byte)| *byte).collect()
 }
 
 /// Whether two files hold the same bytes.

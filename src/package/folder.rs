@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use crate::error::{Error, Result};
 
-use super::{Listed, MANIFEST, is_plain};
+use super::{Gap, Listed, MANIFEST, is_plain};
 
 /// An output folder that exists.
 pub(super) struct Folder {
@@ -18,6 +18,8 @@ pub(super) struct Folder {
     pub(super) root: PathBuf,
     /// Files that its manifest lists, without the manifest itself. Empty for an empty folder.
     pub(super) listed: BTreeMap<String, Listed>,
+    /// The variants that its manifest says were left out.
+    pub(super) gaps: Vec<Gap>,
     /// Whether it has a package's manifest.
     pub(super) has_manifest: bool,
 }
@@ -42,7 +44,12 @@ pub(super) fn open(out: &Path) -> Result<Option<Folder>> {
     let unreadable = |e| error("cannot be read").source(e).remedy("check its permissions");
     let mut entries = fs::read_dir(&root).map_err(unreadable)?;
     if entries.next().is_none() {
-        return Ok(Some(Folder { root, listed: BTreeMap::new(), has_manifest: false }));
+        return Ok(Some(Folder {
+            root,
+            listed: BTreeMap::new(),
+            gaps: Vec::new(),
+            has_manifest: false,
+        }));
     }
     let manifest = fs::read(root.join(MANIFEST)).ok();
     let manifest = manifest.and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok());
@@ -54,6 +61,7 @@ pub(super) fn open(out: &Path) -> Result<Option<Folder>> {
             error(&cause).remedy("name another folder with --out, or empty this one yourself")
         );
     };
+    let gaps = manifest.get("gaps").cloned().and_then(|gaps| serde_json::from_value(gaps).ok());
     let files = manifest.get("files").and_then(Value::as_object);
     let mut listed = BTreeMap::new();
     for (path, value) in files.into_iter().flatten().filter(|(path, _)| is_plain(path)) {
@@ -61,7 +69,7 @@ pub(super) fn open(out: &Path) -> Result<Option<Folder>> {
             listed.insert(path.clone(), file);
         }
     }
-    Ok(Some(Folder { root, listed, has_manifest: true }))
+    Ok(Some(Folder { root, listed, gaps: gaps.unwrap_or_default(), has_manifest: true }))
 }
 
 impl Folder {

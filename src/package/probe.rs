@@ -7,7 +7,8 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::error::{Error, Result};
+use crate::encode::json_line;
+use crate::error::Result;
 use crate::field::reference::Directions;
 use crate::optics::colour::to_rgb;
 use crate::package::manifest::SCHEMA_VERSION;
@@ -69,7 +70,8 @@ pub fn json(
         expected: Expected,
         tolerance: f64,
     }
-    let lines = probes.iter().zip(expected).zip(probe_tolerances(form, expected));
+    let colours: Vec<[f64; 3]> = probes.iter().map(|probe| probe.xyz).collect();
+    let lines = probes.iter().zip(expected).zip(probe_tolerances(form, &colours, expected));
     let lines = lines.map(|((probe, &xyz), tolerance)| {
         let Directions { wi, wr } = probe.directions;
         let probe = Probe {
@@ -79,9 +81,7 @@ pub fn json(
             expected: Expected { xyz, rgb: to_rgb(xyz, colour) },
             tolerance,
         };
-        serde_json::to_string(&probe).map_err(|e| {
-            Error::new(variant, "has a probe that cannot be written as JSON").source(e)
-        })
+        json_line(format!("{surface} {variant} probe.json"), &probe)
     });
     let lines: Vec<String> = lines.collect::<Result<_>>()?;
     let lines = lines.join(",\n    ");

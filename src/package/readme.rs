@@ -63,6 +63,7 @@ struct VariantLine {
     fetches: String,
     profiles: Vec<String>,
     misfits: Vec<(String, String)>,
+    is_accepted: bool,
 }
 
 impl VariantLine {
@@ -104,6 +105,7 @@ impl VariantLine {
             fetches: cost("fetches", "fetches_mean"),
             profiles: profiles.collect(),
             misfits: misfits.map(|(name, reason)| (name.clone(), text(reason))).collect(),
+            is_accepted: manifest["error_bound"]["accepted"] == true,
         })
     }
 }
@@ -145,6 +147,12 @@ fn gaps(
     }
     for (surface, rows) in surfaces {
         for row in rows {
+            if row.is_accepted {
+                let variant = &row.variant;
+                lines.push(format!(
+                    "`{variant}` on `{surface}` may show wrong colours: its error is above the limit, and the plan accepts that"
+                ));
+            }
             for (profile, reason) in &row.misfits {
                 let variant = &row.variant;
                 lines.push(format!("`{variant}` on `{surface}` does not fit {profile}: {reason}"));

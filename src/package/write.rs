@@ -256,6 +256,7 @@ fn adopt_latecomers(old: &Folder, now_at: &Path, root: &Path, carried: &[PathBuf
     let moved = Folder {
         root: now_at.to_owned(),
         listed: old.listed.clone(),
+        gaps: Vec::new(),
         has_manifest: old.has_manifest,
     };
     for path in moved.foreign().unwrap_or_default() {

@@ -4,7 +4,9 @@ use super::axis::Entry;
 use super::mode::declared;
 use super::reads::{is_prefiltered, reads};
 use super::variant::axes;
-use super::{Basis, Coherence, CoherenceScaling, Colour, Mode, Optics, TableFormat, Variant};
+use super::{
+    Basis, Coherence, CoherenceScaling, Colour, Mode, Optics, TableFormat, Variant, Wavelengths,
+};
 
 /// Sets every entry that a variant does not read to its documented default, except entries that [`broken`] must check.
 pub(super) fn normalise(variant: &mut Variant) {
@@ -61,6 +63,12 @@ pub(super) fn broken(variant: &Variant) -> Vec<(&'static str, String)> {
         mode == Mode::Baked && variant.wavelengths.max_nm <= variant.wavelengths.min_nm,
         "wavelengths",
         "baked integrates over a range of wavelengths; make max_nm larger than min_nm",
+    );
+    let Wavelengths { min_nm, max_nm, .. } = variant.wavelengths;
+    refuse(
+        max_nm < Wavelengths::VISIBLE_NM[0] || min_nm > Wavelengths::VISIBLE_NM[1],
+        "wavelengths",
+        "the range has no visible light, which is 380 to 780 nm (CIE 1931 observer): every colour would be black",
     );
     let tabulated = matches!(variant.basis, Basis::Chebyshev | Basis::Optimal);
     refuse(

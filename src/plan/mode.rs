@@ -53,6 +53,8 @@ pub(super) enum When {
     HasRange,
     /// The number of replicas is left to the tool.
     CountsReplicas,
+    /// Errors above the limit are accepted.
+    AcceptsError,
 }
 
 /// The entries of the canonical configuration that a mode reads, apart from the mode itself. It ignores all others.
@@ -76,6 +78,7 @@ const FULL: Declared = Declared {
     always: &[SERIES, WINDOW, COLOURS],
     sometimes: &[
         ("term_error", When::ChoosesTerms),
+        ("accept_error", When::AcceptsError),
         ("reconstruction", When::IsPrefiltered),
         ("window_radius", When::SumsBins),
         ("step_nm", When::HasRange),
@@ -89,6 +92,7 @@ const PQ: Declared = Declared {
     always: &[SERIES, &["window_radius", "periods"], COLOURS],
     sometimes: &[
         ("term_error", When::ChoosesTerms),
+        ("accept_error", When::AcceptsError),
         ("step_nm", When::HasRange),
         ("coherence_um", When::CountsReplicas),
     ],
@@ -99,6 +103,7 @@ const ADAPTIVE: Declared = Declared {
     always: &[SERIES, WINDOW, COLOURS],
     sometimes: &[
         ("term_error", When::ChoosesTerms),
+        ("accept_error", When::AcceptsError),
         ("reconstruction", When::IsPrefiltered),
         ("sampling", When::IsPrefiltered),
     ],

@@ -11,6 +11,7 @@ impl When {
             When::SumsBins => !is_prefiltered(variant),
             When::HasRange => variant.wavelengths.max_nm > variant.wavelengths.min_nm,
             When::CountsReplicas => variant.periods.is_none(),
+            When::AcceptsError => variant.accept_error,
         }
     }
 }

@@ -103,7 +103,28 @@ pub(super) fn name(table: &Table) -> Option<String> {
         );
         return None;
     }
+    if let Some(reason) = reserved(text) {
+        item.fail(reason, "use another name; it becomes the name of a folder");
+        return None;
+    }
     Some(text.to_owned())
+}
+
+/// Why a name of a folder makes trouble elsewhere: Windows cannot have it, or programs take it for an option.
+fn reserved(name: &str) -> Option<&'static str> {
+    let device = ["com", "lpt"].iter().find_map(|port| name.strip_prefix(port));
+    let is_port = device
+        .is_some_and(|number| number.len() == 1 && number != "-" && number.parse::<u8>().is_ok());
+    match name {
+        "con" | "prn" | "aux" | "nul" => {
+            Some("is a device on Windows, where no folder can have this name")
+        }
+        _ if is_port => Some("is a device on Windows, where no folder can have this name"),
+        _ if name.starts_with('-') => {
+            Some("begins with a hyphen, which programs take for an option")
+        }
+        _ => None,
+    }
 }
 
 fn grating_surface(table: &Table, item: &Item, lambda_min_nm: f64) -> Option<Grating> {

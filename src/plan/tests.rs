@@ -21,7 +21,7 @@ use crate::tables::TableSpec;
 use crate::variant::{Form, Ground};
 
 /// One variant of every form, small enough to be computed many times.
-const FORMS: [&str; 12] = [
+const FORMS: [&str; 15] = [
     "terms = 5\ncoherence_um = 9",
     "terms = \"auto\"\nwindow_radius = \"auto\"\ncoherence_um = 9",
     "terms = 5\nwavelengths = { min_nm = 550, max_nm = 550 }",
@@ -34,6 +34,10 @@ const FORMS: [&str; 12] = [
     "mode = \"adaptive\"\nterms = 5\nreconstruction = \"prefiltered\"\ntable = \"f16\"\ncoherence_um = 9",
     "mode = \"baked\"\ntable = \"f16\"\nbake_mib = 4\ncoherence_um = 9",
     "mode = \"gems\"",
+    // above the limit of errors
+    "terms = 2\naccept_error = true\ncoherence_um = 9",
+    "mode = \"pq\"\nterms = 2\naccept_error = true",
+    "mode = \"adaptive\"\nterms = 2\naccept_error = true",
 ];
 
 /// Values of keys other than words. Each differs from the values in all forms above.
@@ -55,7 +59,7 @@ fn others(key: &str) -> &'static [&'static str] {
         "coherence_um" => &["4"],
         "refractive_index" => &["1.7"],
         "illuminant" => &["\"A\""],
-        "hoist" | "shadowing" => &["true", "false"],
+        "hoist" | "shadowing" | "accept_error" => &["true", "false"],
         _ => &[],
     }
 }
@@ -107,7 +111,7 @@ fn difference(a: &[String], b: &[String]) -> Option<String> {
 }
 
 fn height() -> HeightField {
-    let grating = Grating::Blazed { period_um: 2.5, height_um: 0.3, pixels: 32 };
+    let grating = Grating::Blazed { period_um: 2.5, height_um: 0.1, pixels: 32 };
     synthetic::synthesise(&grating, "test").unwrap().field
 }
 

@@ -28,6 +28,9 @@ pub struct Variant {
     pub terms: Auto<u32>,
     /// Error that `terms = "auto"` must keep.
     pub term_error: f64,
+    /// Whether it is built even if its stated error is above the limit, so that sweeps show what goes wrong. Read by modes
+    /// with terms.
+    pub accept_error: bool,
     /// How the amplitude is computed from the table. Read by `full` and `adaptive`.
     pub reconstruction: Reconstruction,
     /// Bins to each side of the nearest one.
@@ -66,6 +69,7 @@ impl Variant {
             basis: Basis::Taylor,
             terms: Auto::Value(31),
             term_error: 1e-3,
+            accept_error: false,
             reconstruction: Reconstruction::Window,
             window_radius: Auto::Value(1),
             periods: None,
@@ -81,13 +85,15 @@ impl Variant {
     }
 
     /// The shader as the texts print it, the baseline of every speed claim: 31 `taylor-zero` terms, 3 × 3 bins, 380–780
-    /// nm in steps of 5 nm, one complex term per texel, nothing hoisted.
+    /// nm in steps of 5 nm, one complex term per texel, nothing hoisted. It is a baseline, so it is built on deep reliefs, too,
+    /// where its error is above the limit.
     pub fn texts(optics: &Optics) -> Variant {
         Variant {
             name: Variant::TEXTS.to_owned(),
             basis: Basis::TaylorZero,
             packing: Packing::Single,
             hoist: false,
+            accept_error: true,
             ..Variant::standard(optics)
         }
     }
@@ -99,7 +105,7 @@ pub(super) fn axes() -> impl Iterator<Item = &'static Axis> {
 }
 
 /// Keys of `[variants]` and of presets, other than those of the optics.
-pub(super) static AXES: [Axis; 14] = [
+pub(super) static AXES: [Axis; 15] = [
     worded!("mode", mode, MODES, "method, see above", Part::Always(|v| v.mode.as_str().to_owned())),
     worded!(
         "basis",
@@ -126,6 +132,14 @@ pub(super) static AXES: [Axis; 14] = [
         "above 0, at most 0.5",
         "maximum error of the phase function for `terms = \"auto\"`",
         Part::Changed(|v| format!("e{}", exponent(v.term_error)))
+    ),
+    valued!(
+        "accept_error",
+        accept_error,
+        Item::boolean,
+        "`true`, `false`",
+        "`true`: build it even if its stated error is above the limit; for sweeps",
+        Part::Changed(|_| "accepted".to_owned())
     ),
     worded!(
         "reconstruction",

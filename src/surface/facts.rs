@@ -1,5 +1,6 @@
 //! Facts that follow from the heights alone: size, relief, tilt, whether the patch joins itself, periods.
 
+mod outliers;
 mod periods;
 
 use serde::Serialize;
@@ -8,6 +9,7 @@ use crate::error::Result;
 use crate::plan::Level;
 use crate::surface::{HeightField, level};
 
+pub use outliers::{Outliers, outliers};
 pub use periods::{AxisPeriods, Peak, Periods, periods};
 
 /// Share of the pixels, in percent, that [`Facts::trimmed_peak_to_valley_um`] leaves out at each end.

@@ -38,8 +38,8 @@ pub struct Expansion {
     pub best_z: f64,
     /// The terms of a basis with functions of its own; empty for a power series. Terms beyond the last are zero.
     pub curves: Vec<Curve>,
-    /// Error with 0, 1, 2 … of these terms.
-    truncation: Vec<f64>,
+    /// Error with 0, 1, 2 … of these terms, each for `|s|` up to `i/last` of its range, `i` from 0.
+    truncation: Vec<Vec<f64>>,
 }
 
 impl Expansion {
@@ -90,10 +90,21 @@ impl Expansion {
     /// Bound of the phase function's error for every height of the surface and every `z`, including the error of linear
     /// interpolation between nodes.
     pub fn bound(&self) -> f64 {
+        self.bound_to(self.z_max)
+    }
+
+    /// The same for `|z|` up to a limit in 1/µm: longer wavelengths have smaller errors.
+    pub fn bound_to(&self, z: f64) -> f64 {
         match self.basis {
-            Basis::Taylor | Basis::TaylorZero => remainder(self.z_max * self.reach_um, self.terms),
-            _ => self.cut(self.terms) + self.between(self.nodes()),
+            Basis::Taylor | Basis::TaylorZero => remainder(z * self.reach_um, self.terms),
+            _ => self.cut(self.terms, self.part(z)) + self.between(self.nodes()),
         }
+    }
+
+    /// The share of the range of `s` that a table of coefficients uses for `|z|` up to a limit.
+    fn part(&self, z: f64) -> f64 {
+        let centre = -self.centre_z();
+        (centre.max(z - centre) / (self.z_max - centre)).clamp(0.0, 1.0)
     }
 
     /// The same expansion with the minimum number of terms whose bound is at most `error`.
@@ -102,7 +113,7 @@ impl Expansion {
         let x = self.z_max * self.reach_um;
         let enough = |terms: &u32| match self.basis {
             Basis::Taylor | Basis::TaylorZero => remainder(x, *terms) <= error,
-            _ => self.cut(*terms) + self.between(self.nodes_for(*terms)) <= error,
+            _ => self.cut(*terms, 1.0) + self.between(self.nodes_for(*terms)) <= error,
         };
         let terms = (1..=MAX_TERMS).find(enough).unwrap_or(MAX_TERMS);
         Expansion { terms, ..self }
@@ -146,7 +157,7 @@ impl Expansion {
 
     fn nodes_for(&self, terms: u32) -> usize {
         let mut count = MIN_NODES;
-        while count < MAX_NODES && self.between(count) > INTERPOLATION * self.cut(terms) {
+        while count < MAX_NODES && self.between(count) > INTERPOLATION * self.cut(terms, 1.0) {
             count *= 2;
         }
         count
@@ -157,9 +168,11 @@ impl Expansion {
         (self.z_max * self.reach_um / (count - 1) as f64).powi(2) / 8.0
     }
 
-    fn cut(&self, terms: u32) -> f64 {
+    /// Error of the omitted terms for `|s|` up to `part`.
+    fn cut(&self, terms: u32, part: f64) -> f64 {
         let last = self.truncation.len().saturating_sub(1);
-        self.truncation.get((terms as usize).min(last)).copied().unwrap_or(1.0)
+        let Some(errors) = self.truncation.get((terms as usize).min(last)) else { return 1.0 };
+        errors[(part * (errors.len() - 1) as f64).ceil() as usize]
     }
 }
 
@@ -177,7 +190,7 @@ const INTERPOLATION: f64 = 0.05;
 
 /// Jacobi–Anger expansion: `exp(i phase s x) = Σ (2 - δ_n0) i^n J_n(phase s) T_n(x)`. After `T` terms the error is at
 /// most `Σ_{n≥T} 2 max|J_n|`.
-fn chebyshev(phase: f64) -> (Vec<Curve>, Vec<f64>) {
+fn chebyshev(phase: f64) -> (Vec<Curve>, Vec<Vec<f64>>) {
     let count = enough_nodes(phase).min(MAX_TERMS as usize);
     let twice = |n: usize| if n == 0 { 1.0 } else { 2.0 };
     let values: Vec<Vec<f64>> =
@@ -188,24 +201,32 @@ fn chebyshev(phase: f64) -> (Vec<Curve>, Vec<f64>) {
         along_h[n] = 1.0;
         Curve { along_z: series(&along_z), along_h, turns: n as u32 % 4 }
     };
-    let at_most = |(n, value): (usize, &f64)| match n {
-        // an order above the argument has its maximum at the end of the range; lower orders are below 1/√2
-        _ if n as f64 >= phase => value.abs(),
-        0 => 1.0,
-        _ => std::f64::consts::FRAC_1_SQRT_2,
+    let omitted = |part: f64| -> Vec<f64> {
+        let phase = part * phase;
+        let at_most = |(n, value): (usize, &f64)| match n {
+            // an order above the argument has its maximum at the end of the range; lower orders are below 1/√2
+            _ if n as f64 >= phase => value.abs(),
+            0 => 1.0,
+            _ => std::f64::consts::FRAC_1_SQRT_2,
+        };
+        let end = bessel(2 * count, phase);
+        let mut errors: Vec<f64> = end.iter().enumerate().map(|t| 2.0 * at_most(t)).collect();
+        for n in (1..errors.len()).rev() {
+            errors[n - 1] += errors[n];
+        }
+        errors
     };
-    let end = bessel(2 * count, phase);
-    let mut truncation: Vec<f64> = end.iter().enumerate().map(|t| 2.0 * at_most(t)).collect();
-    for n in (1..truncation.len()).rev() {
-        truncation[n - 1] += truncation[n];
-    }
-    truncation.truncate(count + 1);
-    ((0..count).map(curve).collect(), truncation)
+    let parts: Vec<Vec<f64>> = (0..=PARTS).map(|i| omitted(i as f64 / PARTS as f64)).collect();
+    let truncation = (0..=count).map(|terms| parts.iter().map(|errors| errors[terms]).collect());
+    ((0..count).map(curve).collect(), truncation.collect())
 }
 
-/// Maximum error for every number of terms, over the z range and the heights that occur. Cosine, sine and their terms
-/// are even or odd in `s` and in `x`, so one quadrant suffices.
-fn measured(curves: &[Curve], phase: f64, levels: &[Level]) -> Vec<f64> {
+/// Number of ranges of `s` for which `chebyshev` knows its error.
+const PARTS: usize = 64;
+
+/// Maximum error for every number of terms, up to every place of the z range, over the heights that occur. Cosine, sine
+/// and their terms are even or odd in `s` and in `x`, so one quadrant suffices.
+fn measured(curves: &[Curve], phase: f64, levels: &[Level]) -> Vec<Vec<f64>> {
     let steps = 4 * enough_nodes(phase);
     let places: Vec<f64> = (0..=steps).map(|i| i as f64 / steps as f64).collect();
     let mut heights: Vec<f64> = levels.iter().flat_map(|level| level.places).collect();
@@ -213,15 +234,19 @@ fn measured(curves: &[Curve], phase: f64, levels: &[Level]) -> Vec<f64> {
     let wave = |s: &f64, x: &f64| (phase * s * x).sin_cos();
     let mut rest: Vec<(f64, f64)> =
         places.iter().flat_map(|s| heights.iter().map(move |x| wave(s, x))).collect();
+    let count = heights.len();
     let largest = |rest: &[(f64, f64)]| {
-        let squared =
-            rest.iter().fold(0.0, |max: f64, (odd, even)| max.max(odd * odd + even * even));
-        SLACK * squared.sqrt()
+        let mut max: f64 = 0.0;
+        let up_to = rest.chunks(count).map(|row| {
+            max = row.iter().fold(max, |max, (odd, even)| max.max(odd * odd + even * even));
+            SLACK * max.sqrt()
+        });
+        up_to.collect::<Vec<f64>>()
     };
     let mut found = vec![largest(&rest)];
     for curve in curves {
         let along_h: Vec<f64> = heights.iter().map(|x| curve.height(*x)).collect();
-        for (row, s) in rest.chunks_mut(heights.len()).zip(&places) {
+        for (row, s) in rest.chunks_mut(count).zip(&places) {
             let coefficient = curve.coefficient(*s);
             for ((odd, even), b) in row.iter_mut().zip(&along_h) {
                 *(if curve.turns == 1 { odd } else { even }) -= coefficient * b;

@@ -45,6 +45,12 @@ pub struct LaidExpansion {
     min_nm: f64,
     #[serde(skip)]
     expansion: Arc<Expansion>,
+    /// Error of the phase function as colours see it.
+    #[serde(skip)]
+    seen_error: f64,
+    /// Whether the error is above the limit, and the plan accepts that.
+    #[serde(skip)]
+    is_accepted: bool,
 }
 
 impl LaidExpansion {
@@ -64,7 +70,15 @@ impl LaidExpansion {
             }
             Choice::Error(error) => Expansion::new(basis, 1, height, min_nm).with_error(*error),
         };
-        Ok(LaidExpansion { basis, choice, min_nm, expansion: Arc::new(expansion) })
+        let seen_error = expansion.bound();
+        let expansion = Arc::new(expansion);
+        Ok(LaidExpansion { basis, choice, min_nm, expansion, seen_error, is_accepted: false })
+    }
+
+    /// Sets what was found about its error: as colours see it, and whether it is above the limit but accepted.
+    #[must_use]
+    pub fn judged(self, seen_error: f64, is_accepted: bool) -> LaidExpansion {
+        LaidExpansion { seen_error, is_accepted, ..self }
     }
 
     /// The expansion.
@@ -234,6 +248,17 @@ impl Series {
         expansion.bound() + nearest
     }
 
+    /// Error of the phase function as colours see it: the error, the same at all wavelengths, that would change X, Y or Z
+    /// as much as the errors of all wavelengths may.
+    pub fn seen_error(&self) -> f64 {
+        self.expansion.seen_error
+    }
+
+    /// Whether its error is above the limit, and the plan accepts that.
+    pub fn is_accepted(&self) -> bool {
+        self.expansion.is_accepted
+    }
+
     /// Sum of the maxima of all terms.
     pub fn terms_sum(&self) -> f64 {
         self.expansion().term_sizes().iter().sum()
@@ -257,6 +282,8 @@ impl Series {
             Packing::Single => "number of layers of the terms, one term in each",
         };
         into.count("LAYER_COUNT", self.layers() as usize, layers);
+        let whole = self.layers() as usize / 4 * 4;
+        into.count("WHOLE_LAYERS", whole, "number of layers in whole groups of four");
         into.number("WAVELENGTH_MIN_UM", self.min_nm() * 1e-3, "shortest wavelength, µm");
     }
 }

@@ -269,7 +269,7 @@ impl TableSpec {
         height: &HeightField,
         done: &(dyn Fn(usize) + Sync),
     ) -> Result<Table> {
-        Ok(match self {
+        let table = match self {
             TableSpec::Terms(TermsSpec { series, filtered, .. }) => {
                 let terms = Terms::new(height, series.expansion(), series.bins, series.grid);
                 let table = terms_table(&terms, series.packing, series.format, series.scale());
@@ -299,7 +299,9 @@ impl TableSpec {
                 grating_table(period_um, spec.rotate_deg)
             }
             TableSpec::Rotation(spec) => rotation_table(spec.rotate_deg),
-        })
+        };
+        table.check()?;
+        Ok(table)
     }
 }
 

@@ -21,8 +21,14 @@ pub const ISOLATED: f64 = 0.2;
 pub struct ErrorBound {
     /// Number of terms.
     pub terms: u32,
-    /// Maximum error of the phase function caused by the finite number of terms.
+    /// Maximum error of the phase function caused by the finite number of terms, at any wavelength.
     pub phase_function: f64,
+    /// The same as colours see it: the error, the same at all wavelengths, that would change X, Y or Z as much as the errors
+    /// of all wavelengths may. Above 0.1 a variant is built only with `accept_error = true`.
+    pub phase_function_seen: f64,
+    /// Whether an error is above its limit, and the plan accepts that: the colours may be wrong.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub accepted: bool,
     /// Maximum error of a bin's amplitude caused by rounding the terms to the table's format.
     pub packing: f64,
     /// Number of bins to each side of the nearest one. `None` for forms without such a number.
@@ -49,7 +55,9 @@ impl ErrorBound {
         ErrorBound {
             terms: series.terms(),
             phase_function: series.phase_bound(),
-            packing: packing(series),
+            phase_function_seen: series.seen_error(),
+            accepted: series.is_accepted(),
+            packing: rounding(series.format, series.terms_sum()),
             window_radius,
             window_tail,
             interpolation: None,
@@ -71,10 +79,10 @@ pub struct LobeBounds {
     pub overlap_limit: Option<f64>,
 }
 
-/// Half a unit in the last place of every term at its maximum.
-fn packing(series: &Series) -> f64 {
-    series.terms_sum()
-        * match series.format {
+/// Half a unit in the last place of every term at its maximum, for a sum of these maxima.
+pub(super) fn rounding(format: TableFormat, terms_sum: f64) -> f64 {
+    terms_sum
+        * match format {
             TableFormat::F32 => 2.0_f64.powi(-24),
             TableFormat::F16 => 2.0_f64.powi(-11),
             TableFormat::Rgb9e5 => 2.0_f64.powi(-10),

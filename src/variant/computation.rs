@@ -77,9 +77,19 @@ pub trait Computation {
         None
     }
 
+    /// Whether the unit of its result is arbitrary, so that it cannot be compared with exact colours.
+    fn has_arbitrary_unit(&self) -> bool {
+        false
+    }
+
+    /// Whether its result is meant to be the exact colour, within its error bounds.
+    fn claims_truth(&self) -> bool {
+        !self.has_arbitrary_unit() && !self.series().is_some_and(Series::is_accepted)
+    }
+
     /// Radiance relative to a white diffuser, per unit of its result. `None` if the unit is arbitrary.
     fn diffuser_scale(&self, optics: &Optics) -> Option<f64> {
-        Some(optics::diffuser_scale(optics))
+        (!self.has_arbitrary_unit()).then(|| optics::diffuser_scale(optics))
     }
 
     /// Unit of its result, in words.

@@ -64,7 +64,7 @@ impl Form {
             (Mode::Pq, _) => Form::Pq(Pq::new(variant, height)?),
             (Mode::Adaptive, Reconstruction::Window) => Form::Lobes(Lobes::new(variant, height)?),
             (Mode::Adaptive, Prefiltered) => Form::Warped(Warped::new(variant, height)?),
-            (Mode::Baked, _) => Form::Baked(Baked::new(variant, height)),
+            (Mode::Baked, _) => Form::Baked(Baked::new(variant, height)?),
             (Mode::Gems, _) => Form::Gems(Gems::new(variant, height)?),
         })
     }

@@ -1,12 +1,14 @@
 //! Common parts of forms when they are set up on a surface.
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::field::transform::Bins;
 use crate::plan::{Auto, Basis, Variant};
 use crate::surface::HeightField;
 use crate::tables::{Choice, LaidExpansion};
 
-/// The configured basis on a surface.
+use super::judge::{Light, judge};
+
+/// The configured basis on a surface. It is an error if it is not good enough there.
 pub(super) fn expansion(variant: &Variant, height: &HeightField) -> Result<LaidExpansion> {
     let choice = match variant.terms {
         // for a given number of terms, the basis is optimised for colours
@@ -19,14 +21,10 @@ pub(super) fn expansion(variant: &Variant, height: &HeightField) -> Result<LaidE
         Auto::Auto => Choice::Error(variant.term_error),
     };
     let laid = LaidExpansion::new(variant.basis, choice, variant.wavelengths.min_nm, height)?;
-    let (bound, wanted) = (laid.get().bound(), variant.term_error);
-    if variant.terms != Auto::Auto || !laid.get().is_tabulated() || bound <= wanted {
-        return Ok(laid);
-    }
-    let cause = format!(
-        "the maximum number of terms has an error of {bound:.1e}, above `term_error = {wanted:e}`"
-    );
-    Err(Error::new(&variant.name, cause).remedy("use a larger `term_error`, or basis = \"taylor\""))
+    let light = Light::new(variant)?;
+    let is_accepted = judge(variant, height, &laid, &light)?;
+    let seen_error = light.seen_error(laid.get());
+    Ok(laid.judged(seen_error, is_accepted))
 }
 
 /// Size of the patch, µm.

@@ -10,7 +10,7 @@ const PLAN: &str = r#"
 schema = 1
 [[surface]]
 name = "cd"
-grating = { kind = "lamellar", period_um = 1.6, height_um = 0.12, duty = 0.5, pixels = 32 }
+grating = { kind = "lamellar", period_um = 1.6, height_um = 0.02, duty = 0.5, pixels = 32 }
 [variants]
 mode = ["full", "gems"]
 terms = 3

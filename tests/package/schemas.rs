@@ -52,10 +52,10 @@ fn errors(schema: &Validator, value: &Value) -> Vec<String> {
 const FORMS: &str = r#"schema = 1
 [[surface]]
 name = "tiny"
-grating = { kind = "blazed", period_um = 1.0, height_um = 0.1, pixels = 16 }
+grating = { kind = "blazed", period_um = 1.0, height_um = 0.015, pixels = 16 }
 [[surface]]
 name = "turned"
-grating = { kind = "lamellar", period_um = 1.0, height_um = 0.1, pixels = 16, duty = 0.5 }
+grating = { kind = "lamellar", period_um = 1.0, height_um = 0.015, pixels = 16, duty = 0.5 }
 rotate_deg = 30.0
 [[surface]]
 name = "flat"
@@ -186,6 +186,7 @@ grating = { kind = "blazed", period_um = 800.0, height_um = 0.1, pixels = 9000 }
 terms = 1
 window_radius = 0
 wavelengths = { min_nm = 380, max_nm = 780, step_nm = 200 }
+accept_error = true
 [targets]
 emit = "wgsl"
 "#;
@@ -402,7 +403,7 @@ fn bounds_of_lobes_are_those_of_the_text() {
     let text = r#"schema = 1
 [[surface]]
 name = "blazed"
-grating = { kind = "blazed", period_um = 2.5, height_um = 0.3, pixels = 60 }
+grating = { kind = "blazed", period_um = 2.5, height_um = 0.2, pixels = 60 }
 [variants]
 mode = "adaptive"
 terms = 9
@@ -499,7 +500,7 @@ fn generated_probes_are_what_they_say() {
         }
         let tolerance = probe["tolerance"].as_f64().unwrap();
         assert!(tolerance >= CENTRED * greatest("expected"));
-        assert!(numbers(&probe["exact"]["xyz"])[1] > 1e-4 * greatest("exact"), "{probe}");
+        assert!(numbers(&probe["exact"]["xyz"])[1] > 1e-5 * greatest("exact"), "{probe}");
     }
     assert!((greatest("expected") / greatest("exact") - 1.0).abs() < 0.1);
 }

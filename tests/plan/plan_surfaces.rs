@@ -11,7 +11,7 @@ use diffraction_shaders::survey::survey;
 use serde_json::{Value, json};
 
 const GRATING: &str =
-    "grating = { kind = \"blazed\", period_um = 1.0, height_um = 0.1, pixels = 16 }";
+    "grating = { kind = \"blazed\", period_um = 1.0, height_um = 0.02, pixels = 16 }";
 
 fn text(first: &str, second: &str, rest: &str) -> String {
     format!(

@@ -90,7 +90,7 @@ proptest! {
 }
 
 /// What a random plan may be refused for: combinations of words that each are valid.
-const CONSTRAINTS: [&str; 9] = [
+const CONSTRAINTS: [&str; 10] = [
     "hoist = false",
     "pq repeats",
     "pq has no coherence window",
@@ -100,6 +100,7 @@ const CONSTRAINTS: [&str; 9] = [
     "cannot filter tables of 32-bit floats",
     "cannot store negative numbers",
     "baked integrates",
+    "no visible light",
 ];
 
 /// Fails unless every error is one of those that are expected.

@@ -143,7 +143,7 @@ pub fn package_in(targets: &[Target]) -> Package {
     let text = r#"schema = 1
 [[surface]]
 name = "tiny"
-grating = { kind = "blazed", period_um = 1.0, height_um = 0.1, pixels = 16 }
+grating = { kind = "blazed", period_um = 1.0, height_um = 0.02, pixels = 16 }
 [variants]
 mode = ["full"]
 terms = [3]

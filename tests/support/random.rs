@@ -265,7 +265,7 @@ fn numbers(name: &str, large: Large) -> Option<BoxedStrategy<String>> {
         "periods" => (1..6u32, 1..6u32).prop_map(|(x, y)| format!("[{x}, {y}]")).boxed(),
         "wavelengths" => waves().boxed(),
         "term_error" => float(1e-4..0.1),
-        "hoist" | "shadowing" => any::<bool>().prop_map(|x| x.to_string()).boxed(),
+        "hoist" | "shadowing" | "accept_error" => any::<bool>().prop_map(|x| x.to_string()).boxed(),
         "bake_error" => float(2.0..10.0),
         "bake_mib" => float(0.25..0.5),
         "coherence_um" => float(if large.prefiltered { 0.1..4.0 } else { 0.1..200.0 }),

@@ -248,6 +248,7 @@ fn exchanged_coefficients_change_the_colours() {
         r#"mode = "full"
 basis = ["optimal", "chebyshev"]
 terms = 6
+accept_error = true
 wavelengths = { step_nm = 20 }"#,
     );
     for variant in &plan.variants {
@@ -260,6 +261,7 @@ fn every_mode_and_form_compiles_for_every_target() {
     let keys = format!(
         r#"{MODES}basis = ["optimal", "chebyshev"]
 terms = [1, 5, "auto"]
+accept_error = true
 coherence = ["single", "ensemble"]
 table = ["f32", "f16"]
 packing = ["paired", "single"]"#

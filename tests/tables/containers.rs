@@ -203,7 +203,7 @@ fn package(tables: &str) -> Package {
         r#"schema = 1
 [[surface]]
 name = "tiny"
-grating = {{ kind = "blazed", period_um = 1.0, height_um = 0.1, pixels = 16 }}
+grating = {{ kind = "blazed", period_um = 1.0, height_um = 0.02, pixels = 16 }}
 [variants]
 terms = [3]
 table = ["f32", "f16"]

@@ -8,6 +8,7 @@ mod support;
 mod adaptive;
 mod baked;
 mod gems;
+mod judged;
 mod mesh_frame;
 mod modes;
 mod pq;

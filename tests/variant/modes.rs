@@ -31,7 +31,7 @@ fn variant(keys: &str) -> Variant {
 #[test]
 fn every_shader_that_the_constraints_leave_compiles_for_every_target() {
     let plan = plan(concat!(
-        "mode = [\"full\", \"pq\", \"adaptive\", \"gems\", \"baked\"]\nterms = 5\n",
+        "mode = [\"full\", \"pq\", \"adaptive\", \"gems\", \"baked\"]\nterms = 5\naccept_error = true\n",
         "sampling = [\"load\", \"filter\"]\nbake_mib = 1\n",
         "wavelengths = [{}, { min_nm = 550, max_nm = 550 }]\n",
         r#"table = ["f32", "f16"]

@@ -11,12 +11,13 @@ use diffraction_cli::harness::NAME;
 use crate::root;
 
 /// Its sources, relative to the workspace.
-const SOURCES: [&str; 8] = [
+const SOURCES: [&str; 9] = [
     "Cargo.lock",
     "Cargo.toml",
     "cli/Cargo.toml",
     "cli/src",
     "harness/Cargo.toml",
+    "harness/python",
     "harness/src",
     "src",
     "templates",

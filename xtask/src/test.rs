@@ -15,8 +15,8 @@ use crate::root;
 /// Install what the tests need, then run all checks and tests.
 ///
 /// Missing packages (software drivers, validators, Chromium, node, Python) are installed with apt-get, if that needs no password.
-/// npm installs the gallery's libraries and pip those of the Python example, both into folders of the workspace. Then
-/// formatting, lints, documentation and tests run, all of them even if one fails.
+/// npm installs the gallery's libraries, and pip those of the Python example, of `import` and of `validate`, all into folders of
+/// the workspace. Then formatting, lints, documentation and tests run, all of them even if one fails.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   cargo xtask test

@@ -14,6 +14,7 @@ grating = { kind = "blazed", period_um = 2.5, height_um = 0.3, pixels = 40 }
 name = "small"
 mode = "full"
 terms = 5
+accept_error = true
 wavelengths = { min_nm = 400, max_nm = 700, step_nm = 100 }
 [targets]
 emit = ["wgsl"]

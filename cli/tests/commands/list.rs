@@ -93,6 +93,7 @@ coherence_um = 40
 refractive_index = 1.4
 [[preset]]
 name = "filtered"
+accept_error = true
 reconstruction = "prefiltered"
 coherence_um = 2
 table = "f16"

@@ -13,6 +13,7 @@ grating = { kind = "blazed", period_um = 2.0, height_um = 0.2, pixels = 40 }
 name = "small"
 mode = "full"
 terms = 5
+accept_error = true
 wavelengths = { min_nm = 400, max_nm = 700, step_nm = 100 }
 [targets]
 emit = ["wgsl"]

@@ -10,15 +10,15 @@ const GRATING: &str =
     "grating = { kind = \"blazed\", period_um = 2.5, height_um = 0.3, pixels = 100 }";
 const REST: &str = r#"[[preset]]
 name = "sum"
-terms = 9
+terms = 14
 [[preset]]
 name = "foil"
 surfaces = ["card"]
-terms = 8
+terms = 13
 [[preset]]
 name = "copies"
 mode = "pq"
-terms = 9
+terms = 14
 "#;
 
 fn diffraction(folder: &Path, args: &[&str]) -> Output {

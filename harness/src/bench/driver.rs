@@ -13,7 +13,7 @@ use super::result::{Timed, settings};
 use super::rounds::{self, Drawn, Executor, Rules, Samples, Timing};
 use super::yardstick::{self, Yardstick};
 use crate::drivers::gpu::{Gpu, Pipeline};
-use crate::drivers::{Prepared, params};
+use crate::drivers::{Prepared, check, params};
 
 /// Width and height in pixels of the first draw, which makes the driver compile.
 const FIRST_DRAW: u32 = 8;
@@ -27,6 +27,8 @@ pub struct Scene<'a> {
     pub rotate_deg: f64,
     /// Direction towards the light: theta and phi in degrees.
     pub light: [f64; 2],
+    /// Whether the driver's colours are not compared with the twin's before it is timed.
+    pub unchecked: bool,
 }
 
 /// A member of a group.
@@ -133,6 +135,9 @@ fn build(gpu: &Gpu, scene: &Scene<'_>, case: &Case, clock: &dyn Clock) -> Result
             let height = height.as_deref().unwrap_or(scene.height);
             let placement = Placement { height, rotate_deg: scene.rotate_deg, variant };
             let prepared = Prepared::new(placement)?;
+            if !scene.unchecked {
+                check(&prepared, gpu)?;
+            }
             let cost = prepared.form.cost();
             let timed = Timed {
                 table_bytes: cost.table_bytes,

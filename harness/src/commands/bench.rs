@@ -82,6 +82,9 @@ pub(crate) struct Args {
     /// Print one JSON object per result instead of tables.
     #[arg(long)]
     json: bool,
+    /// Do not compare some of the driver's colours with the twin before the first result.
+    #[arg(long)]
+    unchecked: bool,
 }
 
 /// A graphics interface of the operating system.

@@ -8,7 +8,7 @@ use crate::drivers::browser::{Api, Web};
 use crate::drivers::egl::{Dialect, Egl};
 use crate::drivers::gpu::{Backend, Gpu};
 use crate::drivers::passthrough::{Language, Passthrough};
-use crate::drivers::{DriverRunner, Prepared, ShaderRunner};
+use crate::drivers::{Driver, DriverRunner, Prepared};
 
 /// Opens a runner on the driver that the options name.
 pub(super) fn open<'a>(
@@ -18,15 +18,15 @@ pub(super) fn open<'a>(
     let adapter = args.adapter.as_deref();
     let egl = |dialect| -> Result<Box<dyn Runner + 'a>> {
         let driver = Egl::open(dialect, adapter)?;
-        Ok(Box::new(DriverRunner::with(Prepared::new(placement)?, driver)))
+        runner(placement, driver, args)
     };
     let passthrough = |language| -> Result<Box<dyn Runner + 'a>> {
         let driver = Passthrough::open(language, adapter)?;
-        Ok(Box::new(DriverRunner::with(Prepared::new(placement)?, driver)))
+        runner(placement, driver, args)
     };
     let web = |api| -> Result<Box<dyn Runner + 'a>> {
         let driver = Web::open(api, adapter)?;
-        Ok(Box::new(DriverRunner::with(Prepared::new(placement)?, driver)))
+        runner(placement, driver, args)
     };
     match args.runner {
         Kind::Spirv => passthrough(Language::Spirv),
@@ -37,7 +37,17 @@ pub(super) fn open<'a>(
         Kind::GlslEs300 => egl(Dialect::GlslEs300),
         kind => {
             let backend = if kind == Kind::Gl { Backend::Gl } else { Backend::Vulkan };
-            Ok(Box::new(ShaderRunner::new(placement, Gpu::open(backend, adapter)?)?))
+            runner(placement, Gpu::open(backend, adapter)?, args)
         }
     }
+}
+
+/// A runner on a driver, which is checked unless the options say otherwise.
+fn runner<'a, D: Driver + 'a>(
+    placement: Placement<'a>,
+    driver: D,
+    args: &RunnerArgs,
+) -> Result<Box<dyn Runner + 'a>> {
+    let runner = DriverRunner::with(Prepared::new(placement)?, driver);
+    Ok(Box::new(if args.unchecked { runner } else { runner.checked()? }))
 }

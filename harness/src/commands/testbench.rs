@@ -85,7 +85,7 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     }
     bar.finish_and_clear();
     let text = match args.json {
-        true => lines(&results, &gaps),
+        true => lines(&results, &gaps)?,
         false => text::table(&spec.name, &protocol, &results, &gaps),
     };
     console.data(&text)?;
@@ -198,7 +198,7 @@ fn nothing(one: &Found) -> String {
     format!("the response has no maximum near the first order of {period_nm:.1} nm")
 }
 
-fn lines(results: &[Testbench], gaps: &[Gap]) -> String {
+fn lines(results: &[Testbench], gaps: &[Gap]) -> Result<String> {
     let results = results.iter().cloned().map(Record::Testbench);
-    results.chain(gaps.iter().cloned().map(Record::Gap)).map(|r| results::line(&r)).collect()
+    results.chain(gaps.iter().cloned().map(Record::Gap)).map(|r| Ok(results::line(&r)?)).collect()
 }

@@ -133,8 +133,8 @@ impl<'a> Prepared<'a> {
 
 /// A variant's shader on one driver.
 pub struct DriverRunner<'a, D: Driver> {
-    prepared: Prepared<'a>,
-    driver: D,
+    pub(super) prepared: Prepared<'a>,
+    pub(super) driver: D,
     /// The entry point `map`, compiled when first needed.
     map: RefCell<Option<D::Pipeline>>,
 }
@@ -150,23 +150,34 @@ impl<'a, D: Driver> DriverRunner<'a, D> {
         &self.driver
     }
 
-    /// Evaluates `probe` with a given spectrum table, in pictures of at most half a million directions.
-    fn probe(
-        &self,
-        spectrum: &Table,
-        directions: &[Directions],
-        progress: Progress<'_>,
-    ) -> Result<Vec<[f64; 3]>> {
-        let mut out = Vec::with_capacity(directions.len());
-        for block in directions.chunks(PROBE_WIDTH * PROBE_ROWS) {
-            let table = directions_table(block);
-            let pipeline = self.prepared.pipeline(&self.driver, "probe", spectrum, Some(&table))?;
-            let size = [PROBE_WIDTH as u32, (table.height / 2) as u32];
-            let picture = self.driver.draw(&pipeline, size, &params(DVec3::Z, size), progress)?;
-            out.extend(picture.iter().take(block.len()).map(|c| [c[0], c[1], c[2]].map(f64::from)));
-        }
-        Ok(out)
+    /// Returns an error if a colour is not finite.
+    fn finite(&self, colours: &[[f64; 3]]) -> Result<()> {
+        let is_finite = |xyz: &[f64; 3]| xyz.iter().all(|part| part.is_finite());
+        let Some(at) = colours.iter().position(|xyz| !is_finite(xyz)) else { return Ok(()) };
+        let cause = format!("colour {at} is {:?}, which is not finite", colours[at]);
+        Err(Error::new(self.driver.route(), cause)
+            .remedy("the driver is at fault: update it, or try another --runner")
+            .finding())
     }
+}
+
+/// Evaluates the entry point `probe` with a given spectrum table, in pictures of at most half a million directions.
+pub(super) fn probe<D: Driver>(
+    prepared: &Prepared<'_>,
+    driver: &D,
+    spectrum: &Table,
+    directions: &[Directions],
+    progress: Progress<'_>,
+) -> Result<Vec<[f64; 3]>> {
+    let mut out = Vec::with_capacity(directions.len());
+    for block in directions.chunks(PROBE_WIDTH * PROBE_ROWS) {
+        let table = directions_table(block);
+        let pipeline = prepared.pipeline(driver, "probe", spectrum, Some(&table))?;
+        let size = [PROBE_WIDTH as u32, (table.height / 2) as u32];
+        let picture = driver.draw(&pipeline, size, &params(DVec3::Z, size), progress)?;
+        out.extend(picture.iter().take(block.len()).map(|c| [c[0], c[1], c[2]].map(f64::from)));
+    }
+    Ok(out)
 }
 
 impl<D: Driver> Runner for DriverRunner<'_, D> {
@@ -179,7 +190,10 @@ impl<D: Driver> Runner for DriverRunner<'_, D> {
         directions: &[Directions],
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>> {
-        self.probe(&self.prepared.spectrum, directions, progress)
+        let spectrum = &self.prepared.spectrum;
+        let colours = probe(&self.prepared, &self.driver, spectrum, directions, progress)?;
+        self.finite(&colours)?;
+        Ok(colours)
     }
 
     /// With a single wavelength of weight 1 the shader returns `C·|P|²`. The gain is divided out in f64.
@@ -188,7 +202,8 @@ impl<D: Driver> Runner for DriverRunner<'_, D> {
         has_wavelengths(&variant.name, &self.prepared.form)?;
         let scale = self.prepared.form.series().map_or(TermScale::NONE, |series| series.scale());
         let spectrum = single_wavelength(lambda_nm, Settings { rotate_deg, scale });
-        let rho = self.probe(&spectrum, directions, &|_| ())?;
+        let rho = probe(&self.prepared, &self.driver, &spectrum, directions, &|_| ())?;
+        self.finite(&rho)?;
         let gains = directions.iter().map(|d| gain(d.wi, d.wr, &variant.optics));
         Ok(rho
             .iter()
@@ -212,7 +227,9 @@ impl<D: Driver> Runner for DriverRunner<'_, D> {
             view_direction(i % size, i / size, size)
                 .map(|_| from_rgb([c[0], c[1], c[2]].map(f64::from), colour))
         };
-        Ok(BrdfMap { size, xyz: picture?.iter().enumerate().map(xyz).collect() })
+        let map = BrdfMap { size, xyz: picture?.iter().enumerate().map(xyz).collect() };
+        self.finite(&map.disc())?;
+        Ok(map)
     }
 }
 

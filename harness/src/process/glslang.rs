@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use diffraction_shaders::shader::module::Stage;
 
-use super::accepted;
+use super::{Fault, accepted};
 
 /// The compiler of GLSL and HLSL.
 pub const GLSLANG: &str = "glslangValidator";
@@ -22,13 +22,13 @@ pub fn hlsl_to_spirv(
     (entry, stage): (&str, Stage),
     output: &Path,
     limit: Duration,
-) -> Result<(), String> {
+) -> Result<(), Fault> {
     let mut command = Command::new(compiler);
     command.args(hlsl_options(entry, stage, &output.to_string_lossy())).arg(text);
     let said = accepted(&mut command, limit)?;
     // glslang only warns and writes a shader that does nothing
     if said.contains("Entry point not found") {
-        return Err(format!("{GLSLANG}: found no entry point {entry}"));
+        return Err(Fault::Refused(format!("{GLSLANG}: found no entry point {entry}")));
     }
     Ok(())
 }

@@ -82,10 +82,14 @@ fn overview(id: &str, surface: &str, units: &[&Unit<'_>]) -> Markup {
     table(id, &format!("Variants on {surface}, the worst of their routes"), &heads, &rows)
 }
 
-/// The verdict. If a variant has no tolerance for colours, only its drivers were judged, and the verdict says so.
+/// The verdict. If a variant has no tolerance for colours, only its drivers were judged, and the verdict says so; also where
+/// the plan accepts errors above the limit.
 fn verdict(unit: &Unit<'_>) -> Cell {
     let promised = unit.of(Part::Total).any(|c| c.tolerance.is_some());
     match unit.passes() {
+        true if unit.settings.get("accept_error") == Some(&true.into()) => {
+            Cell::text("error accepted by the plan")
+        }
         true if promised => Cell::verdict(true, "within", ""),
         true => Cell::text("colours not judged"),
         false => Cell::verdict(false, "", "beyond"),

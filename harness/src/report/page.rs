@@ -58,7 +58,9 @@ fn policy(pictures: &str) -> String {
 /// The records, unchanged, and a button that saves them.
 pub(super) fn data(folders: &[Folder]) -> Markup {
     let count: usize = folders.iter().map(|f| f.records.len()).sum();
-    let text: String = folders.iter().flat_map(|f| &f.records).map(line).collect();
+    // what was read from a file is finite
+    let lines = folders.iter().flat_map(|f| &f.records).filter_map(|record| line(record).ok());
+    let text: String = lines.collect();
     // text in a script element is not escaped, so no tag may begin there; JSON can write this character in another way
     let text = text.replace('<', "\\u003c");
     html! {

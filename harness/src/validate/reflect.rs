@@ -7,25 +7,26 @@ use std::{
     fs,
     path::{Path, PathBuf},
     process::Command,
+    time::Duration,
 };
 
 use serde_json::Value;
 
-use crate::process::{accepted, on_path};
+use crate::process::{Fault, accepted};
 
-use super::{Reads, TIME_LIMIT, Tool};
+use super::{Change, Control, Reads, Tool, Trouble, trouble};
 
 /// Compares entry points, sets, bindings, dimensions and uniform offsets of SPIR-V with the `manifest.json` beside it.
 pub struct Reflection {
-    program: Option<PathBuf>,
+    program: Result<PathBuf, Trouble>,
+    time_limit: Duration,
 }
 
 impl Reflection {
     /// Looks for spirv-cross on the PATH.
     #[must_use]
-    #[expect(clippy::new_without_default, reason = "it looks at the machine")]
-    pub fn new() -> Reflection {
-        Reflection { program: on_path("spirv-cross") }
+    pub fn new(time_limit: Duration) -> Reflection {
+        Reflection { program: trouble::program("spirv-cross"), time_limit }
     }
 }
 
@@ -34,29 +35,38 @@ impl Tool for Reflection {
         "reflection"
     }
 
-    fn package(&self) -> Option<&str> {
-        Some("spirv-cross")
+    fn remedy(&self) -> String {
+        "apt-get install spirv-cross".to_owned()
     }
 
-    fn version(&self) -> Option<String> {
-        self.program.as_ref().map(|_| "spirv-cross --reflect against manifest.json".to_owned())
+    fn version(&self) -> Result<String, Trouble> {
+        self.program.clone().map(|_| "spirv-cross --reflect against manifest.json".to_owned())
     }
 
     fn reads(&self, name: &str) -> bool {
         Reads::Spirv.name(name)
     }
 
-    fn check(&self, file: &Path) -> Result<(), String> {
-        let program = self.program.as_ref().ok_or("not installed")?;
+    fn controls(&self) -> &'static [Control] {
+        &[Control {
+            file: "diffraction.frag.spv",
+            changed: "manifest.json",
+            change: Change::Text("\"size\": 32", "\"size\": 48"),
+        }]
+    }
+
+    fn check(&self, file: &Path) -> Result<Option<f64>, Fault> {
+        let program = self.program.as_ref().map_err(ToString::to_string)?;
         let file = fs::canonicalize(file).map_err(|error| error.to_string())?;
         let manifest = fs::read_to_string(file.with_file_name("manifest.json"))
             .map_err(|error| format!("manifest.json beside it cannot be read: {error}"))?;
         let manifest = json("manifest.json", &manifest)?;
-        let reflected = accepted(Command::new(program).arg(&file).arg("--reflect"), TIME_LIMIT);
-        let reflected = json("the output of spirv-cross", &reflected?)?;
+        let mut reflect = Command::new(program);
+        let reflected = accepted(reflect.arg(&file).arg("--reflect"), self.time_limit)?;
+        let reflected = json("the output of spirv-cross", &reflected)?;
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         let differences = differences(&manifest, &name, &reflected);
-        if differences.is_empty() { Ok(()) } else { Err(differences.join("\n")) }
+        if differences.is_empty() { Ok(None) } else { Err(differences.join("\n").into()) }
     }
 }
 

@@ -42,7 +42,7 @@ fn small(name: &str, terms: u32) -> Case {
 }
 
 fn run(gpu: &Gpu, height: &HeightField, cases: &[Case]) -> Group {
-    let scene = Scene { height, rotate_deg: 30.0, light: [20.0, 0.0] };
+    let scene = Scene { height, rotate_deg: 30.0, light: [20.0, 0.0], unchecked: false };
     let rules = Rules::standard(Duration::ZERO);
     measure(gpu, &scene, cases, &SystemClock::new(), &rules, &|_| (), &|| false)
 }

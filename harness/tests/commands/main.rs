@@ -7,6 +7,7 @@ mod support;
 
 mod command_bench;
 mod command_compare;
+mod command_import;
 mod command_report;
 mod command_testbench;
 mod command_tune;

@@ -12,7 +12,9 @@ fn run(called_as: Option<&str>, args: &[&str]) -> Output {
 fn help_and_errors_name_the_program_that_was_called() {
     for name in [None, Some("diffraction"), Some("cargo xtask")] {
         let called = name.unwrap_or("diffraction-harness");
-        for command in ["validate", "eval", "render", "compare", "testbench", "bench", "tune"] {
+        for command in
+            ["import", "validate", "eval", "render", "compare", "testbench", "bench", "tune"]
+        {
             let help = run(name, &[command, "--help"]);
             let help = String::from_utf8_lossy(&help.stdout);
             assert!(help.contains(&format!("Usage: {called} {command} ")), "{help}");

@@ -6,6 +6,7 @@
 mod support;
 
 mod gpu;
+mod checked;
 mod egl;
 mod passthrough;
 mod shader_against_twin;

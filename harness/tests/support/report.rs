@@ -99,7 +99,7 @@ pub fn gap(reason: &str) -> Value {
 pub fn write(folder: &Path, records: &[Value]) {
     let record =
         |value: &Value| -> Record { serde_json::from_value(value.clone()).expect("a record") };
-    let text: String = records.iter().map(|value| line(&record(value))).collect();
+    let text: String = records.iter().map(|value| line(&record(value)).expect("finite")).collect();
     fs::write(folder.join(FILE), text).expect("writes");
 }
 

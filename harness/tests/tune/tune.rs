@@ -34,6 +34,7 @@ refractive_index = 1.33
 name = "short"
 mode = "adaptive"
 terms = 3
+accept_error = true
 "#;
 
 const LIMITS: Limits = Limits { budget_de: 1.0, fits: None, max_table_mib: None };

@@ -6,4 +6,6 @@
 mod support;
 
 mod validate;
+mod belief;
+mod metal;
 mod reflection;

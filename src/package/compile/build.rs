@@ -1,21 +1,25 @@
 //! The files of one variant on one surface.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::PoisonError;
 
 use serde_json::json;
 
 use crate::diagnostic::Diagnostic;
+use crate::encode::json as json_file;
 use crate::error::Error;
 use crate::hash::{TOOL_VERSION, of_value};
 use crate::package::manifest::{Described, TableEntry, describe, manifest};
-use crate::package::{Content, Equality, JSON_TOLERANCE, Package, bindings, probe};
-use crate::plan::{TableFormat, Variant};
+use crate::package::{Content, Equality, Gap, JSON_TOLERANCE, Package, bindings, probe};
+use crate::plan::{Mode, TableFormat, Variant};
 use crate::shader::emit::emit;
 use crate::shader::specialise;
 use crate::tables::container::encode;
 use crate::tables::{Table, TableSpec, TexelFormat};
-use crate::variant::{DIRECTIONAL, Form, Function, PROBES, Twin};
+use crate::variant::{
+    DIRECTIONAL, ExactProbe, Form, Function, MAX_PROBE_ERROR, PROBES, Twin, is_whole_light,
+    probe_error,
+};
 
 use super::cache::Cache;
 use super::identity;
@@ -65,7 +69,7 @@ pub(super) fn build<'a>(
     let folder = format!("shaders/{name}/{}", variant.name);
     let rust = bindings::rust(&manifest, &shapes.iter().collect::<Vec<_>>()).map_err(one)?;
     let manifest_path = format!("{folder}/manifest.json");
-    let text = pretty(&manifest_path, &manifest).map_err(one)?;
+    let text = json_file(&manifest_path, &manifest).map_err(one)?;
     let mut files = vec![
         (manifest_path, text.into(), Equality::Json { tolerance: JSON_TOLERANCE }),
         (format!("{folder}/{}", bindings::FILE), rust.into(), Equality::Bytes),
@@ -82,24 +86,59 @@ pub(super) fn build<'a>(
 pub(super) type Last = Option<(String, Table)>;
 
 impl Built<'_> {
-    /// Adds all files. `baked` is called with the columns of a table of colours that were finished, and how many it has.
+    /// Adds all files, or returns why the variant is left out. `baked` is called with the columns of a table of colours that were finished, and how many it has.
     pub(super) fn insert(
         mut self,
         work: &Work<'_>,
         package: &mut Package,
         last: &mut Last,
         baked: &(dyn Fn(usize, usize) + Sync),
-    ) -> Result<(), Error> {
-        for (path, bytes, compare) in std::mem::take(&mut self.files) {
-            package.insert(&path, bytes, compare)?;
-        }
+    ) -> Result<Option<Gap>, Error> {
+        let known: BTreeSet<String> = package.files().keys().cloned().collect();
         for (spec, id) in self.tables.iter().zip(&self.ids) {
             (work.go_on)()?;
             self.insert_table(spec, id, work, package, baked)?;
         }
-        let probes = self.probes(work, package, last)?;
-        let path = format!("shaders/{}/{}/probe.json", self.surface.name(), self.variant.name);
-        package.insert(&path, probes, Equality::Json { tolerance: probe::TOLERANCE })
+        let (surface, variant) = (self.surface.name(), &self.variant.name);
+        let (exact, expected) = self.probes(work, package, last)?;
+        if let (Some(reason), false) = (self.refusal(&exact, &expected)?, self.variant.accept_error)
+        {
+            // the tables that came with it
+            package.retain(|path| known.contains(path));
+            let reason = Error::new(variant, reason).remedy(remedy(self.variant.mode)).to_string();
+            return Ok(Some(Gap { surface: surface.to_owned(), variant: variant.clone(), reason }));
+        }
+        for (path, bytes, compare) in std::mem::take(&mut self.files) {
+            package.insert(&path, bytes, compare)?;
+        }
+        let path = format!("shaders/{surface}/{variant}/probe.json");
+        let colour = self.variant.optics.colour;
+        let probes = probe::json(surface, variant, colour, &self.form, &exact, &expected)?;
+        package.insert(&path, probes, Equality::Json { tolerance: probe::TOLERANCE })?;
+        Ok(None)
+    }
+
+    /// Why the probes show that the variant is not what it claims to be. `None` if they agree, or if the variant has only
+    /// a part of the light of the exact colours.
+    fn refusal(
+        &self,
+        exact: &[ExactProbe],
+        expected: &[[f64; 3]],
+    ) -> Result<Option<String>, Error> {
+        if !is_whole_light(self.variant)? {
+            return Ok(None);
+        }
+        let exact: Vec<[f64; 3]> = exact.iter().map(|probe| probe.xyz).collect();
+        let Some(error) = probe_error(&self.form, &exact, expected) else { return Ok(None) };
+        // a number that is not finite is no agreement either
+        let agrees = error <= MAX_PROBE_ERROR;
+        Ok((!agrees).then(|| {
+            format!(
+                "its colours have little to do with the exact ones: on its {} probes they differ by {error:.2} of these \
+                 (root mean square), above {MAX_PROBE_ERROR}",
+                expected.len()
+            )
+        }))
     }
 
     fn insert_table(
@@ -144,7 +183,7 @@ impl Built<'_> {
         let compare = Equality::Table { format, tolerance, layer: shape.layer_numbers() };
         package.insert_content(&path, content, compare)?;
         let description = path.replace(".bin", ".json");
-        let about = pretty(&description, &describe(spec, id, work.containers))?;
+        let about = json_file(&description, &describe(spec, id, work.containers))?;
         package.insert(&description, about, Equality::Json { tolerance: JSON_TOLERANCE })
     }
 
@@ -152,7 +191,13 @@ impl Built<'_> {
         format!("surfaces/{}/{id}.bin", self.surface.name())
     }
 
-    fn probes(&self, work: &Work<'_>, package: &Package, last: &mut Last) -> Result<String, Error> {
+    /// The probes with their exact colours, and the colours of the variant's algorithm on its packed tables.
+    fn probes(
+        &self,
+        work: &Work<'_>,
+        package: &Package,
+        last: &mut Last,
+    ) -> Result<(Vec<ExactProbe>, Vec<[f64; 3]>), Error> {
         let Built { surface, variant, form, .. } = self;
         let (function, cache) = (&DIRECTIONAL, Cache(work.cache));
         let (optics, rotate_deg) = (&variant.optics, surface.rotate_deg());
@@ -190,7 +235,7 @@ impl Built<'_> {
             Ok(probe::expected(function, &twin, &exact).concat())
         })?;
         let (expected, _) = expected.as_chunks();
-        probe::json(surface.name(), &variant.name, optics.colour, form, &exact, expected)
+        Ok((exact, expected.to_vec()))
     }
 
     /// Makes `last` the term table at a path.
@@ -213,6 +258,17 @@ impl Built<'_> {
     }
 }
 
+/// Remedy of a variant whose probes disagree with the truth.
+fn remedy(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Baked => "use a larger bake_mib or a smaller bake_error",
+        _ => {
+            "use a smaller step_nm, a larger window_radius, table = \"f32\" or more terms; accept_error = true builds it all \
+             the same"
+        }
+    }
+}
+
 /// Largest difference between processors of a number in a table, relative to the layer's largest: the rounding to 32
 /// bits, once more.
 const TABLE_TOLERANCE: f64 = 2.4e-7;
@@ -220,9 +276,3 @@ const TABLE_TOLERANCE: f64 = 2.4e-7;
 const HALF_TOLERANCE: f64 = 1e-3;
 /// The same of nine bits with a common exponent.
 const SHARED_TOLERANCE: f64 = 4e-3;
-
-fn pretty(path: &str, value: &impl serde::Serialize) -> Result<String, Error> {
-    let text = serde_json::to_string_pretty(value)
-        .map_err(|e| Error::new(path, "cannot be written as JSON").source(e))?;
-    Ok(text + "\n")
-}

@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use crate::error::Error;
 use crate::hash::{TOOL_VERSION, of_value};
 use crate::input::SurfaceInput;
+use crate::package::Gap;
 use crate::package::manifest::SCHEMA_VERSION;
 use crate::plan::{Target, Variant};
 
@@ -31,8 +32,9 @@ fn names(work: &Work<'_>) -> BTreeMap<String, String> {
     work.variants.iter().map(|v| (v.name.clone(), v.hash())).collect()
 }
 
-/// The keys of the package's `manifest.json` beside its list of files; the same in any order of the work.
-pub(super) fn index(work: &Work<'_>) -> Result<BTreeMap<String, Value>, Error> {
+/// The keys of the package's `manifest.json` beside its list of files; the same in any order of the work. `known`: the gaps
+/// that were found, those of an earlier run included. What the plan says of a gap now replaces what is known of it.
+pub(super) fn index(work: &Work<'_>, known: Vec<Gap>) -> Result<BTreeMap<String, Value>, Error> {
     let (mut surfaces, mut gaps) = (BTreeMap::new(), Vec::new());
     for input in work.surfaces {
         surfaces.insert(input.spec().name.clone(), json!({ "input_hash": input.identity() }));
@@ -40,6 +42,14 @@ pub(super) fn index(work: &Work<'_>) -> Result<BTreeMap<String, Value>, Error> {
         gaps.extend(never);
         gaps.extend(formed(input, &input.surface()?.field, &mut variants));
     }
+    let place = |gap: &Gap| (gap.surface.clone(), gap.variant.clone());
+    let found: BTreeSet<_> = gaps.iter().map(place).collect();
+    let is_asked_for = |gap: &Gap| {
+        let is_variant = work.variants.iter().any(|variant| variant.name == gap.variant);
+        is_variant && work.surfaces.iter().any(|input| input.spec().name == gap.surface)
+    };
+    let is_new = |gap: &Gap| !found.contains(&place(gap)) && is_asked_for(gap);
+    gaps.extend(known.into_iter().filter(is_new));
     gaps.sort();
     let mut variants = BTreeMap::new();
     for variant in work.variants {

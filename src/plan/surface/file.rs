@@ -43,6 +43,14 @@ pub(super) fn read(table: &Table, item: &Item, folder: &Path, limit_um: f64) -> 
         item.fail("is not a valid path", "give the path of a height field, relative to the plan");
         return None;
     }
+    if let Some(control) = path.chars().find(|c| c.is_control()) {
+        let cause = format!(
+            "contains the control character U+{:04X}: in a TOML string between \" a backslash begins an escape",
+            u32::from(control)
+        );
+        item.fail(cause, "write / in place of \\, or put the path between ' '");
+        return None;
+    }
     for (one, other, cause, remedy) in EXCLUDES {
         if let (Some(_), Some(other)) = (table.get(one), table.get(other)) {
             other.fail(cause, remedy);

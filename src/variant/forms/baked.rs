@@ -1,10 +1,12 @@
 //! `baked`: a table of colours over `(u, v, w)`. The integral over wavelengths is in the table.
 
 use crate::defines::Defines;
+use crate::error::Result;
 use crate::plan::{Illuminant, TableFormat, Variant, Window};
 use crate::surface::HeightField;
 use crate::tables::bake::COLOUR_SCALE;
 use crate::tables::{Aim, BEND, BakedAxes, ColoursSpec, RotationSpec, TableSpec, colour_format};
+use crate::variant::judge::Light;
 use crate::variant::tolerance::{Promise, is_visible};
 use crate::variant::{Computation, Cost, Ground, lay};
 
@@ -25,12 +27,13 @@ pub struct Baked {
 }
 
 impl Baked {
-    pub(in crate::variant) fn new(variant: &Variant, height: &HeightField) -> Baked {
+    pub(in crate::variant) fn new(variant: &Variant, height: &HeightField) -> Result<Baked> {
+        Light::new(variant)?;
         let window = Window::from(&variant.optics);
         let aim = Aim { error: variant.bake_error, mib: variant.bake_mib };
         let sized = |aim| BakedAxes::new(window, variant.table, aim, lay::height_range_um(height));
         let axes = sized(aim);
-        Baked {
+        Ok(Baked {
             axes,
             format: variant.table,
             aim,
@@ -39,7 +42,7 @@ impl Baked {
             range_nm: lay::range_nm(variant),
             illuminant: variant.optics.illuminant.clone(),
             filters: variant.filters(),
-        }
+        })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::defines::Defines;
 use crate::error::{Error, Result};
-use crate::plan::{Colour, Optics, Variant};
+use crate::plan::{Colour, Variant};
 use crate::surface::HeightField;
 use crate::tables::{GratingSpec, TableSpec, strongest_period_um};
 use crate::variant::cost::spectrum_bytes;
@@ -43,8 +43,8 @@ impl Computation for Gems {
         Some("has no wavelength axis: it maps the wavelength of each order to a colour")
     }
 
-    fn diffuser_scale(&self, _: &Optics) -> Option<f64> {
-        None
+    fn has_arbitrary_unit(&self) -> bool {
+        true
     }
 
     fn unit(&self) -> &'static str {

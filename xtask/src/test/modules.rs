@@ -1,4 +1,4 @@
-//! Installs the gallery's libraries by npm and those of the Python example by pip, in the recorded versions.
+//! Installs the gallery's libraries by npm, and by pip those of the Python example and of commands, in the recorded versions.
 
 use std::{
     ffi::OsStr,
@@ -14,9 +14,14 @@ use super::setup::Outcome;
 /// Folder of the gallery, and its list of versions.
 const GALLERY: &str = "gallery";
 const LOCK: &str = "package-lock.json";
-/// List of the Python example's libraries, and the folder to install them into.
-const REQUIREMENTS: &str = "examples/moderngl/requirements.txt";
-const PYTHON: &str = "target/python";
+/// The script that installs from Python's package index, which checks the hashes of the lists.
+const SETUP: &str = "harness/python/setup.py";
+/// What it installs: kind, folder, list. The folder `target/tools` is the one of `.cargo/config.toml`.
+const PYTHON: [[&str; 3]; 3] = [
+    ["environment", "target/python", "examples/moderngl/requirements.txt"],
+    ["environment", "target/tools/import", "harness/python/import.txt"],
+    ["dxc", "target/tools/dxc", "harness/python/dxc.txt"],
+];
 /// Name of the copy of the list in the folder of installed libraries.
 const STAMP: &str = "installed.txt";
 
@@ -29,18 +34,11 @@ pub fn run(root: &Path) -> anyhow::Result<Outcome> {
         eprintln!("{GALLERY}: npm ci failed; fix that, or pass --no-setup");
         return Ok(Outcome::Missing);
     }
-    let python = root.join(PYTHON);
-    let pip = || {
-        let arguments =
-            ["-m", "pip", "install", "-q", "--only-binary", ":all:", "-r", REQUIREMENTS];
-        Ok(call(root, "python3", ["-m", "venv", PYTHON])?
-            && call(root, python.join("bin/python"), arguments)?)
-    };
-    if !unless_done(&root.join(REQUIREMENTS), &python, pip)? {
-        eprintln!(
-            "{REQUIREMENTS}: cannot be installed into {PYTHON}; fix that, or pass --no-setup"
-        );
-        return Ok(Outcome::Missing);
+    for [kind, folder, list] in PYTHON {
+        if !call(root, "python3", [SETUP, kind, folder, list])? {
+            eprintln!("{list}: cannot be installed into {folder}; fix that, or pass --no-setup");
+            return Ok(Outcome::Missing);
+        }
     }
     Ok(Outcome::Ready)
 }

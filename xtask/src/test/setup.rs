@@ -70,7 +70,7 @@ enum Sign {
     VulkanDriver(&'static str),
 }
 
-const PACKAGES: [(&str, Sign); 13] = [
+const PACKAGES: [(&str, Sign); 14] = [
     ("mesa-vulkan-drivers", Sign::VulkanDriver("lvp_icd")),
     ("libvulkan1", Sign::Library("libvulkan.so.1")),
     ("libegl1", Sign::Library("libEGL.so.1")),
@@ -82,6 +82,8 @@ const PACKAGES: [(&str, Sign); 13] = [
     ("spirv-tools", Sign::Program("spirv-val")),
     ("glslang-tools", Sign::Program("glslangValidator")),
     ("spirv-cross", Sign::Program("spirv-cross")),
+    // compiles and runs Metal texts
+    ("g++", Sign::Program("g++")),
     // a browser, which contains SwiftShader, a second Vulkan driver
     ("chromium", Sign::Program("chromium")),
     // node builds the gallery, npm installs its libraries
@@ -196,7 +198,7 @@ mod tests {
         };
         assert_eq!(missing(&bare).len(), PACKAGES.len());
         let some = Machine {
-            programs: vec!["spirv-val", "node", "npm", "ensurepip"],
+            programs: vec!["spirv-val", "g++", "node", "npm", "ensurepip"],
             libraries:
                 "2 libs found\n\tlibEGL.so.1 (libc6) => there\n\tlibgallium-25.so (libc6) => there"
                     .to_owned(),

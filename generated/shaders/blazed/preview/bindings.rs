@@ -115,14 +115,14 @@ pub struct Table {
 pub const TERMS_TABLE: Table = Table {
     group: TERMS_GROUP,
     binding: TERMS_BINDING,
-    data: "../../../surfaces/blazed/terms-77c16c361512.bin",
-    description: "../../../surfaces/blazed/terms-77c16c361512.json",
-    bytes: 20832,
+    data: "../../../surfaces/blazed/terms-1832a52a3352.bin",
+    description: "../../../surfaces/blazed/terms-1832a52a3352.json",
+    bytes: 24304,
     format: "rgba32float",
     dimension: "2d-array",
     width: 31,
     height: 7,
-    layers: 6,
+    layers: 7,
     sampler: None,
 };
 

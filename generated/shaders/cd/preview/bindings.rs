@@ -115,14 +115,14 @@ pub struct Table {
 pub const TERMS_TABLE: Table = Table {
     group: TERMS_GROUP,
     binding: TERMS_BINDING,
-    data: "../../../surfaces/cd/terms-7619b27c84e5.bin",
-    description: "../../../surfaces/cd/terms-7619b27c84e5.json",
-    bytes: 10080,
+    data: "../../../surfaces/cd/terms-07fe057e94a8.bin",
+    description: "../../../surfaces/cd/terms-07fe057e94a8.json",
+    bytes: 11760,
     format: "rgba32float",
     dimension: "2d-array",
     width: 21,
     height: 5,
-    layers: 6,
+    layers: 7,
     sampler: None,
 };
 

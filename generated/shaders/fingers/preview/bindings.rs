@@ -115,14 +115,14 @@ pub struct Table {
 pub const TERMS_TABLE: Table = Table {
     group: TERMS_GROUP,
     binding: TERMS_BINDING,
-    data: "../../../surfaces/fingers/terms-a9287beb31d0.bin",
-    description: "../../../surfaces/fingers/terms-a9287beb31d0.json",
-    bytes: 1698144,
+    data: "../../../surfaces/fingers/terms-37ed483fe087.bin",
+    description: "../../../surfaces/fingers/terms-37ed483fe087.json",
+    bytes: 1981168,
     format: "rgba32float",
     dimension: "2d-array",
     width: 133,
     height: 133,
-    layers: 6,
+    layers: 7,
     sampler: None,
 };
 

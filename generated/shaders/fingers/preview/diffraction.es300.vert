@@ -21,12 +21,13 @@ struct FullScreen {
 const int CENTRE_COLUMN = 66;
 const int CENTRE_ROW = 66;
 const float COHERENCE_UM = 65.0;
-const int LAYER_COUNT = 6;
+const int LAYER_COUNT = 7;
 const float PATCH_HEIGHT_UM = 12.1;
 const float PATCH_WIDTH_UM = 12.1;
 const float REFRACTIVE_INDEX = 1.5;
 const int WAVELENGTH_COUNT = 41;
 const float WAVELENGTH_MIN_UM = 0.38;
+const int WHOLE_LAYERS = 4;
 const int WINDOW_RADIUS = 1;
 
 smooth out vec2 _vs2fs_location0;

@@ -115,14 +115,14 @@ pub struct Table {
 pub const TERMS_TABLE: Table = Table {
     group: TERMS_GROUP,
     binding: TERMS_BINDING,
-    data: "../../../surfaces/rows/terms-ad6758789e38.bin",
-    description: "../../../surfaces/rows/terms-ad6758789e38.json",
-    bytes: 1647456,
+    data: "../../../surfaces/rows/terms-0c1d8d90f44f.bin",
+    description: "../../../surfaces/rows/terms-0c1d8d90f44f.json",
+    bytes: 1922032,
     format: "rgba32float",
     dimension: "2d-array",
     width: 131,
     height: 131,
-    layers: 6,
+    layers: 7,
     sampler: None,
 };
 

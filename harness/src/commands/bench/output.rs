@@ -109,7 +109,7 @@ impl<'a> Output<'a> {
                 .with_context(|| format!("{}: cannot be created", folder.display()))?;
         }
         let lines = self.rows.iter().map(|row| results::line(&Record::Bench(row.record.clone())));
-        write_whole(&path, lines.collect::<String>().as_bytes())
+        write_whole(&path, lines.collect::<Result<String, _>>()?.as_bytes())
     }
 
     fn record(&mut self, record: &Record) -> Result<()> {
@@ -117,7 +117,8 @@ impl<'a> Output<'a> {
             log.append(record)?;
         }
         if self.args.json {
-            self.bar.suspend(|| self.console.data(&results::line(record)))?;
+            let line = results::line(record)?;
+            self.bar.suspend(|| self.console.data(&line))?;
         }
         Ok(())
     }

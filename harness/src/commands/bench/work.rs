@@ -142,7 +142,12 @@ impl Run<'_> {
                 Err(e) => output.gap(gap(&place, Some(&variant.name), &e.to_string(), false))?,
             }
         }
-        let scene = Scene { height: &surface.field, rotate_deg: spec.rotate_deg, light };
+        let scene = Scene {
+            height: &surface.field,
+            rotate_deg: spec.rotate_deg,
+            light,
+            unchecked: self.args.unchecked,
+        };
         let mut site = Site { gpu, scene, place, baseline, variants: fit, info: first };
         if self.args.scaling {
             self.scaling(&mut site, output)

@@ -39,7 +39,7 @@ impl Sink for Recorder<'_> {
     fn record(&mut self, record: Record) -> Result<()> {
         self.log.append(&record)?;
         if self.json {
-            let printed = self.console.data(&line(&record));
+            let printed = self.console.data(&line(&record)?);
             printed.map_err(|e| Error::new("stdout", e))?;
         }
         if let Record::Gap(gap) = &record

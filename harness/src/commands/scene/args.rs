@@ -84,6 +84,9 @@ pub(crate) struct Args {
     /// Use the first adapter whose name contains this text. Default: graphics cards before software drivers.
     #[arg(long, value_name = "SUBSTRING")]
     pub(crate) adapter: Option<String>,
+    /// Do not compare some of the driver's colours with the twin before the first result.
+    #[arg(long)]
+    pub(crate) unchecked: bool,
     /// Instead of drawing, compare the driver's picture and directions with the same scene in 64 bits and print the result as JSON;
     /// then again with a flipped bitangent, which must fail. Exit code 1: over tolerance, or the flip was not caught.
     #[arg(long)]

@@ -15,8 +15,8 @@ use diffraction_shaders::surface::{self, Surface};
 use glam::DVec3;
 
 use super::args::{Args, Filter, Sweep};
-use crate::drivers::Prepared;
 use crate::drivers::gpu::{Backend, Gpu};
+use crate::drivers::{Prepared, check};
 use crate::results::Part;
 use crate::scene::drawing::{Drawing, Hdr, Look, Truth, truth};
 use crate::scene::tone_map::{display, exr, reduced, stacked, strip};
@@ -122,6 +122,9 @@ fn sweep(args: &Args, gpu: &Gpu, skin: &Skin, mesh: &Mesh, console: &Console) ->
     };
     let (height, variant) = (&skin.surface.field, &skin.variant);
     let placement = Placement { height, rotate_deg: skin.spec.rotate_deg, variant };
+    if !args.unchecked {
+        check(&Prepared::new(placement)?, gpu)?;
+    }
     let widen = args.filter == Filter::Footprint;
     let bar = progress::bar(shots.len(), &format!("drawing {}", skin.spec.name));
     let (mut pictures, mut times) = (Vec::new(), Vec::new());

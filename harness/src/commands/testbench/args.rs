@@ -41,6 +41,9 @@ pub(crate) struct Args {
     /// Use the first adapter whose name contains this text. Default: graphics cards before software drivers.
     #[arg(long, value_name = "SUBSTRING")]
     pub(super) adapter: Option<String>,
+    /// Do not compare some of the driver's colours with the twin before the first result.
+    #[arg(long)]
+    pub(super) unchecked: bool,
     /// Angle of incidence, in degrees from the normal.
     #[arg(long, value_name = "DEG", default_value_t = 75.0, value_parser = incidence_deg)]
     pub(super) theta_i: f64,

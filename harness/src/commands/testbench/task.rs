@@ -82,7 +82,8 @@ fn not_applicable(variant: &Variant, asked: Wavelengths) -> Option<String> {
 
 fn runner(args: &Args, runner: Runner) -> RunnerArgs {
     let unpacked = args.unpacked && runner != Runner::Exact;
-    RunnerArgs { variant: None, runner, unpacked, adapter: args.adapter.clone() }
+    let unchecked = args.unchecked;
+    RunnerArgs { variant: None, runner, unpacked, adapter: args.adapter.clone(), unchecked }
 }
 
 /// Whether the patch tiles without a seam along x and y. Synthetic patches do.

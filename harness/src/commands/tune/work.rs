@@ -73,7 +73,10 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         keep(folder, &records)?;
     }
     let shown = match args.json {
-        true => records.iter().map(|r| results::line(&Record::Tune(r.clone()))).collect(),
+        true => {
+            let lines = records.iter().map(|r| results::line(&Record::Tune(r.clone())));
+            lines.collect::<Result<String, _>>()?
+        }
         false => text::text(&records, args.all),
     };
     console.data(&shown)?;
@@ -142,7 +145,7 @@ fn results(
             within: states[place].worst_p95().is_some_and(|p95| p95 <= budget_de),
         })
         .collect();
-    let scene = Scene { height, rotate_deg, light: run.lights[0] };
+    let scene = Scene { height, rotate_deg, light: run.lights[0], unchecked: args.unchecked };
     let share = |share: f64| bar.set_position((STEPS as f64 * share) as u64);
     let (times, time) = timing::times(gpu, &scene, args, &timed, &share, &stopped);
     bar.finish_and_clear();

@@ -35,7 +35,8 @@ pub(super) fn words(
         (Target::Hlsl, Some(compiler)) => {
             let text = folder.path().join("shader.hlsl");
             fs::write(&text, &file.bytes).map_err(unwritten)?;
-            hlsl_to_spirv(compiler, &text, (entry, stage), &spirv, TIME_LIMIT).map_err(fail)?;
+            hlsl_to_spirv(compiler, &text, (entry, stage), &spirv, TIME_LIMIT)
+                .map_err(|fault| fail(fault.to_string()))?;
             fs::read(&spirv).map_err(unwritten)?
         }
         (target, _) => return Err(fail(format!("this route does not run {}", target.as_str()))),
@@ -50,7 +51,7 @@ pub(super) fn words(
         fs::write(&spirv, &bytes).map_err(unwritten)?;
         let mut validate = Command::new(validator);
         accepted(validate.args(["--target-env", "vulkan1.0"]).arg(&spirv), TIME_LIMIT)
-            .map_err(fail)?;
+            .map_err(|fault| fail(fault.to_string()))?;
     }
     Ok(words)
 }

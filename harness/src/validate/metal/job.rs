@@ -1,0 +1,185 @@
+//! From a package's manifest and probes to a program that evaluates them by the Metal text, and the verdict on its results.
+//!
+//! Each probe is evaluated three times: XYZ by the entry point `probe`, RGB by the function `diffraction`, and RGB by the
+//! entry points of meshes, in tangent frames of both hands, turned and mirrored.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+
+use glam::DVec3;
+use serde_json::Value;
+
+use super::block::Block;
+use super::frame::Frame;
+use super::main_text::{Bindings, main_text};
+
+/// RGB may be wrong by so much more than XYZ: the greatest sum of moduli of a row of the matrix from XYZ to RGB.
+const RGB: f64 = 5.3;
+
+/// A program, its data, and what its results must be.
+pub(super) struct Job {
+    /// The C++ text of the main function.
+    pub main: String,
+    /// What the program reads.
+    pub data: String,
+    probes: Vec<Expected>,
+    mesh: bool,
+}
+
+struct Expected {
+    xyz: DVec3,
+    rgb: DVec3,
+    tolerance: f64,
+}
+
+impl Job {
+    /// Reads the manifest and the probes beside a text. `folder` gets the textures that are not the package's.
+    pub(super) fn read(file: &Path, text: &str, folder: &Path) -> Result<Job, String> {
+        let manifest = json(&file.with_file_name("manifest.json"))?;
+        let probes = json(&file.with_file_name("probe.json"))?;
+        let probes = probes["probes"].as_array().filter(|probes| !probes.is_empty());
+        let probes = probes.ok_or("probe.json: has no probes")?;
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        let targets = manifest["targets"]["msl"].as_array().map_or(&[][..], Vec::as_slice);
+        let target = targets.iter().find(|target| target["file"] == *name);
+        let target = target.ok_or_else(|| format!("the manifest lists no Metal file `{name}`"))?;
+        let entries = target["entry_points"].as_array().map_or(&[][..], Vec::as_slice);
+        let entry = |source: &str| {
+            let found = entries.iter().find(|entry| entry["source_name"] == source)?;
+            found["emitted_name"].as_str()
+        };
+        let probe = entry("probe").ok_or("the manifest lists no entry point `probe`")?;
+        let mesh = entry("mesh_vert").zip(entry("mesh"));
+        let bindings = Bindings(target);
+        let main = main_text(text, probe, mesh, &bindings)?;
+
+        let (mut data, mut textures) = (String::new(), 0);
+        let mut texture =
+            |number: usize, channels: u64, size: [u64; 3], binding: u64, file: &Path| {
+                textures += 1;
+                let [width, height, layers] = size;
+                let file = file.display();
+                let _ = writeln!(
+                    data,
+                    "{binding} {number} {channels} {width} {height} {layers} {file}"
+                );
+            };
+        for table in manifest["tables"].as_array().into_iter().flatten() {
+            let place = |key: &str| file.with_file_name(table[key].as_str().unwrap_or_default());
+            let description = json(&place("description"))?;
+            let format = description["format"].as_str().unwrap_or_default();
+            let (number, channels) = match format {
+                "rg32float" => (0, 2),
+                "rgba32float" => (0, 4),
+                "rg16float" => (1, 2),
+                "rgba16float" => (1, 4),
+                "rgb9e5ufloat" => (2, 3),
+                other => return Err(format!("a table has the unknown format `{other}`")),
+            };
+            let size =
+                ["width", "height", "layers"].map(|key| description[key].as_u64().unwrap_or(1));
+            let binding = bindings.number(table["binding"].as_str().unwrap_or_default())?;
+            let data = fs::canonicalize(place("data"))
+                .map_err(|error| format!("{}: {error}", place("data").display()))?;
+            texture(number, channels, size, binding, &data);
+        }
+        // two rows, directions to the light and to the viewer
+        let count = probes.len() as u64;
+        let rows = ["wi", "wr"].map(|key| probes.iter().map(move |probe| vector(&probe[key])));
+        let texels = rows.into_iter().flatten().flat_map(|v| [v.x, v.y, v.z, 0.0]);
+        let directions = folder.join("directions");
+        floats(&directions, texels)?;
+        texture(0, 4, [count, 2, 1], bindings.number("directions")?, &directions);
+        let mesh_block = Block::of(&manifest, "mesh_params");
+        if mesh.is_some() {
+            // a map of one texel: the frame is not turned further
+            let map = folder.join("orientation_map");
+            floats(&map, [0.0; 4])?;
+            texture(0, 4, [1, 1, 1], bindings.number("orientation_map")?, &map);
+        }
+        let mut data = format!("{textures}\n{data}");
+        let params =
+            Block::of(&manifest, "params").ok_or("the manifest has no uniforms `params`")?;
+        let params = params.floats(&[("size", &[count as f64, 1.0, 0.0, 0.0])]);
+        let _ = writeln!(data, "{} {} {}", bindings.number("params")?, params.len(), line(&params));
+        let size = mesh_block.as_ref().map_or(0, |block| block.size);
+        let _ = writeln!(data, "{count} {size}");
+        for (index, probe) in probes.iter().enumerate() {
+            let (wi, wr) = (vector(&probe["wi"]), vector(&probe["wr"]));
+            let frame = Frame::number(index);
+            let mut numbers = [wi, wr, frame.normal, frame.tangent].map(|v| v.to_array()).concat();
+            numbers.extend([frame.hand, frame.angle]);
+            if let Some(block) = &mesh_block {
+                numbers.extend(frame.uniforms(block, wi, wr));
+            }
+            data += &line(&numbers);
+            data.push('\n');
+        }
+        let expected = probes.iter().map(|probe| Expected {
+            xyz: vector(&probe["expected"]["xyz"]),
+            rgb: vector(&probe["expected"]["rgb"]),
+            tolerance: probe["tolerance"].as_f64().unwrap_or_default(),
+        });
+        Ok(Job { main, data, probes: expected.collect(), mesh: mesh.is_some() })
+    }
+
+    /// The greatest error of the printed results in tolerances; an error if one is beyond its tolerance.
+    pub(super) fn worst(&self, printed: &str) -> Result<f64, String> {
+        let lines: Vec<&str> = printed.lines().filter(|line| !line.trim().is_empty()).collect();
+        if lines.len() != self.probes.len() {
+            return Err(format!(
+                "printed {} results for {} probes",
+                lines.len(),
+                self.probes.len()
+            ));
+        }
+        let mut worst = 0.0;
+        for (index, (line, probe)) in lines.iter().zip(&self.probes).enumerate() {
+            let mut numbers = line.split_whitespace().map(|word| word.parse().unwrap_or(f64::NAN));
+            let mut three =
+                || DVec3::from_array([(); 3].map(|()| numbers.next().unwrap_or(f64::NAN)));
+            let mut compared = vec![
+                ("XYZ of the entry point probe", three(), probe.xyz, 1.0),
+                ("RGB of diffraction()", three(), probe.rgb, RGB),
+            ];
+            if self.mesh {
+                compared.push(("RGB of the entry point mesh", three(), probe.rgb, RGB));
+            }
+            for (what, found, expected, factor) in compared {
+                let difference = found - expected;
+                let error = difference.abs().max_element() / (factor * probe.tolerance);
+                if error > 1.0 || error.is_nan() || difference.is_nan() {
+                    return Err(format!(
+                        "probe {index}: {what} is {found}, expected {expected}: {error:.3} tolerances"
+                    ));
+                }
+                worst = f64::max(worst, error);
+            }
+        }
+        Ok(worst)
+    }
+}
+
+fn json(file: &Path) -> Result<Value, String> {
+    let name = file.display();
+    let text = fs::read_to_string(file).map_err(|error| format!("{name}: {error}"))?;
+    serde_json::from_str(&text).map_err(|error| format!("{name}: is not valid JSON: {error}"))
+}
+
+/// Three numbers; not a number where the file has something else.
+fn vector(value: &Value) -> DVec3 {
+    DVec3::from_array([0, 1, 2].map(|i| value[i].as_f64().unwrap_or(f64::NAN)))
+}
+
+/// Writes numbers as little-endian 32-bit floats.
+fn floats(file: &Path, numbers: impl IntoIterator<Item = f64>) -> Result<(), String> {
+    let bytes = numbers.into_iter().flat_map(|number| (number as f32).to_le_bytes());
+    fs::write(file, bytes.collect::<Vec<u8>>()).map_err(|error| error.to_string())
+}
+
+/// Numbers as 32-bit floats, in one line.
+fn line(numbers: &[f64]) -> String {
+    let words: Vec<String> = numbers.iter().map(|number| (*number as f32).to_string()).collect();
+    words.join(" ")
+}
