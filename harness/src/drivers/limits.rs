@@ -4,8 +4,10 @@ use super::driver::Prepared;
 
 /// A limit that a driver keeps without a word.
 struct Limit {
-    /// Beginning of the routes that it is about.
+    /// Kinds of the routes that it is about.
     routes: &'static [&'static str],
+    /// Whether only Mesa's software drivers have it.
+    is_mesas: bool,
     /// What is counted.
     counted: fn(&Prepared<'_>) -> u64,
     /// The number above which results are wrong.
@@ -19,18 +21,20 @@ const GL: &[&str] = &["gl", "glsl450", "glsl-es300"];
 
 const LIMITS: [Limit; 3] = [
     Limit {
-        routes: GL,
+        routes: &["gl", "glsl450", "glsl-es300", "vulkan", "spirv", "hlsl"],
+        is_mesas: true,
         counted: loop_steps,
         max: 65_535,
         says: |steps| {
             format!(
-                "Mesa's llvmpipe ends the loops of a pixel after 65535 steps in all, and this shader takes about {steps}: use \
-                 a larger step_nm, fewer terms, a smaller window_radius, or --runner vulkan"
+                "Mesa's software drivers (llvmpipe, lavapipe) end the loops of a pixel after 65535 steps in all, and this \
+                 shader takes about {steps}: use a larger step_nm, fewer terms, a smaller window_radius, or another driver"
             )
         },
     },
     Limit {
         routes: GL,
+        is_mesas: false,
         counted: table_bytes,
         max: 1 << 30,
         says: |bytes| {
@@ -43,6 +47,7 @@ const LIMITS: [Limit; 3] = [
     },
     Limit {
         routes: &["webgpu", "webgl2", "vulkan", "gl", "hlsl", "spirv"],
+        is_mesas: false,
         counted: loop_steps,
         max: 1 << 20,
         says: |steps| {
@@ -56,8 +61,11 @@ const LIMITS: [Limit; 3] = [
 
 /// What probably made a route's colours wrong.
 pub(super) fn likely_cause(route: &str, prepared: &Prepared<'_>) -> String {
-    let kind = route.split(':').next().unwrap_or(route);
-    let exceeded = LIMITS.iter().filter(|limit| limit.routes.contains(&kind)).find_map(|limit| {
+    let (kind, adapter) = route.split_once(':').unwrap_or((route, ""));
+    // routes without an adapter's name are on whatever OpenGL there is
+    let is_mesa = adapter.is_empty() || adapter.contains("llvmpipe");
+    let applies = |limit: &&Limit| limit.routes.contains(&kind) && (is_mesa || !limit.is_mesas);
+    let exceeded = LIMITS.iter().filter(applies).find_map(|limit| {
         let number = (limit.counted)(prepared);
         (number > limit.max).then(|| (limit.says)(number))
     });

@@ -45,7 +45,7 @@ pub(super) fn words(
     if !words.remainder().is_empty() {
         return Err(fail(format!("has {} bytes, which is not a multiple of 4", bytes.len())));
     }
-    let words =
+    let words: Vec<u32> =
         words.map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect();
     if let Some(validator) = on_path("spirv-val") {
         fs::write(&spirv, &bytes).map_err(unwritten)?;
@@ -53,5 +53,28 @@ pub(super) fn words(
         accepted(validate.args(["--target-env", "vulkan1.0"]).arg(&spirv), TIME_LIMIT)
             .map_err(|fault| fail(fault.to_string()))?;
     }
+    if let Some(location) = far_location(&words) {
+        let cause = format!("an input or output has location {location}, above {MAX_LOCATION}");
+        return Err(fail(cause));
+    }
     Ok(words)
+}
+
+/// The largest location that a driver is given. SwiftShader ends the process at larger ones, which `spirv-val` accepts.
+const MAX_LOCATION: u32 = 31;
+
+/// A location above the limit, if a decoration has one (Khronos, *SPIR-V Specification*: opcode 71 `OpDecorate`, decoration 30).
+fn far_location(words: &[u32]) -> Option<u32> {
+    const HEADER_WORDS: usize = 5;
+    let mut rest = words.get(HEADER_WORDS..)?;
+    while let [first, ..] = rest {
+        let (opcode, count) = (first & 0xffff, (first >> 16).max(1) as usize);
+        match rest.get(1..count.min(rest.len())) {
+            Some([_, 30, location]) if opcode == 71 && *location > MAX_LOCATION => {
+                return Some(*location);
+            }
+            _ => rest = rest.get(count..)?,
+        }
+    }
+    None
 }
