@@ -24,10 +24,10 @@ pub fn shadowing(wi: DVec3, wr: DVec3) -> f64 {
 }
 
 /// Cosine up to which a direction is at the horizon: 90° in degrees becomes 6e-17, and 32-bit floats round to 6e-8.
-pub const HORIZON: f64 = 1e-6;
+const HORIZON: f64 = 1e-6;
 
 /// The gain `C(wi, wr) = R/R0 · (1 + wi·wr)² / (w² cos θr) · S`, relative to a mirror at normal incidence (Stam 1999,
-/// eqs. 7 and 11). It is zero where either direction is at or below the horizon, within [`HORIZON`]. Without `S` it
+/// eqs. 7 and 11). It is zero where either direction is at or below the horizon, within a cosine of 1e-6. Without `S` it
 /// diverges at grazing exit.
 pub fn gain(wi: DVec3, wr: DVec3, optics: &Optics) -> f64 {
     if !(wi.z > HORIZON && wr.z > HORIZON) {

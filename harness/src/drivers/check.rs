@@ -24,7 +24,9 @@ pub fn check<D: Driver>(prepared: &Prepared<'_>, driver: &D) -> Result<()> {
         (0..3).map(|c| (a[c] - b[c]).abs()).fold(0.0, |max: f64, d| if d <= max { max } else { d })
     };
     let distances: Vec<f64> = got.iter().zip(&expected).map(apart).collect();
-    let wrong = |i: &usize| !(distances[*i] <= tolerances[*i]);
+    let agrees = |i: &usize| distances[*i] <= tolerances[*i];
+    // what is not a number does not agree either
+    let wrong = |i: &usize| !agrees(i);
     let count = (0..distances.len()).filter(wrong).count();
     let Some(first) = (0..distances.len()).find(wrong) else { return Ok(()) };
     let Placement { variant, .. } = prepared.placement;
