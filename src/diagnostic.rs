@@ -103,6 +103,15 @@ impl Diagnostic {
         self
     }
 
+    /// The finding with every text changed by a function, such as one that escapes.
+    #[must_use]
+    pub fn with_text(mut self, change: impl Fn(&str) -> String) -> Diagnostic {
+        self.message = change(&self.message);
+        self.notes.iter_mut().for_each(|note| *note = change(note));
+        self.help = self.help.as_deref().map(change);
+        self
+    }
+
     /// Adds what to do about it.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Diagnostic {

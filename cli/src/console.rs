@@ -51,6 +51,7 @@ impl Console {
 
     /// Prints a note: worth knowing, but not an error.
     pub fn note(&self, text: &str) {
+        let text = &escaped(text);
         let severity = diagnostic::Severity::Note;
         self.print("note", text, Diagnostic { severity, ..Diagnostic::error(text) });
     }
@@ -61,7 +62,8 @@ impl Console {
             MessageFormat::Human => diagnostic::MessageFormat::Human,
             MessageFormat::Json => diagnostic::MessageFormat::Json,
         };
-        let grouped = diagnostic::group(diagnostics.to_vec());
+        let shown = diagnostics.iter().cloned().map(|one| one.with_text(|text| escaped(text)));
+        let grouped = diagnostic::group(shown.collect());
         let colour = io::stderr().is_terminal();
         let mut text = Vec::new();
         let _ = diagnostic::write(&grouped, format, colour, &mut text);
@@ -98,7 +100,7 @@ impl Console {
     fn print(&self, level: &str, line: &str, diagnostic: Diagnostic) {
         let mut text = Vec::new();
         let _ = match self.format {
-            MessageFormat::Human => writeln!(text, "{level}: {line}"),
+            MessageFormat::Human => writeln!(text, "{level}: {}", escaped(line)),
             MessageFormat::Json => {
                 diagnostic::write(&[diagnostic], diagnostic::MessageFormat::Json, false, &mut text)
             }
@@ -106,6 +108,26 @@ impl Console {
         say(&text);
     }
 }
+
+/// A text whose control characters are written out, so that a file's name or content cannot command the terminal. Line
+/// breaks and tabs stay.
+pub fn escaped(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '\n' | '\t' => shown.push(c),
+            c if c.is_control() || BIDI.contains(&c) => shown.extend(c.escape_unicode()),
+            c => shown.push(c),
+        }
+    }
+    shown
+}
+
+/// Characters that turn the direction of a text: what is shown would not be what is there (Unicode Standard Annex #9).
+const BIDI: [char; 12] = [
+    '\u{061c}', '\u{200e}', '\u{200f}', '\u{202a}', '\u{202b}', '\u{202c}', '\u{202d}', '\u{202e}',
+    '\u{2066}', '\u{2067}', '\u{2068}', '\u{2069}',
+];
 
 /// Writes to stderr, with the name of the running program in the text.
 fn say(text: &[u8]) {
@@ -118,4 +140,21 @@ fn say(text: &[u8]) {
 pub fn is_closed_pipe(error: &anyhow::Error) -> bool {
     let kind = error.downcast_ref::<io::Error>().map(io::Error::kind);
     kind == Some(io::ErrorKind::BrokenPipe)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::escaped;
+
+    #[test]
+    fn a_text_cannot_command_the_terminal() {
+        for (text, shown) in [
+            ("grüner Käfer\n\tµm 漢字", "grüner Käfer\n\tµm 漢字"),
+            ("a\u{1b}[2Jb", "a\\u{1b}[2Jb"),
+            ("a\rb\u{8}\u{7f}\u{9b}31m", "a\\u{d}b\\u{8}\\u{7f}\\u{9b}31m"),
+            ("gpj.\u{202e}nacs", "gpj.\\u{202e}nacs"),
+        ] {
+            assert_eq!(escaped(text), shown);
+        }
+    }
 }

@@ -91,6 +91,10 @@ pub fn run(args: &Args, console: &Console, drivers: Drivers) -> Result<Outcome> 
 fn read_directions(path: &Path) -> Result<Vec<[f64; 4]>> {
     const HEADER: [&str; 4] = ["theta_i", "phi_i", "theta_r", "phi_r"];
     let place = path.display();
+    // a pipe without a writer, or a device, would never end
+    if std::fs::metadata(path).is_ok_and(|found| !found.is_file()) {
+        bail!("--directions {place}: is not a regular file; give the path of a CSV file");
+    }
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .comment(Some(b'#'))

@@ -1,6 +1,5 @@
 //! `cargo xtask generate`: builds the package of a plan, or compares it with a folder.
 
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -43,12 +42,18 @@ pub(crate) struct Args {
     /// target. Default: the targets of the plan.
     #[arg(long, value_name = "T,…", value_delimiter = ',')]
     target: Vec<String>,
-    /// Number of threads. Default: one for each core.
-    #[arg(long, value_name = "N")]
-    jobs: Option<NonZeroUsize>,
+    /// Number of threads, at most 1024. Default: one for each core.
+    #[arg(long, value_name = "N", value_parser = jobs)]
+    jobs: Option<usize>,
     /// Do not use the cache of finished tables.
     #[arg(long)]
     no_cache: bool,
+}
+
+/// A number of threads. Each takes memory, and far more than there are cores only take turns.
+fn jobs(text: &str) -> Result<usize, String> {
+    let number = text.parse().ok().filter(|number| (1..=1024).contains(number));
+    number.ok_or_else(|| "expected a number of threads from 1 to 1024".to_owned())
 }
 
 /// What a run builds.
@@ -143,7 +148,7 @@ fn run_with(
     if selection.is_whole && spilled.is_none() && !args.check {
         selection.program = program;
     }
-    let threads = args.jobs.map_or(0, NonZeroUsize::get);
+    let threads = args.jobs.unwrap_or(0);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()

@@ -279,6 +279,7 @@ fn outputs_and_directions() {
     place.refused(&["generate", "--variant", "nothing-*"], &["nothing-*", "small"]);
     place.refused(&["generate", "--target", "wgls"], &["wgls", "wgsl"]);
     place.refused(&["generate", "--jobs", "0"], &["--jobs"]);
+    place.refused(&["generate", "--jobs", "100000"], &["--jobs", "from 1 to 1024"]);
     place.refused(&["render", "--surface", "grating", "--out", "map.jpg"], &["map.jpg", ".png"]);
     place.refused(&["render", "--surface", "gratin", "--out", "map.png"], &["gratin", "grating"]);
     place.refused(&["render", "--surface", "grating", "--out", "absent/map.png"], &["absent"]);

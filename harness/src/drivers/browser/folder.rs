@@ -19,7 +19,11 @@ const TYPES: [(&str, &str); 7] = [
     ("wgsl", "text/plain; charset=utf-8"),
 ];
 
-/// Serves a folder on a local port. Files outside the folder are never read, not even through links.
+/// Maximum size of what a page posts, in bytes: results as text.
+const MAX_BYTES: usize = 16 << 20;
+
+/// Serves a folder on a local port, to pages of this machine. Files outside the folder are never read, not even through links,
+/// and neither are hidden files.
 pub struct FolderServer {
     server: Server,
     root: PathBuf,
@@ -33,7 +37,7 @@ impl FolderServer {
         if !root.is_dir() {
             return Err(about("is not a folder"));
         }
-        let server = Server::open(port).map_err(|e| {
+        let server = Server::open(port, MAX_BYTES).map_err(|e| {
             Error::new(format!("port {port}"), "cannot be opened")
                 .remedy("another program may use it: choose another port, or 0 for any free one")
                 .source(e)
@@ -76,7 +80,8 @@ impl FolderServer {
         if path.is_dir() {
             path = fs::canonicalize(path.join("index.html")).ok()?;
         }
-        if !path.starts_with(&self.root) {
+        // a pipe or a device would never end
+        if !path.starts_with(&self.root) || !path.is_file() {
             return None;
         }
         let end = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
@@ -86,11 +91,15 @@ impl FolderServer {
     }
 }
 
-/// The relative path of an address; `None` if a part is empty or leads upwards.
+/// The relative path of an address; `None` if a part is empty, hidden or leads upwards.
 fn relative(url: &str) -> Option<PathBuf> {
     let path = url.split(['?', '#']).next()?.strip_prefix('/')?;
     let path = PathBuf::from(decode(path)?);
-    path.components().all(|part| matches!(part, Component::Normal(_))).then_some(path)
+    let is_shown = |part: Component<'_>| match part {
+        Component::Normal(name) => !name.as_encoded_bytes().starts_with(b"."),
+        _ => false,
+    };
+    path.components().all(is_shown).then_some(path)
 }
 
 /// Decodes `%41` to `A`; `None` if the result is not valid text.
@@ -138,6 +147,9 @@ mod tests {
         fs::write(root.join("index.html"), "first").expect("writes");
         fs::write(root.join("a b/x.js"), "script").expect("writes");
         fs::write(place.path().join("secret"), "secret").expect("writes");
+        fs::create_dir(root.join(".git")).expect("a folder");
+        fs::write(root.join(".git/config"), "secret").expect("writes");
+        fs::write(root.join("a b/.hidden"), "secret").expect("writes");
         let server = FolderServer::open(&root, 0).expect("opens");
         for (path, body, kind) in [
             ("/", "first", "text/html"),
@@ -157,6 +169,8 @@ mod tests {
             "/a%20b/../../secret",
             "//etc/passwd",
             "/link",
+            "/.git/config",
+            "/a%20b/.hidden",
             "/none",
             "/a%20b",
             "/%zz",
@@ -166,6 +180,45 @@ mod tests {
             assert!(!text.contains("secret\r\n") && !text.ends_with("secret"), "{path}: {text}");
             assert!(text.starts_with("HTTP/1.1 4"), "{path}: {text}");
         }
+    }
+
+    /// Another site's page, or a name that points to this machine, gets nothing; nor does a message without end.
+    #[test]
+    fn only_pages_of_this_machine_are_answered() {
+        let place = tempfile::tempdir().expect("a folder");
+        fs::write(place.path().join("x"), "body").expect("writes");
+        let server = FolderServer::open(place.path(), 0).expect("opens");
+        let address = server.address().replace("http://", "").replace('/', "");
+        let port = address.rsplit(':').next().expect("a port").to_owned();
+        let ask = |head: &str| {
+            let mut stream = TcpStream::connect(&address).expect("the port is open");
+            let request = format!("{head}\r\nconnection: close\r\n\r\n");
+            stream.write_all(request.as_bytes()).expect("writes");
+            // what is refused never comes here
+            server.answer(Duration::from_millis(300)).expect("answers");
+            let mut text = String::new();
+            let _ = stream.read_to_string(&mut text);
+            text
+        };
+        for head in [
+            format!("GET /x HTTP/1.1\r\nhost: 127.0.0.1:{port}"),
+            format!("GET /x HTTP/1.1\r\nhost: LocalHost:{port}\r\norigin: http://127.0.0.1:{port}"),
+        ] {
+            assert!(ask(&head).ends_with("body"), "{head}");
+        }
+        for head in [
+            format!("GET /x HTTP/1.1\r\nhost: evil.example:{port}"),
+            format!("GET /x HTTP/1.1\r\nhost: 127.0.0.1.evil.example:{port}"),
+            format!("GET /x HTTP/1.1\r\nhost: localhost:{port}\r\norigin: http://evil.example"),
+            format!("GET /x HTTP/1.1\r\nhost: localhost:{port}\r\norigin: null"),
+        ] {
+            assert!(ask(&head).starts_with("HTTP/1.1 403"), "{head}");
+        }
+        let long = format!(
+            "POST / HTTP/1.1\r\nhost: localhost:{port}\r\ncontent-length: {}",
+            MAX_BYTES + 1
+        );
+        assert!(ask(&long).starts_with("HTTP/1.1 400"), "{long}");
     }
 
     /// A browser opens several connections at once and keeps them open. Each must be answered meanwhile.
@@ -180,7 +233,9 @@ mod tests {
             let open = || TcpStream::connect(&address).expect("the port is open");
             let mut streams: Vec<TcpStream> = (0..AT_ONCE).map(|_| open()).collect();
             for stream in &mut streams {
-                stream.write_all(b"GET /x HTTP/1.1\r\nhost: x\r\n\r\n").expect("writes");
+                stream
+                    .write_all(format!("GET /x HTTP/1.1\r\nhost: {address}\r\n\r\n").as_bytes())
+                    .expect("writes");
             }
             for _ in 0..AT_ONCE {
                 server.answer(Duration::from_secs(5)).expect("answers");

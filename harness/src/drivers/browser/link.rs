@@ -14,6 +14,9 @@ use super::chromium::Chromium;
 use super::failure::failure;
 use super::server::{HttpRequest, Method, Server, StatusCode};
 
+/// Maximum size of a message, in bytes. A band of a picture has about ten million.
+const MAX_BYTES: usize = 1 << 30;
+
 /// The files of the page: name, content type, text.
 const FILES: [(&str, &str, &str); 5] = [
     ("", "text/html; charset=utf-8", include_str!("page/page.html")),
@@ -56,8 +59,8 @@ pub(super) struct Message {
 impl Link {
     /// Starts the browser and waits for the page's first message.
     pub(super) fn start(program: Option<&Path>, flags: &[&str]) -> Result<(Link, Message)> {
-        let server =
-            Server::open(0).map_err(|e| failure("no local port can be opened").source(e))?;
+        let server = Server::open(0, MAX_BYTES)
+            .map_err(|e| failure("no local port can be opened").source(e))?;
         let random = || RandomState::new().build_hasher().finish();
         let root = format!("/{:016x}{:016x}/", random(), random());
         let address = format!("http://{}{root}", server.address());

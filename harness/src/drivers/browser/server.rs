@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use http_body_util::{BodyExt, Full, Limited};
 use hyper::body::{Bytes, Incoming};
-use hyper::header::{CACHE_CONTROL, CONTENT_TYPE};
+use hyper::header::{CACHE_CONTROL, CONTENT_TYPE, HOST, HeaderMap, ORIGIN};
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
 pub(super) use hyper::{Method, StatusCode};
@@ -20,9 +20,6 @@ use hyper_util::rt::TokioIo;
 use tokio::net::TcpListener;
 use tokio::runtime::{Builder, Runtime};
 use tokio::sync::oneshot;
-
-/// Maximum size of a message, in bytes. A band of a picture has about ten million.
-const MAX_BYTES: usize = 1 << 30;
 
 /// An open port. Dropping it closes all connections.
 pub(super) struct Server {
@@ -43,13 +40,13 @@ pub(super) struct HttpRequest {
 type Response = hyper::Response<Full<Bytes>>;
 
 impl Server {
-    /// Opens a port for this machine only; 0: any free port.
-    pub(super) fn open(port: u16) -> io::Result<Server> {
+    /// Opens a port for this machine only; 0: any free port. `max_bytes`: maximum size of a message.
+    pub(super) fn open(port: u16, max_bytes: usize) -> io::Result<Server> {
         let runtime = Builder::new_multi_thread().worker_threads(1).enable_io().build()?;
         let listener = runtime.block_on(TcpListener::bind((Ipv4Addr::LOCALHOST, port)))?;
         let address = listener.local_addr()?;
         let (sender, requests) = channel();
-        runtime.spawn(accept(listener, sender));
+        runtime.spawn(accept(listener, sender, max_bytes));
         Ok(Server { address, requests, runtime: Some(runtime) })
     }
 
@@ -94,12 +91,15 @@ impl HttpRequest {
     }
 }
 
-async fn accept(listener: TcpListener, requests: Sender<HttpRequest>) {
+async fn accept(listener: TcpListener, requests: Sender<HttpRequest>, max_bytes: usize) {
     loop {
-        // the connection broke before it was accepted
-        let Ok((stream, _)) = listener.accept().await else { continue };
+        let Ok((stream, _)) = listener.accept().await else {
+            // the connection broke before it was accepted, or all descriptors are in use, which lasts a while
+            std::thread::sleep(Duration::from_millis(20));
+            continue;
+        };
         let requests = requests.clone();
-        let service = service_fn(move |request| serve(request, requests.clone()));
+        let service = service_fn(move |request| serve(request, requests.clone(), max_bytes));
         tokio::spawn(http1::Builder::new().serve_connection(TokioIo::new(stream), service));
     }
 }
@@ -107,16 +107,37 @@ async fn accept(listener: TcpListener, requests: Sender<HttpRequest>) {
 async fn serve(
     request: hyper::Request<Incoming>,
     requests: Sender<HttpRequest>,
+    max_bytes: usize,
 ) -> Result<Response, Infallible> {
     let (head, body) = request.into_parts();
+    if !is_own(&head.headers) {
+        return Ok(empty(StatusCode::FORBIDDEN));
+    }
     // an incomplete message is dropped
-    let Ok(body) = Limited::new(body, MAX_BYTES).collect().await else {
+    let Ok(body) = Limited::new(body, max_bytes).collect().await else {
         return Ok(empty(StatusCode::BAD_REQUEST));
     };
     let (answer, answered) = oneshot::channel();
     let (method, url) = (head.method, head.uri.to_string());
     let _ = requests.send(HttpRequest { method, url, body: body.to_bytes().into(), answer });
     Ok(answered.await.unwrap_or_else(|_| empty(StatusCode::NOT_FOUND)))
+}
+
+/// Whether a request is for this machine by name, and not from another site's page. A site that makes its own name point to
+/// this machine could otherwise read what is served here (DNS rebinding).
+fn is_own(headers: &HeaderMap) -> bool {
+    let text = |name| headers.get(name).map(|value| value.to_str().unwrap_or_default());
+    let from = text(ORIGIN).map(|origin| origin.strip_prefix("http://").unwrap_or_default());
+    text(HOST).is_some_and(is_local) && from.is_none_or(is_local)
+}
+
+/// Whether a host, with or without a port, is this machine.
+fn is_local(host: &str) -> bool {
+    let name = match host.rsplit_once(':') {
+        Some((name, port)) if port.bytes().all(|byte| byte.is_ascii_digit()) => name,
+        _ => host,
+    };
+    ["127.0.0.1", "localhost", "[::1]"].iter().any(|own| name.eq_ignore_ascii_case(own))
 }
 
 fn empty(status: StatusCode) -> Response {
