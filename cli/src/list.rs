@@ -257,6 +257,9 @@ fn cost_table(plan: &Plan, costs: &Costs) -> String {
                 None => rows.push(numbers.into_iter().chain([surface.name.clone()]).collect()),
             }
         }
+        for row in &mut rows[begin..] {
+            row[8] = shortened(&row[8]);
+        }
         if rows.len() > begin {
             let is_accepted = costs.iter().any(|((name, _), (_, on))| {
                 *name == variant.name && on.series().is_some_and(Series::is_accepted)
@@ -291,6 +294,16 @@ fn cost_table(plan: &Plan, costs: &Costs) -> String {
     }
     text + "evaluations, fetches: per lit pixel, mean and worst case; term fetches: worst case; KiB: all tables;\n\
            modes with uniform wavelengths cost the same in every lit pixel\n\n"
+}
+
+/// A list of names; of many names the first ones, and how many more there are.
+fn shortened(names: &str) -> String {
+    const SHOWN: usize = 12;
+    let all: Vec<&str> = names.split(", ").collect();
+    match all.len() - SHOWN.min(all.len()) {
+        0 => names.to_owned(),
+        more => format!("{} and {more} more", all[..SHOWN].join(", ")),
+    }
 }
 
 /// The source of a surface in a few words.

@@ -17,7 +17,9 @@ pub fn text(head: &[&str], rows: Vec<Vec<String>>) -> String {
     let mut text = String::new();
     for row in &rows {
         let padded = row.iter().zip(&widths).zip(&right).map(|((cell, width), right)| {
-            if *right { format!("{cell:>width$}") } else { format!("{cell:<width$}") }
+            // the padding of `format!` ends at 65535 columns
+            let space = " ".repeat(width - cell.chars().count());
+            if *right { space + cell } else { cell.clone() + &space }
         });
         text += padded.collect::<Vec<_>>().join("  ").trim_end();
         text.push('\n');
@@ -67,5 +69,8 @@ mod tests {
         let rows =
             vec![vec!["µm".to_owned(), "7".to_owned()], vec!["long".to_owned(), "12".to_owned()]];
         assert_eq!(super::text(&["a", "b"], rows), "a      b\nµm     7\nlong  12\n");
+        let wide = "x".repeat(70_000);
+        let text = super::text(&["a", "b"], vec![vec![wide.clone(), "c".to_owned()]]);
+        assert_eq!(text.lines().nth(1), Some(format!("{wide}  c").as_str()));
     }
 }
