@@ -114,7 +114,7 @@ fn of_file(
         let unit =
             name(shape.unit_um).map_or_else(|| format!("{} µm", shape.unit_um), str::to_owned);
         notes.push(format!(
-            "{by} has no unit: taken as {unit}, like the heights; `pixel_um` or `size_um` says otherwise"
+            "{by}: no unit stated, taken as {unit} like the heights; `pixel_um` or `size_um` says otherwise"
         ));
         return Ok(Some(um(shape.unit_um)));
     };
@@ -124,7 +124,7 @@ fn of_file(
     match std::iter::once(shape.unit_um).filter(|_| likely).chain(COMMON).find(agrees) {
         Some(unit) => {
             let unit_name = name(unit).map_or_else(|| format!("{unit} µm"), str::to_owned);
-            notes.push(format!("{by} has no unit: taken as {unit_name}, as {origin} says"));
+            notes.push(format!("{by}: no unit stated, taken as {unit_name}, as {origin} says"));
             Ok(Some(um(unit)))
         }
         None if source.trust == Trust::Plan => {
