@@ -13,7 +13,7 @@
 //! grating = { kind = "lamellar", period_um = 1.6, height_um = 0.12, duty = 0.5, pixels = 64 }
 //! [variants]
 //! mode = "baked"
-//! bake_mib = 0.25
+//! bake_mib = 4
 //! [targets]
 //! emit = ["wgsl"]
 //! "#;

@@ -40,7 +40,7 @@ const UNITS: [(f64, Names); 9] = [
         ],
     ),
     (1e-3, &["nm", "nanometer", "nanometre", "nanometers", "nanometres", "нм"]),
-    (1e-4, &["å", "å", "ang", "angstrom", "angstroms", "angstroem", "ångström", "ångstrom"]),
+    (1e-4, &["å", "a\u{30a}", "ang", "angstrom", "angstroms", "angstroem", "ångström", "ångstrom"]),
     (1e-6, &["pm", "picometer", "picometre", "picometers", "picometres"]),
     (25_400.0, &["in", "inch", "inches", "\"", "\\\""]),
     (25.4, &["mil", "thou"]),
