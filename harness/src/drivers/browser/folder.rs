@@ -218,7 +218,7 @@ mod tests {
             "POST / HTTP/1.1\r\nhost: localhost:{port}\r\ncontent-length: {}",
             MAX_BYTES + 1
         );
-        assert!(ask(&long).starts_with("HTTP/1.1 400"), "{long}");
+        assert!(ask(&long).starts_with("HTTP/1.1 413"), "{long}");
     }
 
     /// A browser opens several connections at once and keeps them open. Each must be answered meanwhile.

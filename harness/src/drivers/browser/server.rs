@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use http_body_util::{BodyExt, Full, Limited};
 use hyper::body::{Bytes, Incoming};
-use hyper::header::{CACHE_CONTROL, CONTENT_TYPE, HOST, HeaderMap, ORIGIN};
+use hyper::header::{CACHE_CONTROL, CONTENT_LENGTH, CONTENT_TYPE, HOST, HeaderMap, ORIGIN};
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
 pub(super) use hyper::{Method, StatusCode};
@@ -112,6 +112,10 @@ async fn serve(
     let (head, body) = request.into_parts();
     if !is_own(&head.headers) {
         return Ok(empty(StatusCode::FORBIDDEN));
+    }
+    let length = head.headers.get(CONTENT_LENGTH).and_then(|text| text.to_str().ok()?.parse().ok());
+    if length.is_some_and(|length: usize| length > max_bytes) {
+        return Ok(empty(StatusCode::PAYLOAD_TOO_LARGE));
     }
     // an incomplete message is dropped
     let Ok(body) = Limited::new(body, max_bytes).collect().await else {
