@@ -62,7 +62,7 @@ impl Console {
             MessageFormat::Human => diagnostic::MessageFormat::Human,
             MessageFormat::Json => diagnostic::MessageFormat::Json,
         };
-        let shown = diagnostics.iter().cloned().map(|one| one.with_text(|text| escaped(text)));
+        let shown = diagnostics.iter().cloned().map(|one| one.with_text(escaped));
         let grouped = diagnostic::group(shown.collect());
         let colour = io::stderr().is_terminal();
         let mut text = Vec::new();
