@@ -51,7 +51,6 @@ impl Console {
 
     /// Prints a note: worth knowing, but not an error.
     pub fn note(&self, text: &str) {
-        let text = &escaped(text);
         let severity = diagnostic::Severity::Note;
         self.print("note", text, Diagnostic { severity, ..Diagnostic::error(text) });
     }

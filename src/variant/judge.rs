@@ -43,7 +43,7 @@ impl Light {
             .remedy("use wavelengths between 380 and 780 nm at which the illuminant has power"))
     }
 
-    /// Its X, Y and Z added, relative to those of all visible light.
+    /// Its X, Y and Z added, in units of the Y of the whole illuminant.
     fn sum(&self) -> f64 {
         self.samples.iter().flat_map(|sample| sample.xyz).sum()
     }

@@ -1,4 +1,4 @@
-//! Blocks of numbers: one for each channel, apart by headers or blank lines. One is chosen; none are ever joined.
+//! Blocks of numbers, one for each channel, separated by headers or blank lines. One is chosen. Blocks are never joined.
 
 use super::decode::{self, Line, line, lines};
 use super::even::Even;

@@ -80,7 +80,7 @@ fn parse(text: &str, is_xyz: bool, subject: &str) -> Result<Raster> {
             .flat_map(|line| line.split_whitespace())
             .map(|word| word.parse::<f64>().ok())
             .collect();
-        let mut values = parsed.ok_or_else(|| broken("has a phase that is no number"))?;
+        let mut values = parsed.ok_or_else(|| broken("has a phase that is not a number"))?;
         values.iter_mut().filter(|v| **v >= VOID).for_each(|v| *v = f64::NAN);
         values
     };
