@@ -10,6 +10,7 @@
 pub mod transform;
 pub mod replicas;
 pub mod reference;
+pub mod orders;
 pub mod comparison_directions;
 
 use std::f64::consts::{PI, TAU};
@@ -26,6 +27,8 @@ use crate::surface::HeightField;
 const MIN_WEIGHT: f64 = 1e-12;
 /// Maximum error of the interpolation in `z`.
 const NODE_ERROR: f64 = 1e-11;
+/// Maximum size of a table, bytes.
+const MAX_BYTES: usize = 6 << 30;
 /// Maximum number of bins to either side of a frequency. With more, the window is split (see [`Field`]).
 const MAX_BINS: f64 = 12.0;
 

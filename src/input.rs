@@ -13,6 +13,7 @@ use serde_json::json;
 
 use crate::error::{Error, Result};
 use crate::hash::{of_value, sha256};
+use crate::light::Lights;
 use crate::optics::spectrum;
 use crate::plan::{FileSource, Illuminant, Plan, SurfaceSource, SurfaceSpec};
 use crate::surface::read::{MAX_FILE_BYTES, Reading};
@@ -27,7 +28,7 @@ const MAX_ILLUMINANT_BYTES: u64 = 1 << 20;
 /// Reads and checks a plan and the illuminants that it names. Paths are relative to the plan's folder. Returns all
 /// errors; errors of the plan itself are in the order of its text.
 pub fn read_plan(path: &Path) -> Result<Plan, Vec<Error>> {
-    let text = read_text(path).map_err(|error| vec![error])?;
+    let text = read_text(path, PLAN_REMEDY).map_err(|error| vec![error])?;
     let mut plan = Plan::parse_all(&text, path)?;
     let mut known = BTreeMap::new();
     let mut errors = Vec::new();
@@ -50,22 +51,21 @@ pub fn read_plan(path: &Path) -> Result<Plan, Vec<Error>> {
     if errors.is_empty() { Ok(plan) } else { Err(errors) }
 }
 
-fn read_text(path: &Path) -> Result<String> {
-    let error = |cause: &str| Error::new(path.display(), cause);
-    let unreadable = |e: std::io::Error| {
-        let remedy = "check the path, or name another plan with --plan";
-        error("cannot be read").source(e).remedy(remedy)
-    };
+const PLAN_REMEDY: &str = "check the path, or name another plan with --plan";
+const LIGHTS_REMEDY: &str = "name a file of lights with --lights, such as lights.toml";
+
+/// Reads a TOML file.
+fn read_text(path: &Path, remedy: &str) -> Result<String> {
+    let error = |cause: &str| Error::new(path.display(), cause).remedy(remedy);
+    let unreadable = |e: std::io::Error| error("cannot be read").source(e);
     let file = File::open(path).map_err(unreadable)?;
     if file.metadata().map_err(unreadable)?.is_dir() {
-        return Err(error("is a folder")
-            .remedy(format!("name the file, such as {}", path.join("plan.toml").display())));
+        return Err(error("is a folder; name a file in it"));
     }
     let mut bytes = Vec::new();
     file.take(MAX_PLAN_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
     if bytes.len() as u64 > MAX_PLAN_BYTES {
-        return Err(error("is larger than 4 MiB, the limit for a plan")
-            .remedy("check that this is the right file"));
+        return Err(error("is larger than 4 MiB, the limit for a TOML file"));
     }
     String::from_utf8(bytes).map_err(|e| {
         let valid = e.utf8_error().valid_up_to();
@@ -73,6 +73,17 @@ fn read_text(path: &Path) -> Result<String> {
         Error::new(format!("{}:{line}", path.display()), "is not UTF-8 text")
             .remedy("save it as UTF-8")
     })
+}
+
+/// Reads and checks a `lights.toml`. Returns all errors, in the order of its text.
+pub fn read_lights(path: &Path) -> Result<Lights, Vec<Error>> {
+    // a pipe without a writer, or a device, would never end
+    if path.metadata().is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+        let error = Error::new(path.display(), "is not a regular file").remedy(LIGHTS_REMEDY);
+        return Err(vec![error]);
+    }
+    let text = read_text(path, LIGHTS_REMEDY).map_err(|error| vec![error])?;
+    Lights::parse(&text, path)
 }
 
 /// Reads the file of an illuminant. `plan`: the plan's path, for errors.

@@ -84,6 +84,7 @@ pub mod plan;
 pub mod encode;
 pub mod surface;
 pub mod optics;
+pub mod light;
 pub mod input;
 pub mod field;
 pub mod tables;

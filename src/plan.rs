@@ -34,6 +34,11 @@ pub use variant::Variant;
 pub use variants::MAX_VARIANTS;
 pub use vocabulary::{AxisDoc, Key, axis_docs, vocabulary};
 
+/// TOML texts with the place of every value.
+pub(crate) mod toml {
+    pub(crate) use super::item::{Item, Source, Table};
+}
+
 /// One surface of a plan.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SurfaceSpec {

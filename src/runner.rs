@@ -1,17 +1,20 @@
 //! Ways to evaluate a variant: exactly, or by its twin in f64. The harness adds runners that run its shader on drivers.
 
 mod cpu;
+mod lit;
 
 use glam::DVec3;
 
 use crate::error::{Error, Result};
 use crate::field::reference::Directions;
+use crate::light::Light;
 use crate::optics::brdf_map::{BrdfMap, view_directions};
 use crate::plan::Variant;
 use crate::surface::HeightField;
 use crate::variant::Form;
 
 pub use cpu::{Exact, TwinRunner};
+pub use lit::{check_scaling, exact_scale, radiance_with, variant_scale};
 
 /// What is evaluated: a variant on a surface.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +50,18 @@ pub trait Runner {
 
     /// `|P|²` at one wavelength in nm, without the gain. It is an error if the variant does not have wavelengths.
     fn response(&self, directions: &[Directions], lambda_nm: f64) -> Result<Vec<f64>>;
+
+    /// Tristimulus values of the radiance towards viewers under one light with a size, relative to a white of radiance
+    /// 1. It is an error if the runner has no function for such a light.
+    fn under(
+        &self,
+        light: &Light,
+        _views: &[DVec3],
+        _progress: Progress<'_>,
+    ) -> Result<Vec<[f64; 3]>> {
+        let cause = format!("has no function for a light of kind {:?}", light.kind());
+        Err(Error::new(self.route(), cause).remedy("use --runner exact"))
+    }
 
     /// A BRDF map, drawn by an entry point of its own if there is one.
     fn brdf_map(&self, light: DVec3, size: usize) -> Result<BrdfMap> {

@@ -10,6 +10,7 @@ mod window;
 use serde::Serialize;
 
 use crate::error::Result;
+use crate::field::orders::OrderSum;
 use crate::input::SurfaceInput;
 use crate::plan::{Basis, Plan, SurfaceSource, SurfaceSpec};
 use crate::surface::facts::{Facts, Periods, facts, periods};
@@ -52,6 +53,9 @@ pub struct Survey {
     pub terms: Vec<TermCounts>,
     /// The coherence window in comparison with the patch.
     pub window: Window,
+    /// Radiance under a white sky of radiance 1 under the surface's optics, X, Y, Z, at 0, 30, 60 and 75 degrees from the
+    /// normal. `None` where its orders need more memory than the tool allows.
+    pub white_sky: Option<[[f64; 3]; 4]>,
     /// Cost of the plan's variants on this surface.
     pub variants: Vec<VariantCost>,
     /// Notes about changes of the heights.
@@ -112,7 +116,13 @@ pub fn survey(plan: &Plan, spec: &SurfaceSpec) -> Result<(Survey, HeightField)> 
             Err(reason) => notes.push(format!("left out: {reason}")),
         }
     }
+    let optics = spec.optics.over(&plan.optics);
+    let white_sky = match OrderSum::fits(&field) {
+        true => Some(OrderSum::new(&field, spec.rotate_deg, &optics)?.white_sky()),
+        false => None,
+    };
     let inspection = Survey {
+        white_sky,
         rotate_deg: spec.rotate_deg,
         step_um,
         void_pixels,
@@ -124,7 +134,7 @@ pub fn survey(plan: &Plan, spec: &SurfaceSpec) -> Result<(Survey, HeightField)> 
             .map(|basis| term_counts(basis, &facts, &field, wanted_nm))
             .into_iter()
             .collect::<Result<_>>()?,
-        window: Window::new(&spec.optics.over(&plan.optics), &facts, is_synthetic),
+        window: Window::new(&optics, &facts, is_synthetic),
         variants,
         notes,
         facts,

@@ -3,14 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use diffraction_shaders::optics::brdf_map::BrdfMap;
+use diffraction_shaders::input;
+use diffraction_shaders::optics::brdf_map::{BrdfMap, view_directions};
 use diffraction_shaders::optics::colour_difference::auto_exposure;
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::runner::rounded;
 
 use crate::Outcome;
 use crate::args::{Exposure, Light, Runner, RunnerArgs, SurfaceArgs};
-use crate::console::Console;
+use crate::console::{Console, Errors};
 use crate::files::write_whole;
 use crate::progress;
 use crate::runners::{Drivers, Job};
@@ -18,10 +19,13 @@ use crate::runners::{Drivers, Job};
 const EXAMPLE: &str = "Examples:
   cargo xtask render --plan plan.toml --surface blazed --light 20,0 --size 512 --out blazed.png
   cargo xtask render --surface fingers --variant ensemble --runner vulkan --exposure 2 --out fingers.exr
+  cargo xtask render --surface cd --lights lights.toml --size 512 --out cd.png
   cargo xtask render --surface fingers --variant ensemble --runner spirv --adapter swiftshader --out fingers.png
 
 The map is a disc. Its pixel at (x, y), with y up, shows the viewing direction whose projection on the surface is (x, y): the
-centre looks along the normal, the rim grazes the surface. Outside of the disc a PNG is transparent and an EXR is 0.";
+centre looks along the normal, the rim grazes the surface. Outside of the disc a PNG is transparent and an EXR is 0.
+
+With --lights the map shows the radiance under the lights of a file; `cargo xtask eval --help` describes it.";
 
 /// Options of the command.
 #[derive(Clone, Debug, clap::Args)]
@@ -33,8 +37,17 @@ pub struct Args {
     #[command(flatten)]
     pub runner: RunnerArgs,
     /// Direction towards the light, in degrees: THETA from the normal, PHI about it from the tangent.
-    #[arg(long, value_name = "THETA,PHI", default_value = "20,0", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "THETA,PHI",
+        default_value = "20,0",
+        allow_hyphen_values = true,
+        conflicts_with = "lights"
+    )]
     light: Light,
+    /// TOML file of lights: single directions, discs, polygons, a sky. Draw the radiance under all of them.
+    #[arg(long, value_name = "FILE.toml")]
+    lights: Option<PathBuf>,
     /// Width and height of the map, in pixels.
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=8192))]
     size: u32,
@@ -55,14 +68,27 @@ enum Format {
 /// Runs the command.
 pub fn run(args: &Args, console: &Console, drivers: Drivers) -> Result<Outcome> {
     let format = format(&args.out)?;
-    let job = Job::new(&args.surface, &args.runner, console)?;
-    let runner = job.runner(&args.runner, drivers)?;
     let size = args.size as usize;
+    let lights = args.lights.as_deref().map(input::read_lights).transpose().map_err(Errors)?;
+    let job = match &lights {
+        Some(lights) => Job::under(lights, &args.surface, &args.runner, console)?,
+        None => Job::new(&args.surface, &args.runner, console)?,
+    };
+    let runner = job.runner(&args.runner, drivers)?;
     let light = direction(args.light.theta_deg, args.light.phi_deg);
     // the twin gets the rounded direction that the shader gets; the exact reference gets the angle as given
     let light = if args.runner.runner == Runner::Twin { rounded(light) } else { light };
-    let bar = progress::bar(size * size, &format!("rendering {}", runner.route()));
-    let frame = runner.brdf_map_with(light, size, &|done| bar.inc(done as u64))?;
+    let maps = lights.as_ref().map_or(1, |lights| lights.all.len());
+    let bar = progress::bar(maps * size * size, &format!("rendering {}", runner.route()));
+    let done = |done| bar.inc(done as u64);
+    let frame = match &lights {
+        Some(lights) => {
+            let views = view_directions(size);
+            let colours = job.radiance(&*runner, &args.runner, lights, &views, &done)?;
+            BrdfMap::from_disc(size, &colours)
+        }
+        None => runner.brdf_map_with(light, size, &done)?,
+    };
     bar.finish_and_clear();
     let colour = job.variant.optics.colour;
     let bytes = match format {

@@ -2,9 +2,15 @@
 
 use anyhow::{Result, bail};
 use diffraction_shaders::input;
-use diffraction_shaders::plan::{Plan, SurfaceSpec, Variant};
-use diffraction_shaders::runner::{Exact, Placement, Runner, TwinRunner};
+use diffraction_shaders::light::{Cap, Light, Lights};
+use diffraction_shaders::optics::REFERENCE_NM;
+use diffraction_shaders::plan::{Plan, SurfaceSource, SurfaceSpec, Variant};
+use diffraction_shaders::runner::{
+    Exact, Placement, Progress, Runner, TwinRunner, check_scaling, exact_scale, radiance_with,
+    variant_scale,
+};
 use diffraction_shaders::surface::{self, Surface};
+use glam::DVec3;
 
 use crate::args::{Runner as Kind, RunnerArgs, SurfaceArgs};
 use crate::console::Console;
@@ -30,12 +36,25 @@ pub struct Job {
 impl Job {
     /// Reads plan and surface, and checks that the pitch resolves the shortest wavelength.
     pub fn new(surface: &SurfaceArgs, runner: &RunnerArgs, console: &Console) -> Result<Job> {
+        Job::with_optics(surface, runner, None, console)
+    }
+
+    /// `named`: the variant whose optics the reference takes, instead of those of the plan.
+    fn with_optics(
+        surface: &SurfaceArgs,
+        runner: &RunnerArgs,
+        named: Option<&str>,
+        console: &Console,
+    ) -> Result<Job> {
         let plan: Plan = surface.plan.read(console)?;
         let spec = plan.surface(&surface.surface)?.clone();
         let plan = plan.on(&spec);
         let (variant, min_nm) = match runner.runner {
             // the reference always integrates the whole visible range
-            Kind::Exact => (Variant::texts(&plan.optics), 380.0),
+            Kind::Exact => {
+                let named = named.map(|name| plan.variant(Some(name))).transpose()?;
+                (Variant::texts(&named.map_or(plan.optics, |variant| variant.optics)), 380.0)
+            }
             _ => {
                 let variant = plan.variant(runner.variant.as_deref())?;
                 let min_nm = variant.wavelengths.min_nm;
@@ -46,6 +65,57 @@ impl Job {
         surface.notes.iter().for_each(|note| console.note(note));
         surface.field.check_pitch(&surface::subject(&spec), min_nm)?;
         Ok(Job { spec, surface, variant })
+    }
+
+    /// Like [`Job::new`], for a surface under lights. The reference takes the optics of the named variant, if one is
+    /// named. It is an error if the lights have no meaning under these optics.
+    pub fn under(
+        lights: &Lights,
+        surface: &SurfaceArgs,
+        args: &RunnerArgs,
+        console: &Console,
+    ) -> Result<Job> {
+        let job = Job::with_optics(surface, args, args.variant.as_deref(), console)?;
+        check_scaling(&job.variant.optics, lights)?;
+        for note in job.narrow(lights) {
+            console.note(&note);
+        }
+        Ok(job)
+    }
+
+    /// Notes about discs that are narrower than the orders of a patch that does not repeat are apart.
+    fn narrow(&self, lights: &Lights) -> Vec<String> {
+        let field = &self.surface.field;
+        let apart_rad = REFERENCE_NM * 1e-3 / field.size_x_um().min(field.size_y_um());
+        let synthetic = matches!(self.spec.source, SurfaceSource::Grating(_));
+        let discs = lights.all.iter().filter_map(|light| match light {
+            Light::Disc { cap, .. } if !synthetic && 2.0 * cap.radius_rad < apart_rad => Some(cap),
+            _ => None,
+        });
+        let note = |cap: &Cap| {
+            format!(
+                "a disc of {:.2}° is narrower than {:.2}°, the distance between the orders of a patch that is repeated without end; a larger scan, or a light of one direction, shows a surface that does not repeat",
+                2.0 * cap.radius_rad.to_degrees(),
+                apart_rad.to_degrees()
+            )
+        };
+        discs.map(note).collect()
+    }
+
+    /// Radiance towards viewers under lights, X, Y, Z relative to a white of radiance 1.
+    pub fn radiance(
+        &self,
+        runner: &dyn Runner,
+        args: &RunnerArgs,
+        lights: &Lights,
+        views: &[DVec3],
+        progress: Progress<'_>,
+    ) -> Result<Vec<[f64; 3]>> {
+        let scale = match args.runner {
+            Kind::Exact => exact_scale(&self.variant.optics),
+            _ => variant_scale(self.placement())?,
+        };
+        Ok(radiance_with(runner, scale, lights, views, progress)?)
     }
 
     /// The variant on its surface, for runners.

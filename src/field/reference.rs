@@ -6,7 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::field::{Domain, Field, Scratch};
+use crate::field::{Domain, Field, MAX_BYTES, Scratch};
 use crate::optics;
 use crate::optics::spectrum::{Spectrum, TABLE_MAX_NM, TABLE_MIN_NM};
 use crate::plan::Optics;
@@ -177,6 +177,5 @@ pub fn evaluate_all<S: Default>(
     out
 }
 
-const MAX_BYTES: usize = 6 << 30;
 /// Minimum wavelength step. It suffices for coherence lengths up to 4 mm.
 const MIN_STEP_NM: f64 = 1.0 / 128.0;

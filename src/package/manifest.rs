@@ -61,9 +61,19 @@ pub struct VariantManifest {
     /// A-priori bounds of the model's approximations. `None` where no error is claimed, or where only a comparison
     /// shows the error.
     pub error_bound: Option<ErrorBound>,
+    /// What the surface returns of all light. `None` where its orders need more memory than the tool allows.
+    pub energy: Option<Energy>,
     /// Bounds of the loops over lobes, for modes that have such loops.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lobes: Option<LobeBounds>,
+}
+
+/// What a surface returns of all light, by the exact sum over its orders.
+#[derive(Clone, Debug, Serialize)]
+pub struct Energy {
+    /// Radiance under a sky of radiance 1, X, Y, Z relative to a white, towards viewers at 0, 30, 60 and 75 degrees from
+    /// the normal, in the plane of normal and tangent.
+    pub white_sky: [[f64; 3]; 4],
 }
 
 /// The contract of `diffraction(wi, wr)`.
@@ -252,11 +262,13 @@ pub struct Described<'a> {
     pub tables: Vec<(&'a Table, TableEntry)>,
     /// Hash of all inputs.
     pub input_hash: String,
+    /// What the surface returns of all light.
+    pub energy: Option<Energy>,
 }
 
 /// Writes the manifest of a variant from its module's reflection and its emitted files.
 pub fn manifest(subject: Described<'_>, module: &Module, files: &[EmittedFile]) -> VariantManifest {
-    let Described { surface, variant, form, tables, input_hash } = subject;
+    let Described { surface, variant, form, tables, input_hash, energy } = subject;
     let mut targets: BTreeMap<Target, Vec<FileEntry>> = BTreeMap::new();
     for file in files {
         let entry = FileEntry {
@@ -285,6 +297,7 @@ pub fn manifest(subject: Described<'_>, module: &Module, files: &[EmittedFile]) 
         requires: requires(&extents),
         cost: DIRECTIONAL.cost(form),
         error_bound: form.error_bound(),
+        energy,
         lobes: form.lobe_bounds(),
         tables: tables.into_iter().map(|(_, entry)| entry).collect(),
     }

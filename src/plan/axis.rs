@@ -44,12 +44,19 @@ pub(super) enum Part {
     Changed(fn(&Variant) -> String),
     /// If it differs, as a range, with the step if the mode reads it.
     Wavelengths,
+    /// Never, since the key is another way to write the values of other keys.
+    Alias,
 }
 
 impl Axis {
     /// Copies the axis' value from one variant to another.
     pub(super) fn copy(&self, from: &Variant, to: &mut Variant) {
         self.entries.iter().for_each(|entry| (entry.copy)(from, to));
+    }
+
+    /// Whether the key is another way to write the values of other keys.
+    pub(super) fn is_alias(&self) -> bool {
+        matches!(self.part, Part::Alias)
     }
 
     /// Whether two variants have different values.

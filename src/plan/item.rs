@@ -17,7 +17,7 @@ const MAX_ERRORS: usize = 100;
 const MAX_CAUSE: usize = 500;
 
 /// The text that is being read, and the errors found in it.
-pub(super) struct Source<'a> {
+pub(crate) struct Source<'a> {
     text: &'a str,
     /// Position of the end of each line.
     ends: Vec<usize>,
@@ -28,14 +28,14 @@ pub(super) struct Source<'a> {
 }
 
 impl<'a> Source<'a> {
-    pub(super) fn new(text: &'a str, file: impl Display) -> Source<'a> {
+    pub(crate) fn new(text: &'a str, file: impl Display) -> Source<'a> {
         let ends = text.match_indices('\n').map(|(at, _)| at).collect();
         let (errors, omitted) = Default::default();
         Source { text, ends, file: file.to_string(), errors, omitted }
     }
 
     /// Records an error at a byte of the text.
-    pub(super) fn fail(&self, at: usize, cause: impl Display, remedy: Option<String>) {
+    pub(crate) fn fail(&self, at: usize, cause: impl Display, remedy: Option<String>) {
         if self.is_full() {
             return self.omitted.set(self.omitted.get() + 1);
         }
@@ -49,7 +49,7 @@ impl<'a> Source<'a> {
     }
 
     /// Records an error of the text as a whole.
-    pub(super) fn fail_file(&self, cause: impl Display, remedy: impl Display) {
+    pub(crate) fn fail_file(&self, cause: impl Display, remedy: impl Display) {
         if self.is_full() {
             return self.omitted.set(self.omitted.get() + 1);
         }
@@ -57,9 +57,18 @@ impl<'a> Source<'a> {
         self.errors.borrow_mut().push((0, error));
     }
 
+    /// Records the faults of a text that is not TOML.
+    pub(crate) fn fail_toml(&self, faults: &[toml::de::Error]) {
+        for fault in faults {
+            let cause = format!("not valid TOML: {}", fault.message().replace('\n', ", "));
+            let remedy = "correct the TOML at this place".to_owned();
+            self.fail(fault.span().map_or(0, |span| span.start), cause, Some(remedy));
+        }
+    }
+
     /// All recorded errors, in the order of the text. If there are too many, the first that were found, and the number
     /// of the others.
-    pub(super) fn into_errors(self) -> Vec<Error> {
+    pub(crate) fn into_errors(self) -> Vec<Error> {
         let mut errors = self.errors.into_inner();
         errors.sort_by_key(|(at, _)| *at);
         let omitted = match self.omitted.get() {
@@ -80,25 +89,25 @@ impl<'a> Source<'a> {
 
 /// A table with its dotted path and place.
 #[derive(Clone)]
-pub(super) struct Table<'s, 't> {
-    pub(super) source: &'s Source<'t>,
-    pub(super) path: String,
+pub(crate) struct Table<'s, 't> {
+    pub(crate) source: &'s Source<'t>,
+    pub(crate) path: String,
     table: &'s DeTable<'t>,
     at: usize,
 }
 
 impl<'s, 't> Table<'s, 't> {
-    pub(super) fn root(source: &'s Source<'t>, table: &'s DeTable<'t>) -> Table<'s, 't> {
+    pub(crate) fn root(source: &'s Source<'t>, table: &'s DeTable<'t>) -> Table<'s, 't> {
         Table { source, path: String::new(), table, at: 0 }
     }
 
     /// The value of a key.
-    pub(super) fn get(&self, key: &str) -> Option<Item<'s, 't>> {
+    pub(crate) fn get(&self, key: &str) -> Option<Item<'s, 't>> {
         self.items().into_iter().find(|(name, _)| *name == key).map(|(_, item)| item)
     }
 
     /// The value of a key. It is an error if the key is missing.
-    pub(super) fn require(&self, key: &str, what: &str) -> Option<Item<'s, 't>> {
+    pub(crate) fn require(&self, key: &str, what: &str) -> Option<Item<'s, 't>> {
         let item = self.get(key);
         if item.is_none() {
             self.fail(format!("{} is missing", self.path_of(key)), Some(what.to_owned()));
@@ -107,7 +116,7 @@ impl<'s, 't> Table<'s, 't> {
     }
 
     /// All keys and values.
-    pub(super) fn items(&self) -> Vec<(&'s str, Item<'s, 't>)> {
+    pub(crate) fn items(&self) -> Vec<(&'s str, Item<'s, 't>)> {
         self.table
             .iter()
             .map(|(key, value)| (&**key.get_ref(), self.item(key.get_ref(), value)))
@@ -115,7 +124,7 @@ impl<'s, 't> Table<'s, 't> {
     }
 
     /// Records an error for every unknown key, with the most similar known key.
-    pub(super) fn only(&self, known: &[&str]) {
+    pub(crate) fn only(&self, known: &[&str]) {
         for (key, _) in self.table.iter().filter(|(key, _)| !known.contains(&&**key.get_ref())) {
             let cause = format!("unknown key {}", self.path_of(key.get_ref()));
             let remedy = (!self.source.is_full()).then(|| suggest(key.get_ref(), known));
@@ -123,13 +132,33 @@ impl<'s, 't> Table<'s, 't> {
         }
     }
 
+    /// The tables of an array of tables, none if the key is missing.
+    pub(crate) fn tables(&self, key: &str) -> Vec<Table<'s, 't>> {
+        let Some(item) = self.get(key) else { return Vec::new() };
+        if !item.is_array() {
+            item.fail("is not an array of tables", format!("write [[{key}]] with two brackets"));
+            return Vec::new();
+        }
+        let elements = item.elements("tables").unwrap_or_default();
+        elements.iter().filter_map(|element| element.table(&format!("[[{key}]]"))).collect()
+    }
+
+    /// Checks that `schema` is 1.
+    pub(crate) fn schema(&self, what: &str) {
+        if let Some(item) = self.require("schema", what)
+            && item.plain().and_then(|value| value.as_integer()) != Some(1)
+        {
+            item.fail("must be 1", what);
+        }
+    }
+
     /// The same table with another path, once its name is known.
-    pub(super) fn renamed(&self, path: String) -> Table<'s, 't> {
+    pub(crate) fn renamed(&self, path: String) -> Table<'s, 't> {
         Table { path, ..self.clone() }
     }
 
     /// Records an error of the table as a whole.
-    pub(super) fn fail(&self, cause: impl Display, remedy: Option<String>) {
+    pub(crate) fn fail(&self, cause: impl Display, remedy: Option<String>) {
         self.source.fail(self.at, cause, remedy);
     }
 
@@ -149,8 +178,8 @@ impl<'s, 't> Table<'s, 't> {
 
 /// A value with its dotted path and place.
 #[derive(Clone)]
-pub(super) struct Item<'s, 't> {
-    pub(super) path: String,
+pub(crate) struct Item<'s, 't> {
+    pub(crate) path: String,
     source: &'s Source<'t>,
     value: &'s DeValue<'t>,
     span: Range<usize>,
@@ -158,29 +187,29 @@ pub(super) struct Item<'s, 't> {
 
 impl<'s, 't> Item<'s, 't> {
     /// Records the error `path = value: cause (remedy)` at the place of the value.
-    pub(super) fn fail(&self, cause: impl Display, remedy: impl Display) {
+    pub(crate) fn fail(&self, cause: impl Display, remedy: impl Display) {
         let cause = format!("{} = {}: {cause}", self.path, self.shown());
         self.source.fail(self.span.start, cause, Some(remedy.to_string()));
     }
 
-    pub(super) fn is_array(&self) -> bool {
+    pub(crate) fn is_array(&self) -> bool {
         self.value.is_array()
     }
 
-    pub(super) fn is_table(&self) -> bool {
+    pub(crate) fn is_table(&self) -> bool {
         self.value.is_table()
     }
 
-    pub(super) fn is_integer(&self) -> bool {
+    pub(crate) fn is_integer(&self) -> bool {
         self.value.is_integer()
     }
 
-    pub(super) fn as_str(&self) -> Option<&'s str> {
+    pub(crate) fn as_str(&self) -> Option<&'s str> {
         self.value.as_str()
     }
 
     /// The elements of an array. An array of tables is an array, too.
-    pub(super) fn elements(&self, what: &str) -> Option<Vec<Item<'s, 't>>> {
+    pub(crate) fn elements(&self, what: &str) -> Option<Vec<Item<'s, 't>>> {
         let Some(array) = self.value.as_array() else {
             self.wrong_type(&format!("an array of {what}"));
             return None;
@@ -194,7 +223,7 @@ impl<'s, 't> Item<'s, 't> {
         Some(array.iter().enumerate().map(element).collect())
     }
 
-    pub(super) fn table(&self, what: &str) -> Option<Table<'s, 't>> {
+    pub(crate) fn table(&self, what: &str) -> Option<Table<'s, 't>> {
         let Some(table) = self.value.as_table() else {
             self.wrong_type(&format!("a table: {what}"));
             return None;
@@ -202,14 +231,14 @@ impl<'s, 't> Item<'s, 't> {
         Some(Table { source: self.source, path: self.path.clone(), table, at: self.span.start })
     }
 
-    pub(super) fn string(&self, what: &str) -> Option<&'s str> {
+    pub(crate) fn string(&self, what: &str) -> Option<&'s str> {
         if !self.value.is_str() {
             self.wrong_type(&format!("a string: {what}"));
         }
         self.value.as_str()
     }
 
-    pub(super) fn boolean(&self) -> Option<bool> {
+    pub(crate) fn boolean(&self) -> Option<bool> {
         if !self.value.is_bool() {
             self.wrong_type("true or false");
         }
@@ -217,7 +246,7 @@ impl<'s, 't> Item<'s, 't> {
     }
 
     /// A finite number that passes a check. Integers are accepted.
-    pub(super) fn number(
+    pub(crate) fn number(
         &self,
         must: &str,
         what: &str,
@@ -241,12 +270,12 @@ impl<'s, 't> Item<'s, 't> {
     }
 
     /// A positive finite number.
-    pub(super) fn positive(&self, what: &str) -> Option<f64> {
+    pub(crate) fn positive(&self, what: &str) -> Option<f64> {
         self.number("positive and finite", what, |x| x > 0.0)
     }
 
     /// A whole number in a range.
-    pub(super) fn whole(&self, range: Range<u64>, what: &str) -> Option<u64> {
+    pub(crate) fn whole(&self, range: Range<u64>, what: &str) -> Option<u64> {
         let DeValue::Integer(n) = self.value else {
             self.wrong_type(&format!("a whole number: {what}"));
             return None;
@@ -265,7 +294,7 @@ impl<'s, 't> Item<'s, 't> {
     }
 
     /// One of the words of a list.
-    pub(super) fn word<T: Copy>(&self, words: &[(&'static str, T)]) -> Option<T> {
+    pub(crate) fn word<T: Copy>(&self, words: &[(&'static str, T)]) -> Option<T> {
         let known: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
         let Some(text) = self.value.as_str() else {
             self.wrong_type(&format!("one of {}", quoted(&known)));
@@ -279,7 +308,7 @@ impl<'s, 't> Item<'s, 't> {
     }
 
     /// Records the error that the value is not among the known names, with the most similar one.
-    pub(super) fn unknown(&self, cause: &str, known: &BTreeSet<&str>) {
+    pub(crate) fn unknown(&self, cause: &str, known: &BTreeSet<&str>) {
         let known: Vec<&str> = match self.source.is_full() {
             true => Vec::new(),
             false => known.iter().copied().collect(),
@@ -288,7 +317,7 @@ impl<'s, 't> Item<'s, 't> {
     }
 
     /// The value without places, for types that implement `Deserialize`.
-    pub(super) fn plain(&self) -> Option<toml::Value> {
+    pub(crate) fn plain(&self) -> Option<toml::Value> {
         plain(self.value)
     }
 
@@ -324,7 +353,7 @@ fn cut(text: impl Display, longest: usize) -> String {
 const MAX_WORD: usize = 64;
 
 /// `did you mean …` if a known word is similar, otherwise the list of known words.
-pub(super) fn suggest(text: &str, known: &[&str]) -> String {
+pub(crate) fn suggest(text: &str, known: &[&str]) -> String {
     let text = if text.len() > MAX_WORD { "" } else { text };
     let distance = |word: &str| strsim::damerau_levenshtein(text, word);
     let nearest = known.iter().min_by_key(|word| distance(word));

@@ -28,7 +28,7 @@ impl Variant {
 
     /// Every key of a preset with its value, in the order of the product, whether the variant reads it or not.
     pub fn settings(&self) -> impl Iterator<Item = (&'static str, Value)> {
-        axes().map(|axis| (axis.key, axis.value(self)))
+        axes().filter(|axis| !axis.is_alias()).map(|axis| (axis.key, axis.value(self)))
     }
 
     /// Whether it uses the configured wavelengths, the same for every direction.
@@ -77,6 +77,7 @@ pub(super) fn name_of(variant: &Variant) -> String {
     let standard = Variant::standard(&Optics::standard());
     let parts = axes().filter_map(|axis| match axis.part {
         Part::Always(part) => reads(variant, axis.key).then(|| part(variant)),
+        Part::Alias => None,
         Part::Wavelengths => axis.differs(variant, &standard).then(|| range(variant)),
         Part::Changed(part) => axis.differs(variant, &standard).then(|| part(variant)),
     });

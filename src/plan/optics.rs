@@ -1,6 +1,7 @@
 //! Light and material: the keys of `[optics]`, which are also axes of the product. This file has their names, how they
 //! are read, and what they add to a variant's name and configuration.
 
+use std::f64::consts::{PI, SQRT_2};
 use std::fmt;
 use std::sync::Arc;
 
@@ -9,7 +10,7 @@ use serde_json::{Value, json};
 
 use crate::hash::sha256;
 
-use super::axis::{Axis, Part, valued, worded};
+use super::axis::{Axis, Part, entry, valued, worded};
 use super::item::Item;
 use super::number::number;
 use super::words;
@@ -202,7 +203,7 @@ impl fmt::Display for Illuminant {
 }
 
 /// Keys of `[optics]`. As axes of the product they vary fastest.
-pub(super) static OPTICS: [Axis; 7] = [
+pub(super) static OPTICS: [Axis; 8] = [
     valued!(
         "coherence_um",
         optics.coherence_um,
@@ -225,6 +226,23 @@ pub(super) static OPTICS: [Axis; 7] = [
         "coherence length: fixed, or proportional to the wavelength (stated at 550 nm)",
         Part::Changed(|_| "lcwave".to_owned())
     ),
+    Axis {
+        key: "source_diameter_deg",
+        about: "angular diameter of a round source, instead of `coherence_um` (56.7 µm divided by it) and `coherence_scaling = \"wavelength\"`; the sun has 0.53",
+        values: "0.006 to 180",
+        words: Vec::new,
+        takes_pair: false,
+        read: |item, into| {
+            into.optics.coherence_um = source_coherence_um(item)?;
+            into.optics.coherence_scaling = CoherenceScaling::Wavelength;
+            Some(())
+        },
+        entries: &[
+            entry!("coherence_um", optics.coherence_um),
+            entry!("coherence_scaling", optics.coherence_scaling),
+        ],
+        part: Part::Alias,
+    },
     valued!(
         "refractive_index",
         optics.refractive_index,
@@ -261,6 +279,15 @@ pub(super) static OPTICS: [Axis; 7] = [
 fn coherence_um(item: &Item) -> Option<f64> {
     let what = "the coherence length in µm; sunlight has about 65";
     item.number("from 0.1 to 10000", what, |x| (0.1..=10000.0).contains(&x))
+}
+
+/// The coherence length in µm at 550 nm, to a nm, whose window has the variance of a disc of that diameter:
+/// `(2√2/π) λ0/a` with the angular radius `a` in radians.
+fn source_coherence_um(item: &Item) -> Option<f64> {
+    let what = "the angular diameter of the source in degrees; the sun has 0.53";
+    let diameter_deg = item.number("from 0.006 to 180", what, |x| (0.006..=180.0).contains(&x))?;
+    let radius_rad = 0.5 * diameter_deg * PI / 180.0;
+    Some((2.0 * SQRT_2 / PI * 0.55 / radius_rad * 1e3).round() / 1e3)
 }
 
 fn refractive_index(item: &Item) -> Option<f64> {

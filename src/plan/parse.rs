@@ -45,11 +45,7 @@ impl Plan {
         let source = Source::new(text, path.display());
         let (document, faults) = DeTable::parse_recoverable(text);
         if !faults.is_empty() {
-            for fault in faults {
-                let cause = format!("not valid TOML: {}", fault.message().replace('\n', ", "));
-                let remedy = "correct the TOML at this place".to_owned();
-                source.fail(fault.span().map_or(0, |span| span.start), cause, Some(remedy));
-            }
+            source.fail_toml(&faults);
             return Err(source.into_errors());
         }
         let plan = sections(&Table::root(&source, document.get_ref()), folder(path), hash);
@@ -104,7 +100,7 @@ fn sections(root: &Table, folder: PathBuf, text_hash: String) -> Option<Plan> {
         root.source.fail_file("is empty", PLAN);
         return None;
     }
-    schema(root);
+    root.schema("the version of the plan's format; write schema = 1");
     root.only(&SECTIONS);
     let section = |key: &str, what: &str| root.get(key).and_then(|item| item.table(what));
     let optics =
@@ -145,26 +141,6 @@ fn unused(surfaces: &[SurfaceSpec], variants: &[Variant]) -> Vec<String> {
     let used: BTreeSet<&String> = variants.iter().flat_map(|v| &v.surfaces).flatten().collect();
     let unused = surfaces.iter().filter(|surface| !used.contains(&surface.name));
     unused.map(|surface| format!("{}: no variant is for this surface", surface.name)).collect()
-}
-
-fn schema(root: &Table) {
-    let what = "the version of the plan's format; write schema = 1";
-    if let Some(item) = root.require("schema", what)
-        && item.plain().and_then(|value| value.as_integer()) != Some(1)
-    {
-        item.fail("must be 1", what);
-    }
-}
-
-/// The tables of an array of tables.
-fn tables<'s, 't>(root: &Table<'s, 't>, key: &str) -> Vec<Table<'s, 't>> {
-    let Some(item) = root.get(key) else { return Vec::new() };
-    if !item.is_array() {
-        item.fail("is not an array of tables", format!("write [[{key}]] with two brackets"));
-        return Vec::new();
-    }
-    let elements = item.elements("tables").unwrap_or_default();
-    elements.iter().filter_map(|element| element.table(&format!("[[{key}]]"))).collect()
 }
 
 fn product(
@@ -233,7 +209,7 @@ fn presets(
             known.entry(identity(variant)).or_insert_with(|| variant.name.clone());
         }
     }
-    for table in tables(root, "preset") {
+    for table in root.tables("preset") {
         let name = surface::name(&table);
         let path = name.as_ref().map_or(table.path.clone(), |name| format!("preset.{name}"));
         let table = table.renamed(path);
@@ -317,7 +293,7 @@ fn surfaces(root: &Table, folder: &Path, variants: &[Variant]) -> Vec<SurfaceSpe
         let here = [None, Some(name)].into_iter().filter_map(|place| shortest.get(&place).copied());
         here.reduce(f64::min).unwrap_or(380.0)
     };
-    let tables = tables(root, "surface");
+    let tables = root.tables("surface");
     if tables.is_empty() && root.get("surface").is_none_or(|item| item.is_array()) {
         root.source.fail_file(
             "has no surface",

@@ -13,6 +13,7 @@ pub const MAX_VARIANTS: usize = 4096;
 pub(super) fn read_optics(table: &Table) -> Optics {
     table.only(&OPTICS.map(|axis| axis.key));
     let mut variant = Variant::standard(&Optics::standard());
+    stated(table);
     read_each(table, OPTICS.iter(), &mut variant);
     variant.optics
 }
@@ -67,9 +68,26 @@ pub(super) fn read_preset(table: &Table, names: &[&str], base: &Variant) -> Opti
 /// Remedy of a preset that a constraint rejects.
 const CHANGE: &str = "change this key, or the other key that the message names";
 
-/// Keys of the optics that the table has.
+/// Keys of the optics that the table states. A key that is another way to write the values of other keys counts as
+/// these. It is an error if the table has both.
 pub(super) fn stated(table: &Table) -> Vec<&'static str> {
-    OPTICS.iter().map(|axis| axis.key).filter(|key| table.get(key).is_some()).collect()
+    let mut keys: Vec<&'static str> = Vec::new();
+    for axis in &OPTICS {
+        let Some(item) = table.get(axis.key) else { continue };
+        if !axis.is_alias() {
+            keys.push(axis.key);
+            continue;
+        }
+        for entry in axis.entries {
+            if keys.contains(&entry.key) {
+                let cause = format!("{} is there, too", entry.key);
+                item.fail(cause, "keep one of the two keys");
+            } else {
+                keys.push(entry.key);
+            }
+        }
+    }
+    keys
 }
 
 /// Reads one value for each key.

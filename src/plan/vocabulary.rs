@@ -72,7 +72,7 @@ pub struct AxisDoc {
     pub words: Vec<&'static str>,
     /// Values other than words. Empty if there are none.
     pub values: &'static str,
-    /// The documented default.
+    /// The documented default; null for a key that is another way to write the values of other keys.
     pub default: Value,
     /// Description in one line.
     pub about: &'static str,
@@ -87,7 +87,7 @@ pub fn axis_docs() -> Vec<AxisDoc> {
         key: axis.key,
         words: (axis.words)(),
         values: axis.values,
-        default: axis.value(&standard),
+        default: if axis.is_alias() { Value::Null } else { axis.value(&standard) },
         about: axis.about,
         is_optics: place >= AXES.len(),
     };

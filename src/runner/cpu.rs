@@ -1,7 +1,11 @@
 //! Evaluation in f64 on all cores.
 
-use crate::error::Result;
+use glam::DVec3;
+
+use crate::error::{Error, Result};
+use crate::field::orders::OrderSum;
 use crate::field::reference::{Directions, Reference, evaluate_all};
+use crate::light::Light;
 use crate::optics::path_difference;
 use crate::shader::specialise;
 use crate::tables::Table;
@@ -38,6 +42,21 @@ impl Runner for Exact<'_> {
         let reference = self.reference((lambda_nm, lambda_nm), directions)?;
         let response = |d, scratch: &mut _| [reference.response(d, lambda_nm, scratch), 0.0, 0.0];
         Ok(evaluate_all(directions, &|_| (), response).into_iter().map(|r| r[0]).collect())
+    }
+
+    fn under(
+        &self,
+        light: &Light,
+        views: &[DVec3],
+        progress: Progress<'_>,
+    ) -> Result<Vec<[f64; 3]>> {
+        let Placement { height, rotate_deg, variant } = self.0;
+        let Some(emitter) = light.emitter() else {
+            let cause = "a light of one direction has no size";
+            return Err(Error::new(self.route(), cause));
+        };
+        let orders = OrderSum::new(height, rotate_deg, &variant.optics)?;
+        Ok(orders.radiance_all_with(&[&*emitter], views, progress))
     }
 }
 

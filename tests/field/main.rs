@@ -7,5 +7,6 @@ mod support;
 
 mod closed_forms;
 mod exact_field;
+mod orders;
 mod reference;
 mod vectors;

@@ -5,6 +5,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod lights;
 mod plan;
 mod plan_hostile;
 mod plan_manual;

@@ -606,3 +606,37 @@ fn words_of_targets_are_read() {
     assert!(Target::parse("wgls").unwrap_err().to_string().contains("did you mean \"wgsl\"?"));
     assert!(Target::all().iter().all(|target| Target::parse(target.as_str()).unwrap() == *target));
 }
+
+/// `source_diameter_deg` is another way to write two keys, so that configuration and name are those of the two.
+#[test]
+fn a_source_diameter_is_a_coherence_length_that_follows_the_wavelength() {
+    let parse = |text: &str| {
+        let text = format!(
+            r#"schema = 1
+[[surface]]
+name = "a"
+grating = {{ kind = "blazed", period_um = 1.0, height_um = 0.02, pixels = 16 }}
+{text}
+"#
+        );
+        Plan::parse_all(&text, Path::new("plan.toml"))
+    };
+    let sun = parse("[optics]\nsource_diameter_deg = 0.53").unwrap();
+    let same =
+        parse("[optics]\ncoherence_um = 107.062\ncoherence_scaling = \"wavelength\"").unwrap();
+    assert_eq!(sun.optics, same.optics);
+    assert_eq!(sun.variants, same.variants);
+    let axis = parse("[variants]\nsource_diameter_deg = [0.53, 5]").unwrap();
+    assert_eq!(axis.variants[0].optics, sun.optics);
+    assert!(axis.variants[1].name.contains("lc11p349-lcwave"), "{}", axis.variants[1].name);
+    for text in [
+        "[optics]\nsource_diameter_deg = 0.53\ncoherence_um = 20",
+        "[variants]\nsource_diameter_deg = 0.53\ncoherence_scaling = \"fixed\"",
+    ] {
+        let errors = parse(text).expect_err("contradicts itself");
+        assert!(errors[0].to_string().contains("keep one of the two keys"), "{errors:?}");
+    }
+    for bad in ["0", "-1", "nan", "200", "\"sun\""] {
+        assert!(parse(&format!("[optics]\nsource_diameter_deg = {bad}")).is_err(), "{bad}");
+    }
+}

@@ -22,6 +22,7 @@ fn row(axis: &AxisDoc) -> String {
 
 fn shown(default: &Value) -> String {
     match default {
+        Value::Null => "none".to_owned(),
         Value::String(word) => format!("`{word}`"),
         // whole numbers are written without a point
         Value::Number(n) => format!("`{}`", n.as_f64().unwrap_or_default()),

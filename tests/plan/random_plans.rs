@@ -49,15 +49,17 @@ fn random_plans_use_every_key_and_word() {
         }
     }
     let known = words::all();
-    let missing: Vec<_> = known.difference(&drawn).collect();
+    // another way to write two other keys, with a test of its own
+    let is_alias = |(_, key, _): &&(String, String, Option<String>)| key == "source_diameter_deg";
+    let missing: Vec<_> = known.difference(&drawn).filter(|word| !is_alias(word)).collect();
     assert!(missing.is_empty(), "random plans never have {missing:?}");
     let unknown: Vec<_> = drawn.difference(&known).collect();
     assert!(unknown.is_empty(), "the vocabulary lacks {unknown:?}, which the reader accepts");
-    for (_, key, word) in known.into_iter().filter(|(table, ..)| table == "variants") {
+    for (_, key, word) in known.iter().filter(|word| word.0 == "variants" && !is_alias(word)) {
         // a range is three keys there; what reads bins is distinguished by what does not
         let is_told =
             !matches!((key.as_str(), word.as_deref()), ("wavelengths", _) | (_, Some("window")));
-        let is_built = built.iter().any(|(k, w)| *k == key && (word.is_none() || *w == word));
+        let is_built = built.iter().any(|(k, w)| k == key && (word.is_none() || w == word));
         assert!(is_built || !is_told, "no variant of a random plan has {key} {word:?}");
     }
     assert!(2 * accepted > all, "only {accepted} of {all} plans are accepted");

@@ -290,7 +290,9 @@ fn waves() -> impl Strategy<Value = String> {
 
 /// The keys of a table of a plan.
 fn keys(table: &str) -> Vec<Key> {
-    vocabulary().into_iter().filter(|key| key.table == table).collect()
+    // another way to write two other keys, which must not stand beside them
+    let is_alias = |key: &Key| key.name == "source_diameter_deg";
+    vocabulary().into_iter().filter(|key| key.table == table && !is_alias(key)).collect()
 }
 
 fn key(table: &str, name: &str) -> Key {

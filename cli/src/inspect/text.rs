@@ -1,5 +1,6 @@
 //! The facts of a surface as text for people.
 
+use diffraction_shaders::field::orders::SKY_VIEWS_DEG;
 use diffraction_shaders::plan::{SurfaceSource, SurfaceSpec};
 use diffraction_shaders::surface::facts::{AxisPeriods, Facts, TRIM_PERCENT};
 use diffraction_shaders::survey::{Survey, TERM_ERRORS};
@@ -23,7 +24,7 @@ pub(super) fn human(spec: &SurfaceSpec, found: &Survey, written: &[String]) -> S
     text += "\n";
     text += &terms(found, is_file);
     text += "\n";
-    text += &paragraph(window(found));
+    text += &paragraph(window(found).into_iter().chain(energy(found)).collect());
     text += "\n";
     text += &cost(found);
     text += &paragraph(vec![("written", written.to_vec())]);
@@ -227,6 +228,17 @@ fn window(found: &Survey) -> Lines {
     )];
     sentences.extend(window.meaning.iter().cloned());
     vec![("coherence", sentences)]
+}
+
+/// What the surface returns of all light.
+fn energy(found: &Survey) -> Lines {
+    let Some(white_sky) = found.white_sky else { return Vec::new() };
+    let views = SKY_VIEWS_DEG.map(|theta_deg| format!("{theta_deg}°")).join(", ");
+    let shares = white_sky.map(|[_, y, _]| format!("{:.2} %", 100.0 * y)).join(", ");
+    let sentence = format!(
+        "{shares} of the light of a white sky, seen at {views} from the normal along x; a scalar theory does not keep energy exactly"
+    );
+    vec![("reflects", vec![sentence])]
 }
 
 fn cost(found: &Survey) -> String {

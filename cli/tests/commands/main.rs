@@ -6,6 +6,7 @@ mod bad_input;
 mod committed;
 mod explain;
 mod inspect;
+mod lights;
 mod list;
 mod program;
 mod surfaces;

@@ -64,7 +64,9 @@ pub(super) fn build<'a>(
     };
     let entries = shapes.iter().zip(&ids).map(|pair| (pair.0, entry(pair))).collect();
     let input_hash = of_value(&json!([surface.input.identity(), variant.hash(), TOOL_VERSION]));
-    let subject = Described { surface: name, variant, form: &form, tables: entries, input_hash };
+    let energy = surface.energy(&variant.optics);
+    let subject =
+        Described { surface: name, variant, form: &form, tables: entries, input_hash, energy };
     let manifest = manifest(subject, &module, &emitted);
     let folder = format!("shaders/{name}/{}", variant.name);
     let rust = bindings::rust(&manifest, &shapes.iter().collect::<Vec<_>>()).map_err(one)?;

@@ -18,3 +18,11 @@ pub(super) fn expected_id(function: &dyn Function, surface: &str, variant: &Vari
     let exact = exact_id(function, surface, &variant.optics);
     format!("expected-{}", of_value(&json!([exact, variant.hash()])))
 }
+
+/// Identity of the radiance of a surface under a white sky.
+pub(super) fn energy_id(surface: &str, optics: &Optics) -> String {
+    // the window is no part of it
+    let Optics { refractive_index, shadowing, illuminant, .. } = optics;
+    let inputs = json!([TOOL_VERSION, surface, refractive_index, shadowing, illuminant.identity()]);
+    format!("energy-{}", of_value(&inputs))
+}

@@ -6,12 +6,17 @@ use std::sync::Mutex;
 
 use crate::diagnostic::Diagnostic;
 use crate::error::Error;
+use crate::field::orders::OrderSum;
 use crate::input::SurfaceInput;
 use crate::package::Gap;
-use crate::plan::{Container, Target, Variant};
+use crate::package::manifest::Energy;
+use crate::plan::{Container, Optics, Target, Variant};
 use crate::shader::template::Sources;
 use crate::surface::{self, HeightField};
 use crate::variant::{ExactProbe, Form, Ground};
+
+use super::cache::Cache;
+use super::identity;
 
 /// What to generate.
 #[derive(Clone, Copy)]
@@ -79,6 +84,8 @@ pub(super) struct Loaded<'a> {
     pub(super) gaps: Vec<Gap>,
     /// Probes with their exact colours by their identity, one for every set of optics.
     pub(super) exact: Mutex<BTreeMap<String, Vec<ExactProbe>>>,
+    /// What it returns of all light by its identity. Empty if its orders need too much memory.
+    energy: BTreeMap<String, Energy>,
 }
 
 impl Loaded<'_> {
@@ -88,6 +95,11 @@ impl Loaded<'_> {
 
     pub(super) fn rotate_deg(&self) -> f64 {
         self.input.spec().rotate_deg
+    }
+
+    /// What it returns of all light under the optics of a variant.
+    pub(super) fn energy(&self, optics: &Optics) -> Option<Energy> {
+        self.energy.get(&identity::energy_id(self.input.identity(), optics)).cloned()
     }
 
     pub(super) fn ground(&self) -> Ground<'_> {
@@ -112,9 +124,37 @@ pub(super) fn load<'a>(work: &Work<'a>) -> Result<Vec<Loaded<'a>>, Vec<Diagnosti
         }
         let (field, notes) = (&surface.field, surface.notes.as_slice());
         gaps.extend(formed(input, field, &mut variants));
-        Ok(Loaded { input, field, notes, variants, gaps, exact: Mutex::default() })
+        let energy =
+            energies(work, input, field, &variants).map_err(|e| vec![Diagnostic::from(&e)])?;
+        Ok(Loaded { input, field, notes, variants, gaps, exact: Mutex::default(), energy })
     };
     all_or_errors(work.surfaces.iter().map(load).collect())
+}
+
+/// What a surface returns of all light, for each set of optics of its variants.
+fn energies(
+    work: &Work<'_>,
+    input: &SurfaceInput,
+    field: &HeightField,
+    variants: &[Variant],
+) -> Result<BTreeMap<String, Energy>, Error> {
+    let mut energies = BTreeMap::new();
+    if !OrderSum::fits(field) {
+        return Ok(energies);
+    }
+    for Variant { optics, .. } in variants {
+        (work.go_on)()?;
+        let id = identity::energy_id(input.identity(), optics);
+        if !energies.contains_key(&id) {
+            let numbers = Cache(work.cache).numbers(&id, 12, || {
+                let orders = OrderSum::new(field, input.spec().rotate_deg, optics)?;
+                Ok(orders.white_sky().concat())
+            })?;
+            let colour = |view: usize| std::array::from_fn(|c| numbers[3 * view + c]);
+            energies.insert(id, Energy { white_sky: std::array::from_fn(colour) });
+        }
+    }
+    Ok(energies)
 }
 
 /// All values, or all errors of all results.

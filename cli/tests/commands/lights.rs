@@ -1,0 +1,141 @@
+//! `eval` and `render` under a file of lights.
+
+use std::fs;
+use std::process::{Command, Output};
+
+const PLAN: &str = r#"schema = 1
+[[surface]]
+name = "mirror"
+grating = { kind = "flat", period_um = 1.0, pixels = 16 }
+[[surface]]
+name = "cd"
+grating = { kind = "lamellar", period_um = 1.6, height_um = 0.12, duty = 0.5, pixels = 64 }
+[optics]
+source_diameter_deg = 0.53
+[[preset]]
+name = "lobes"
+mode = "adaptive"
+terms = 19
+[[preset]]
+name = "fixed"
+mode = "adaptive"
+terms = 19
+coherence_um = 65
+coherence_scaling = "fixed"
+"#;
+
+const SUN: &str = r#"schema = 1
+[[light]]
+kind = "disc"
+direction = [20, 0]
+diameter_deg = 0.53
+"#;
+
+struct Place(tempfile::TempDir);
+
+impl Place {
+    fn new() -> Place {
+        let place = Place(tempfile::tempdir().unwrap());
+        place.put("plan.toml", PLAN);
+        place.put("sun.toml", SUN);
+        place.put("views.csv", "theta_r,phi_r\n0,0\n20,180\n50,180\n100,0\n");
+        place
+    }
+
+    fn put(&self, name: &str, text: &str) {
+        fs::write(self.0.path().join(name), text).unwrap();
+    }
+
+    fn run(&self, line: &str) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_diffraction"))
+            .args(line.split_whitespace())
+            .current_dir(self.0.path())
+            .output()
+            .unwrap()
+    }
+
+    /// Rows of numbers below the header.
+    fn rows(&self, line: &str) -> Vec<Vec<f64>> {
+        let done = self.run(line);
+        assert_eq!(done.status.code(), Some(0), "{line}: {}", said(&done));
+        let text = String::from_utf8(done.stdout).unwrap();
+        assert!(text.starts_with("theta_r,phi_r,X,Y,Z\n"), "{text}");
+        text.lines().skip(1).map(|l| l.split(',').map(|n| n.parse().unwrap()).collect()).collect()
+    }
+
+    fn refused(&self, line: &str, wanted: &str) {
+        let done = self.run(line);
+        assert_eq!(done.status.code(), Some(2), "{line}: {}", said(&done));
+        assert!(said(&done).contains(wanted), "{line}: {}", said(&done));
+    }
+}
+
+fn said(done: &Output) -> String {
+    String::from_utf8_lossy(&done.stderr).into_owned()
+}
+
+/// A mirror shows the sun's radiance times its reflectance of 4 %, where the sun is mirrored, and nothing elsewhere.
+#[test]
+fn a_mirror_shows_the_sun() {
+    let rows = Place::new().rows("eval --surface mirror --lights sun.toml --views views.csv");
+    let radius = 0.265_f64.to_radians();
+    let radiance = 0.04 / (std::f64::consts::PI * radius.sin().powi(2));
+    assert_eq!(rows.len(), 4);
+    assert!((rows[1][3] / radiance - 1.0).abs() < 0.02, "{rows:?} {radiance}");
+    for row in [0, 2, 3] {
+        assert_eq!(rows[row][2..], [0.0; 3], "{rows:?}");
+    }
+}
+
+/// Several lights add up; a light of one direction goes through the window, for the twin as for the reference.
+#[test]
+fn lights_add_up() {
+    let place = Place::new();
+    let direction = "[[light]]\nkind = \"direction\"\ndirection = [10, 40]\nirradiance = 2\n";
+    let sky = "[[light]]\nkind = \"sky\"\nradiance = 0.5\n";
+    place.put("direction.toml", &format!("schema = 1\n{direction}"));
+    place.put("sky.toml", &format!("schema = 1\n{sky}"));
+    place.put("all.toml", &format!("{SUN}{direction}{sky}"));
+    place.put("views.csv", "theta_r,phi_r\n0,0\n10,220\n10.4,220.1\n50,180\n");
+    let of = |name: &str, rest: &str| {
+        let line = format!("eval --surface cd --lights {name}.toml --views views.csv {rest}");
+        place.rows(&line).into_iter().map(|row| row[3]).collect::<Vec<_>>()
+    };
+    let (sun, one, sky, all) = (of("sun", ""), of("direction", ""), of("sky", ""), of("all", ""));
+    for i in 0..4 {
+        assert!((sun[i] + one[i] + sky[i] - all[i]).abs() < 1e-9 * all[i], "{i}");
+    }
+    let twin = of("direction", "--runner twin --variant lobes");
+    assert!(one[1] > 1.0 && (twin[1] / one[1] - 1.0).abs() < 0.05, "{one:?} {twin:?}");
+}
+
+#[test]
+fn what_has_no_meaning_is_refused() {
+    let place = Place::new();
+    let eval = "eval --surface cd --lights sun.toml --views views.csv";
+    place.refused(&format!("{eval} --runner twin --variant lobes"), "use --runner exact");
+    place.refused(&format!("{eval} --variant fixed"), "orders would carry energy");
+    place.refused(&format!("{eval} --wavelength-nm 550"), "cannot be used with");
+    place.refused("eval --surface cd --lights sun.toml", "--views");
+    place.refused("eval --surface cd --views views.csv", "--lights");
+    place.refused("eval --surface cd", "--directions");
+    place.refused(
+        "render --surface cd --lights sun.toml --light 20,0 --out a.png",
+        "cannot be used with",
+    );
+    place.put("views.csv", "theta_i,phi_i\n0,0\n");
+    place.refused(eval, "the header must be \"theta_r,phi_r\"");
+    place.put("views.csv", "theta_r,phi_r\n0,x\n");
+    place.refused(eval, "views.csv:2: phi_r = \"x\" is not a number");
+}
+
+#[test]
+fn a_map_under_lights_is_drawn() {
+    let place = Place::new();
+    let done =
+        place.run("render --surface cd --lights sun.toml --size 64 --exposure 1 --out a.png");
+    assert_eq!(done.status.code(), Some(0), "{}", said(&done));
+    let picture = image::open(place.0.path().join("a.png")).unwrap().to_rgb8();
+    let lit = picture.pixels().filter(|p| p.0.iter().any(|c| *c > 40)).count();
+    assert!((5..400).contains(&lit), "{lit}");
+}

@@ -1,0 +1,160 @@
+//! `lights.toml`: parsing, with the place of every error.
+
+use std::path::Path;
+
+use toml::de::DeTable;
+
+use crate::error::Error;
+use crate::optics::direction;
+use crate::plan::toml::{Item, Source, Table};
+
+use super::{Cap, Light, Lights, MAX_CORNERS, Polygon, PolygonFault};
+
+/// Maximum number of lights.
+const MAX_LIGHTS: usize = 64;
+
+/// Kinds of lights with their keys.
+const KINDS: [(&str, &[&str]); 4] = [
+    ("direction", &["direction", "irradiance"]),
+    ("disc", &["direction", "diameter_deg", "irradiance"]),
+    ("polygon", &["corners", "radiance"]),
+    ("sky", &["radiance"]),
+];
+
+/// Keys of every light.
+const COMMON: [&str; 2] = ["kind", "colour"];
+
+const EXAMPLE: &str = "a file of lights needs schema = 1 and at least one [[light]], such as kind = \"disc\", direction = [20, 0], diameter_deg = 0.53, irradiance = 1";
+
+impl Lights {
+    /// Checks the text of a `lights.toml`. `path` is its name in messages. Returns all errors, in the order of the text.
+    pub fn parse(text: &str, path: &Path) -> Result<Lights, Vec<Error>> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let source = Source::new(text, path.display());
+        let (document, faults) = DeTable::parse_recoverable(text);
+        if !faults.is_empty() {
+            source.fail_toml(&faults);
+            return Err(source.into_errors());
+        }
+        let lights = read(&Table::root(&source, document.get_ref()));
+        let errors = source.into_errors();
+        if errors.is_empty() { Ok(lights) } else { Err(errors) }
+    }
+}
+
+fn read(root: &Table) -> Lights {
+    root.only(&["schema", "light"]);
+    root.schema("the version of the format; write schema = 1");
+    let tables = root.tables("light");
+    if tables.is_empty() && root.get("light").is_none() {
+        root.source.fail_file("has no light", EXAMPLE);
+    }
+    if let (true, Some(item)) = (tables.len() > MAX_LIGHTS, root.get("light")) {
+        item.fail(format!("has more than {MAX_LIGHTS} lights"), "combine or remove lights");
+        return Lights { all: Vec::new() };
+    }
+    Lights { all: tables.iter().filter_map(light).collect() }
+}
+
+fn light(table: &Table) -> Option<Light> {
+    let kind = table.require("kind", "direction, disc, polygon or sky")?;
+    if kind.as_str() == Some("environment") {
+        kind.fail("is not supported yet", "use sky, discs and polygons");
+        return None;
+    }
+    let kinds = KINDS.map(|(name, keys)| (name, (name, keys)));
+    let (kind, keys) = kind.word(&kinds)?;
+    table.only(&[&COMMON, keys].concat());
+    white(table)?;
+    match kind {
+        "direction" => Some(Light::Direction {
+            direction: towards(table)?,
+            irradiance: power(table, "irradiance")?,
+        }),
+        "disc" => {
+            let item =
+                table.require("diameter_deg", "the diameter in degrees; the sun has 0.53")?;
+            let what = "the diameter in degrees; use a sky for a whole hemisphere";
+            let diameter =
+                item.number("from 0.001 to 179.9", what, |x| (1e-3..=179.9).contains(&x));
+            let irradiance = power(table, "irradiance")?;
+            let axis = towards(table)?;
+            Some(Light::Disc {
+                cap: Cap { axis, radius_rad: (0.5 * diameter?).to_radians() },
+                irradiance,
+            })
+        }
+        "polygon" => {
+            Some(Light::Polygon { polygon: polygon(table)?, radiance: power(table, "radiance")? })
+        }
+        _ => Some(Light::Sky { radiance: power(table, "radiance")? }),
+    }
+}
+
+/// Checks that the light is white.
+fn white(table: &Table) -> Option<()> {
+    let Some(item) = table.get("colour") else { return Some(()) };
+    let what = "linear sRGB; white, the colour of the illuminant, is [1, 1, 1]";
+    let channel = |item: &Item| item.number("at least 0", what, |x| x >= 0.0);
+    let channels: Vec<f64> = item.elements("three numbers")?.iter().filter_map(channel).collect();
+    match channels.as_slice() {
+        [1.0, 1.0, 1.0] => Some(()),
+        [_, _, _] => {
+            item.fail("is not white; coloured lights are not supported yet", "remove the key");
+            None
+        }
+        _ => {
+            item.fail("is not three numbers", what);
+            None
+        }
+    }
+}
+
+fn power(table: &Table, key: &str) -> Option<f64> {
+    let what = "1 is white of Y = 1 (radiance), or what a white diffuser shows as 1/π (irradiance)";
+    let Some(item) = table.get(key) else { return Some(1.0) };
+    item.number("from 0 to 1e6", what, |x| (0.0..=1e6).contains(&x))
+}
+
+fn towards(table: &Table) -> Option<glam::DVec3> {
+    let what = "[theta, phi] in degrees: theta from the normal, phi from the tangent";
+    angles(&table.require("direction", what)?)
+}
+
+fn angles(item: &Item) -> Option<glam::DVec3> {
+    let what = "[theta, phi] in degrees; theta is from 0 to 180";
+    let elements = item.elements("two numbers")?;
+    let [theta, phi] = elements.as_slice() else {
+        item.fail("is not two numbers", what);
+        return None;
+    };
+    let theta = theta.number("from 0 to 180", what, |x| (0.0..=180.0).contains(&x));
+    let phi = phi.number("from -360 to 360", what, |x| x.abs() <= 360.0);
+    Some(direction(theta?, phi?))
+}
+
+fn polygon(table: &Table) -> Option<Polygon> {
+    let what = "3 to 8 directions, such as [[10, 0], [30, 0], [30, 40]]";
+    let item = table.require("corners", what)?;
+    let elements = item.elements("directions")?;
+    if !(3..=MAX_CORNERS).contains(&elements.len()) {
+        item.fail(format!("has {} corners", elements.len()), what);
+        return None;
+    }
+    let corners: Vec<_> = elements.iter().filter_map(angles).collect();
+    if corners.len() < elements.len() {
+        return None;
+    }
+    let fault = match Polygon::new(&corners) {
+        Ok(polygon) => return Some(polygon),
+        Err(PolygonFault::Count) => what.to_owned(),
+        Err(PolygonFault::Coincide(one, other)) => {
+            format!("corners {one} and {other} coincide, or are opposite")
+        }
+        Err(PolygonFault::NotConvex(corner)) => {
+            format!("is not convex at corner {corner}, or is wider than a hemisphere")
+        }
+    };
+    item.fail(fault, "list the corners of a convex polygon in their order; divide other shapes into several lights");
+    None
+}

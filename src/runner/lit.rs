@@ -1,0 +1,73 @@
+//! A variant, or the exact reference, under the lights of a `lights.toml`.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use crate::error::{Error, Result};
+use crate::field::reference::Directions;
+use crate::light::Lights;
+use crate::optics;
+use crate::plan::{CoherenceScaling, Optics};
+use crate::variant::Form;
+
+use super::{Placement, Progress, Runner};
+
+/// Remedy of optics that lights with a size cannot have.
+const SCALING_REMEDY: &str =
+    "set coherence_scaling = \"wavelength\", or source_diameter_deg, in [optics]";
+
+/// Returns an error if lights with a size have no meaning under these optics.
+pub fn check_scaling(optics: &Optics, lights: &Lights) -> Result<()> {
+    match lights.with_size().next() {
+        Some(light) if optics.coherence_scaling == CoherenceScaling::Fixed => {
+            let cause = format!(
+                "a {} has a size, but a coherence length of {} µm at all wavelengths is no light of a fixed size: orders would carry energy in proportion to (λ/550 nm)²",
+                light.kind(),
+                optics.coherence_um
+            );
+            Err(Error::new("coherence_scaling = \"fixed\"", cause).remedy(SCALING_REMEDY))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Tristimulus values of the radiance towards viewers, relative to a white of radiance 1. `scale` is the radiance
+/// relative to a white diffuser per unit of the runner's result under one direction.
+///
+/// A light of one direction counts by `(s/π) E ρ`. `progress` counts viewers, once for each light.
+pub fn radiance_with(
+    runner: &dyn Runner,
+    scale: f64,
+    lights: &Lights,
+    views: &[DVec3],
+    progress: Progress<'_>,
+) -> Result<Vec<[f64; 3]>> {
+    let mut sum = vec![[0.0; 3]; views.len()];
+    let mut add = |colours: Vec<[f64; 3]>, factor: f64| {
+        for (sum, colour) in sum.iter_mut().zip(colours) {
+            *sum = std::array::from_fn(|c| sum[c] + factor * colour[c]);
+        }
+    };
+    for (wi, irradiance) in lights.directions() {
+        let directions: Vec<Directions> = views.iter().map(|&wr| Directions { wi, wr }).collect();
+        add(runner.tristimulus_with(&directions, progress)?, scale / PI * irradiance);
+    }
+    for light in lights.with_size() {
+        add(runner.under(light, views, progress)?, 1.0);
+    }
+    Ok(sum)
+}
+
+/// The `scale` of [`radiance_with`] for the exact reference.
+pub fn exact_scale(optics: &Optics) -> f64 {
+    optics::diffuser_scale(optics)
+}
+
+/// The `scale` of [`radiance_with`] for a variant. It is an error if the unit of its result is arbitrary.
+pub fn variant_scale(Placement { height, variant, .. }: Placement<'_>) -> Result<f64> {
+    Form::new(variant, height)?.diffuser_scale(&variant.optics).ok_or_else(|| {
+        Error::new(&variant.name, "the unit of its result is arbitrary, so it has no radiance")
+            .remedy("choose another variant")
+    })
+}
