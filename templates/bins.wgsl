@@ -48,9 +48,11 @@ fn bin_amplitude(bin: vec2i, place: f32) -> vec2f {
 fn bin_amplitude(bin: vec2i, tau: f32) -> vec2f {
     let texel = bin + vec2i(CENTRE_COLUMN, CENTRE_ROW);
 #ifdef PAIRED
-    // even and odd powers side by side; four layers in a step, since some drivers limit the steps of all loops
+    // even and odd powers side by side
     let tau_squared = tau * tau;
     var sum = vec4f(0.0);
+#ifdef LONG_LOOPS
+    // four layers in a step, since some drivers limit the steps of all loops
     if (WHOLE_LAYERS + 2 < LAYER_COUNT) {
         sum = textureLoad(terms, texel, WHOLE_LAYERS + 2, 0);
     }
@@ -66,6 +68,11 @@ fn bin_amplitude(bin: vec2i, tau: f32) -> vec2f {
         sum = sum * tau_squared + textureLoad(terms, texel, layer + 1, 0);
         sum = sum * tau_squared + textureLoad(terms, texel, layer, 0);
     }
+#else
+    for (var layer = LAYER_COUNT - 1; layer >= 0; layer--) {
+        sum = sum * tau_squared + textureLoad(terms, texel, layer, 0);
+    }
+#endif
     return sum.xy + tau * sum.zw;
 #else
     var sum = vec2f(0.0);

@@ -15,16 +15,27 @@ use crate::variant::{Form, Ground};
 pub const ROOT: &str = "shader";
 
 /// Flags that forms may set.
-const FLAGS: [&str; 8] = [
+const FLAGS: [&str; 9] = [
     "COHERENCE_SCALES",
     "ENSEMBLE",
     "HALF",
+    "LONG_LOOPS",
     "MONOCHROMATIC",
     "PAIRED",
     "PREFILTERED",
     "TABULATED",
     "THESIS_LOOP",
 ];
+
+/// Number of texels of the term table up to which each is read in a step of a loop of its own. OpenGL of llvmpipe ends the
+/// loops of a shader after 65,535 steps in all. With more texels in a step a shader has fewer steps, but it is up to half
+/// slower on that driver.
+const MAX_STEPS: u64 = 1 << 15;
+
+/// Number of texels of the term table that a step of the innermost loop reads.
+pub fn texels_per_step(form: &Form) -> u64 {
+    if form.cost().term_fetches > MAX_STEPS { 4 } else { 1 }
+}
 
 /// Flags and constants of the templates. All numbers are configured numbers, counts or sizes. They never come from a
 /// transform or a transcendental function, whose results differ between processors, while the text must be the same
@@ -42,6 +53,7 @@ pub fn defines(variant: &Variant, form: &Form, rotate_deg: f64, wavelengths: usi
     defines.flag("FILTERED", form.filters());
     defines.flag("ROTATED", rotate_deg != 0.0);
     optics::define(&variant.optics, &mut defines);
+    defines.flag("LONG_LOOPS", texels_per_step(form) > 1);
     form.define(wavelengths, &mut defines);
     defines
 }

@@ -1,5 +1,7 @@
 //! Known limits of drivers that make a right shader give wrong colours without an error: one table.
 
+use diffraction_shaders::shader::specialise::texels_per_step;
+
 use super::driver::Prepared;
 
 /// A limit that a driver keeps without a word.
@@ -77,11 +79,11 @@ pub(super) fn likely_cause(route: &str, prepared: &Prepared<'_>) -> String {
 }
 
 /// About how often a pixel goes around all its loops, the ends included: for each evaluation of an amplitude once, and
-/// once for every four layers of terms.
+/// once for every layer of terms, or every four of them.
 fn loop_steps(prepared: &Prepared<'_>) -> u64 {
     let cost = prepared.form.cost();
     let taps = prepared.form.window_radius().map_or(1, |radius| u64::from(2 * radius + 1).pow(2));
-    cost.evaluations * (2 + 2 * taps) + cost.term_fetches / 4
+    cost.evaluations * (2 + 2 * taps) + cost.term_fetches / texels_per_step(&prepared.form)
 }
 
 /// Bytes of the largest table.
