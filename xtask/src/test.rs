@@ -1,11 +1,12 @@
 //! `cargo xtask test`: installs what the tests need, then runs all checks and tests.
 
+mod deny;
 mod modules;
 mod setup;
 
 use std::{
     ffi::{OsStr, OsString},
-    path::Path,
+    path::{Path, PathBuf},
     process::{Command, ExitCode},
     time::{Duration, Instant},
 };
@@ -16,7 +17,8 @@ use crate::root;
 ///
 /// Missing packages (software drivers, validators, Chromium, node, Python) are installed with apt-get, if that needs no password.
 /// npm installs the gallery's libraries, and pip those of the Python example, of `import` and of `validate`, all into folders of
-/// the workspace. Then formatting, lints, documentation and tests run, all of them even if one fails.
+/// the workspace. cargo-deny is built there, too. Then formatting, lints, documentation, tests and the check of dependencies run, all
+/// of them even if one fails.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   cargo xtask test
@@ -43,15 +45,17 @@ pub fn run(args: &Args) -> anyhow::Result<ExitCode> {
         return Ok(ExitCode::from(2));
     }
     let mut done = vec![Done { name: "setup", outcome: Outcome::Passed, time: begun.elapsed() }];
-    for step in steps(&args.cargo_test) {
-        eprintln!("\n== {}: cargo {}", step.name, step.arguments.join(OsStr::new(" ")).display());
+    for step in steps(root, &args.cargo_test) {
+        let program = step.program.file_name().unwrap_or(step.program.as_os_str());
+        let arguments = step.arguments.join(OsStr::new(" "));
+        eprintln!("\n== {}: {} {}", step.name, program.display(), arguments.display());
         let begun = Instant::now();
         let status = step.command(root, !args.no_setup).status();
         let outcome = match status {
             Ok(status) if status.success() => Outcome::Passed,
             Ok(_) => Outcome::Failed,
             Err(e) => {
-                eprintln!("{}: cargo cannot be started: {e}", step.name);
+                eprintln!("{}: {} cannot be started: {e}", step.name, program.display());
                 Outcome::NotRun
             }
         };
@@ -65,16 +69,17 @@ pub fn run(args: &Args) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::from(exit_code(&done)))
 }
 
-/// One call of cargo.
+/// One call of a program.
 struct Step {
     name: &'static str,
+    program: PathBuf,
     arguments: Vec<OsString>,
     environment: &'static [(&'static str, &'static str)],
 }
 
 impl Step {
     fn command(&self, root: &Path, tools_required: bool) -> Command {
-        let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+        let mut command = Command::new(&self.program);
         command.args(&self.arguments).current_dir(root).envs(self.environment.iter().copied());
         if tools_required {
             command.env("DIFFRACTION_REQUIRE_TOOLS", "1");
@@ -83,11 +88,13 @@ impl Step {
     }
 }
 
-/// The steps. All except formatting share one profile and all crates, so that each dependency is built once.
-fn steps(cargo_test: &[OsString]) -> Vec<Step> {
+/// The steps. All of cargo except formatting share one profile and all crates, so that each dependency is built once.
+fn steps(root: &Path, cargo_test: &[OsString]) -> Vec<Step> {
     let shared = "--release --workspace";
+    let cargo = PathBuf::from(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     let step = |name, command: &str, rest: &str| Step {
         name,
+        program: cargo.clone(),
         arguments: format!("{command} {rest}").split_whitespace().map(OsString::from).collect(),
         environment: &[],
     };
@@ -103,13 +110,18 @@ fn steps(cargo_test: &[OsString]) -> Vec<Step> {
     ];
     let mut doc = step("documentation", "doc", &format!("{shared} --no-deps"));
     doc.environment = &[("RUSTDOCFLAGS", "-D warnings")];
-    vec![
+    let dependencies =
+        Step { program: deny::program(root), ..step("dependencies", "", deny::ARGUMENTS) };
+    // without the setup it may be missing
+    let dependencies = dependencies.program.is_file().then_some(dependencies);
+    let own = [
         step("formatting", "fmt", "--all -- --check"),
         step("lints", "clippy", &format!("{shared} --all-targets -- -D warnings")),
         doc,
         build,
         test,
-    ]
+    ];
+    own.into_iter().chain(dependencies).collect()
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -178,7 +190,7 @@ mod tests {
 
     #[test]
     fn further_arguments_go_to_cargo_test() {
-        let steps = steps(&["--test".into(), "gpu".into()]);
+        let steps = steps(Path::new("."), &["--test".into(), "gpu".into()]);
         let with: Vec<_> = steps
             .iter()
             .filter(|s| s.arguments.contains(&"--workspace".into()))

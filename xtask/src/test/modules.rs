@@ -62,7 +62,7 @@ fn unless_done(
 }
 
 /// Runs a program with its output on stderr. Returns whether it succeeded.
-fn call<const N: usize>(
+pub(super) fn call<const N: usize>(
     folder: &Path,
     program: impl AsRef<OsStr>,
     arguments: [&str; N],

@@ -1,6 +1,6 @@
 //! Installs the Debian packages that the tests need, if that needs no password; then the libraries of npm and pip.
 
-use super::modules;
+use super::{deny, modules};
 use std::{
     env, fs,
     path::{Path, PathBuf},
@@ -19,7 +19,11 @@ pub enum Outcome {
 /// Installs missing packages. `root` is the workspace.
 pub fn run(root: &Path) -> anyhow::Result<Outcome> {
     match packages() {
-        Outcome::Ready => modules::run(root),
+        Outcome::Ready => {}
+        Outcome::Missing => return Ok(Outcome::Missing),
+    }
+    match modules::run(root)? {
+        Outcome::Ready => deny::install(root),
         Outcome::Missing => Ok(Outcome::Missing),
     }
 }
