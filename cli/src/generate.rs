@@ -140,9 +140,9 @@ fn run_with(
     };
     let cache = match (&spilled, &program) {
         (None, Some(program)) => unchanged::cache(caches, program),
-        (spilled, _) => spilled.as_ref().map_or(PathBuf::new(), |s| s.path().to_owned()),
+        (spilled, _) => spilled.as_ref().map_or_else(PathBuf::new, |s| s.path().to_owned()),
     };
-    let cancel = interrupt::install(&args.out, spilled.as_ref().map(tempfile::TempDir::path))?;
+    let cancel = interrupt::install(&args.out)?;
     let plan = args.plan.read(console)?;
     let mut selection = select(args, &plan, cache)?;
     if selection.is_whole && spilled.is_none() && !args.check {

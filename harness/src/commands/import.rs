@@ -13,6 +13,7 @@ use anyhow::{Result, anyhow, bail};
 use diffraction_cli::Outcome;
 use diffraction_cli::console::Console;
 use diffraction_cli::files::write_whole;
+use diffraction_cli::interrupt::TemporaryFolder;
 use diffraction_shaders::error::Error;
 use diffraction_shaders::{Plan, input};
 
@@ -129,7 +130,7 @@ fn place(args: &Args, file: &Path) -> Result<PathBuf> {
 }
 
 fn import(args: &Args, python: &Path, file: &Path, output: &Path) -> Result<Facts> {
-    let place = tempfile::tempdir()?;
+    let place = TemporaryFolder::new()?;
     let field = place.path().join("field.gsf");
     let mut command = python::command(python, SCRIPT);
     // a relative name might look like an option

@@ -97,6 +97,10 @@ impl Built<'_> {
         let known: BTreeSet<String> = package.files().keys().cloned().collect();
         for (spec, id) in self.tables.iter().zip(&self.ids) {
             (work.go_on)()?;
+            if !package.files().contains_key(&self.table_path(id)) {
+                // a new table is not the one in memory, which only takes space from now on
+                *last = None;
+            }
             self.insert_table(spec, id, work, package, baked)?;
         }
         let (surface, variant) = (self.surface.name(), &self.variant.name);
@@ -160,7 +164,7 @@ impl Built<'_> {
                 baked(columns, spec.axes.columns as usize);
             }
         };
-        let make = || Ok(spec.compute_with(self.surface.field, &done)?.bytes());
+        let make = || spec.bytes_with(self.surface.field, &done);
         let content = if spec.is_expensive() {
             Cache(work.cache).content(id, table.byte_count(), make)?
         } else {
@@ -251,8 +255,7 @@ impl Built<'_> {
         }
         *last = None;
         if let Some(file) = package.files().get(path) {
-            let table = spec.shape().with_bytes(&file.content.read()?);
-            *last = Some((path.to_owned(), table));
+            *last = Some((path.to_owned(), file.content.table(spec.shape())?));
         }
         Ok(())
     }

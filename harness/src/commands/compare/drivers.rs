@@ -34,7 +34,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         true => Log::begin(&args.out, |record| matches!(record, Record::Gap(_)))?,
         false => Log::begin(&args.out, mine)?,
     };
-    interrupt::install(&args.out, None)?;
+    interrupt::install(&args.out)?;
     let mut recorder = Recorder::new(&args.out, log, known, args.json, console);
     missing.into_iter().try_for_each(|gap| recorder.record(Record::Gap(gap)))?;
     let exposure = match args.exposure {

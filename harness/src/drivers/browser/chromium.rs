@@ -8,6 +8,10 @@ use std::time::{Duration, Instant};
 
 use diffraction_shaders::error::{Error, Result};
 
+use diffraction_cli::interrupt::BeforeExit;
+
+use crate::process::ended_with_us;
+
 use super::failure::failure;
 use super::user_folder::UserFolder;
 
@@ -47,6 +51,7 @@ const FLAGS: &[&str] = &[
 pub(super) struct Chromium {
     child: Child,
     profile: UserFolder,
+    _ended: BeforeExit,
 }
 
 impl Chromium {
@@ -56,7 +61,10 @@ impl Chromium {
         let usual = PROGRAMS.map(Path::new);
         for candidate in program.as_ref().map_or(usual.as_slice(), std::slice::from_ref) {
             match spawn(candidate, flags, address, profile.path()) {
-                Ok(child) => return Ok(Chromium { child, profile }),
+                Ok(child) => {
+                    let ended = ended_with_us(&child);
+                    return Ok(Chromium { child, profile, _ended: ended });
+                }
                 Err(e) if e.kind() == io::ErrorKind::NotFound => {}
                 Err(e) => {
                     let cause = format!("{} cannot be started", candidate.display());
@@ -148,6 +156,10 @@ fn spawn(program: &Path, flags: &[&str], address: &str, profile: &Path) -> io::R
     let mut folder = std::ffi::OsString::from("--user-data-dir=");
     folder.push(profile);
     command.arg(folder).arg(address);
+    // what the browser puts into the system's folder of temporary files would stay if it is killed
+    let temporary = profile.join("tmp");
+    fs::create_dir_all(&temporary)?;
+    command.env("TMPDIR", temporary);
     let log = File::create(profile.join(LOG))?;
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(log);
     #[cfg(unix)]
