@@ -151,6 +151,12 @@ impl SurfaceInput {
         &self.identity
     }
 
+    /// Bytes of memory that it takes: the file, and the heights once they are decoded.
+    pub fn held_bytes(&self) -> u64 {
+        let heights = self.prepared.get().map_or(0, |(surface, _)| surface.field.byte_count());
+        self.bytes.as_ref().map_or(0, Vec::len) as u64 + heights
+    }
+
     /// The prepared heights. They are decoded only once.
     pub fn surface(&self) -> Result<&Surface> {
         self.surface_with_origin().map(|(surface, _)| surface)

@@ -3,6 +3,7 @@
 mod canvas;
 mod font;
 mod heights;
+pub mod memory;
 mod plot;
 mod spectrum;
 mod window;

@@ -28,7 +28,7 @@ use crate::tables::terms::Terms;
 pub use axes::{Aim, BEND, BakedAxes, octant};
 pub use corridor::{BROADEST, Corridor, LobeGeometry, MIN_SQUARED, OUTER_NODES, REACH_SIGMAS};
 pub use meaning::{Meaning, NODE_LEVELS};
-pub use period::strongest_period_um;
+pub use period::{strongest_period_bytes, strongest_period_um};
 pub use series::{Choice, LaidExpansion, Reach, Series};
 pub use spec::*;
 

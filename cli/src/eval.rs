@@ -10,6 +10,7 @@ use diffraction_shaders::optics::gain;
 use crate::Outcome;
 use crate::args::{Runner, RunnerArgs, SurfaceArgs, wavelength_nm};
 use crate::console::Console;
+use crate::memory::MemoryArgs;
 use crate::progress;
 use crate::runners::{Drivers, Job};
 
@@ -31,6 +32,8 @@ The output is CSV: the same columns, then X,Y,Z, the CIE tristimulus values rela
 pub struct Args {
     #[command(flatten)]
     surface: SurfaceArgs,
+    #[command(flatten)]
+    memory: MemoryArgs,
     /// What computes the colours.
     #[command(flatten)]
     pub runner: RunnerArgs,
@@ -44,7 +47,7 @@ pub struct Args {
 
 /// Runs the command.
 pub fn run(args: &Args, console: &Console, drivers: Drivers) -> Result<Outcome> {
-    let job = Job::new(&args.surface, &args.runner, console)?;
+    let job = Job::new(&args.surface, &args.runner, &args.memory, console)?;
     let angles = read_directions(&args.directions)?;
     let directions: Vec<Directions> = angles.iter().map(|a| Directions::from_degrees(*a)).collect();
     let runner = job.runner(&args.runner, drivers)?;

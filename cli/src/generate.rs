@@ -11,6 +11,7 @@ use diffraction_shaders::plan::{Plan, Target, Variant};
 use crate::Outcome;
 use crate::args::PlanArgs;
 use crate::console::Console;
+use crate::memory::MemoryArgs;
 use crate::program::spoken;
 use crate::unchanged::{self, Expected};
 use crate::{interrupt, progress};
@@ -45,6 +46,8 @@ pub(crate) struct Args {
     /// Number of threads, at most 1024. Default: one for each core.
     #[arg(long, value_name = "N", value_parser = jobs)]
     jobs: Option<usize>,
+    #[command(flatten)]
+    memory: MemoryArgs,
     /// Do not use the cache of finished tables.
     #[arg(long)]
     no_cache: bool,
@@ -67,6 +70,8 @@ pub(crate) struct Selection {
     pub(crate) is_whole: bool,
     /// Folder of the tables until they are written: the cache, or a folder of this run.
     pub(crate) cache: PathBuf,
+    /// Bytes of memory that may be taken.
+    pub(crate) memory: u64,
     /// Hash of this program, if a folder that already has the package may be left unchanged.
     pub(crate) program: Option<String>,
 }
@@ -85,7 +90,8 @@ fn build(
     let mut compiler = Compiler::new(plan)
         .variants(&selection.variants)
         .targets(&selection.targets)
-        .cache(&selection.cache);
+        .cache(&selection.cache)
+        .memory_budget(selection.memory);
     if !selection.is_whole {
         compiler = compiler.rest_from(out);
     }
@@ -188,6 +194,7 @@ fn select(args: &Args, plan: &Plan, cache: PathBuf) -> Result<Selection> {
         is_whole: args.variant.is_empty() && targets.is_empty(),
         targets: if targets.is_empty() { plan.targets.clone() } else { targets },
         cache,
+        memory: args.memory.budget(),
         program: None,
     })
 }

@@ -17,6 +17,7 @@ pub mod harness;
 mod inspect;
 pub mod interrupt;
 pub mod list;
+pub mod memory;
 pub mod program;
 pub mod progress;
 pub mod render;

@@ -11,6 +11,7 @@ use diffraction_shaders::runner::rounded;
 use crate::Outcome;
 use crate::args::{Exposure, Light, Runner, RunnerArgs, SurfaceArgs};
 use crate::console::Console;
+use crate::memory::MemoryArgs;
 use crate::files::write_whole;
 use crate::progress;
 use crate::runners::{Drivers, Job};
@@ -29,6 +30,8 @@ centre looks along the normal, the rim grazes the surface. Outside of the disc a
 pub struct Args {
     #[command(flatten)]
     surface: SurfaceArgs,
+    #[command(flatten)]
+    memory: MemoryArgs,
     /// What computes the colours.
     #[command(flatten)]
     pub runner: RunnerArgs,
@@ -55,7 +58,7 @@ enum Format {
 /// Runs the command.
 pub fn run(args: &Args, console: &Console, drivers: Drivers) -> Result<Outcome> {
     let format = format(&args.out)?;
-    let job = Job::new(&args.surface, &args.runner, console)?;
+    let job = Job::new(&args.surface, &args.runner, &args.memory, console)?;
     let runner = job.runner(&args.runner, drivers)?;
     let size = args.size as usize;
     let light = direction(args.light.theta_deg, args.light.phi_deg);

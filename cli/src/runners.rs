@@ -1,6 +1,7 @@
 //! From options to a runner, which evaluates a variant on a surface.
 
 use anyhow::{Result, bail};
+use diffraction_shaders::field::reference::Reference;
 use diffraction_shaders::input;
 use diffraction_shaders::plan::{Plan, SurfaceSpec, Variant};
 use diffraction_shaders::runner::{Exact, Placement, Runner, TwinRunner};
@@ -8,6 +9,7 @@ use diffraction_shaders::surface::{self, Surface};
 
 use crate::args::{Runner as Kind, RunnerArgs, SurfaceArgs};
 use crate::console::Console;
+use crate::memory::{self, MemoryArgs};
 
 /// Opens a runner on a driver.
 pub type Drivers = for<'a> fn(Placement<'a>, &RunnerArgs) -> Result<Box<dyn Runner + 'a>>;
@@ -28,8 +30,13 @@ pub struct Job {
 }
 
 impl Job {
-    /// Reads plan and surface, and checks that the pitch resolves the shortest wavelength.
-    pub fn new(surface: &SurfaceArgs, runner: &RunnerArgs, console: &Console) -> Result<Job> {
+    /// Reads plan and surface, and checks that the pitch resolves the shortest wavelength, and that there is memory enough.
+    pub fn new(
+        surface: &SurfaceArgs,
+        runner: &RunnerArgs,
+        budget: &MemoryArgs,
+        console: &Console,
+    ) -> Result<Job> {
         let plan: Plan = surface.plan.read(console)?;
         let spec = plan.surface(&surface.surface)?.clone();
         let plan = plan.on(&spec);
@@ -45,6 +52,13 @@ impl Job {
         let surface = input::load_surface(&spec)?;
         surface.notes.iter().for_each(|note| console.note(note));
         surface.field.check_pitch(&surface::subject(&spec), min_nm)?;
+        let needed = match runner.runner {
+            Kind::Exact => Reference::working_bytes(&surface.field, &variant.optics),
+            Kind::Twin => memory::of(&surface.field, &variant)?.to_evaluate(),
+            _ => memory::of(&surface.field, &variant)?.to_check_and_draw(),
+        };
+        let name = if runner.runner == Kind::Exact { "exact" } else { &variant.name };
+        budget.check(&spec.name, name, surface.field.byte_count(), needed)?;
         Ok(Job { spec, surface, variant })
     }
 

@@ -55,15 +55,7 @@ impl Reference {
             longest = longest.max(uvw.z);
             widest = widest.max(uvw.truncate().length());
         }
-        let k = |nm: f64| TAU / (nm * 1e-3);
-        let sigma_um = [min_nm, max_nm].map(|nm| optics::window_sigma_um(optics, nm));
-        let domain = Domain {
-            coherence: optics.coherence,
-            sigma_um: (sigma_um[0].min(sigma_um[1]), sigma_um[0].max(sigma_um[1])),
-            // z = k w with w = -(cos θi + cos θr)
-            z: (-k(min_nm) * longest.max(shortest), -k(max_nm) * shortest.min(longest)),
-            reach_cpum: widest / (min_nm * 1e-3),
-        };
+        let domain = domain(optics, (min_nm, max_nm), [shortest, longest, widest]);
         let subject = format!("surface of {} × {} pixels", height.columns(), height.rows());
         let bytes = Field::bytes_needed(height, &domain);
         if bytes > MAX_BYTES {
@@ -76,6 +68,12 @@ impl Reference {
         let spectrum = Spectrum::new(&optics.illuminant)?;
         let field = Field::new(height, &domain);
         Ok(Reference { field, spectrum, optics: optics.clone(), rotate_deg, coarsest_step_nm: 1.0 })
+    }
+
+    /// Bytes that the reference takes at most for colours of any directions, beside the heights: an estimate.
+    pub fn working_bytes(height: &HeightField, optics: &Optics) -> u64 {
+        let anywhere = domain(optics, Reference::VISIBLE_NM, [0.0, 2.0, 2.0]);
+        Field::working_bytes(height, &anywhere)
     }
 
     /// The colour range of the tables, 380–780 nm: what the reference always integrates.
@@ -156,6 +154,24 @@ impl Reference {
             step_nm *= 0.5;
         }
         1.0 / step_nm
+    }
+}
+
+/// What a field must cover. `shortest` and `longest` are the extreme sums of the directions' cosines, `widest` is the maximum of
+/// `|(u, v)|`.
+fn domain(
+    optics: &Optics,
+    (min_nm, max_nm): (f64, f64),
+    [shortest, longest, widest]: [f64; 3],
+) -> Domain {
+    let k = |nm: f64| TAU / (nm * 1e-3);
+    let sigma_um = [min_nm, max_nm].map(|nm| optics::window_sigma_um(optics, nm));
+    Domain {
+        coherence: optics.coherence,
+        sigma_um: (sigma_um[0].min(sigma_um[1]), sigma_um[0].max(sigma_um[1])),
+        // z = k w with w = -(cos θi + cos θr)
+        z: (-k(min_nm) * longest.max(shortest), -k(max_nm) * shortest.min(longest)),
+        reach_cpum: widest / (min_nm * 1e-3),
     }
 }
 

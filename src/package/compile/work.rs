@@ -30,8 +30,17 @@ pub(super) struct Work<'a> {
     pub(super) cache: Option<&'a Path>,
     /// Which files are left as they are in the output folder: by path and target.
     pub(super) keep: &'a (dyn Fn(&str, Target) -> bool + Sync),
+    /// Bytes of memory that may be taken.
+    pub(super) memory: u64,
     /// Fails once the caller has given up.
     pub(super) go_on: &'a (dyn Fn() -> Result<(), Error> + Sync),
+}
+
+impl Work<'_> {
+    /// Bytes of all surfaces that are read.
+    pub(super) fn held_bytes(&self) -> u64 {
+        self.surfaces.iter().map(SurfaceInput::held_bytes).sum()
+    }
 }
 
 /// The variants that are for a surface as they are there, and those that cannot be.
