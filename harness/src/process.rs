@@ -3,6 +3,7 @@
 mod glslang;
 mod output;
 mod tools;
+pub mod watched;
 
 use std::{
     env, fmt, fs, io,

@@ -263,12 +263,27 @@ impl Log {
     /// Begins a run with results of some kinds, selected by `mine`. Earlier results of these kinds are removed from the file; the
     /// whole old file is kept as [`OLD`] beside it. Returns the log and the remaining results.
     pub fn begin(folder: &Path, mine: impl Fn(&Record) -> bool) -> Result<(Log, Vec<Record>)> {
+        Log::without(folder, mine, true)
+    }
+
+    /// Goes on with a run that was cut short, without the results that it has to measure again. Keeps no copy of the file.
+    pub fn go_on(folder: &Path, again: impl Fn(&Record) -> bool) -> Result<(Log, Vec<Record>)> {
+        Log::without(folder, again, false)
+    }
+
+    fn without(
+        folder: &Path,
+        mine: impl Fn(&Record) -> bool,
+        copy: bool,
+    ) -> Result<(Log, Vec<Record>)> {
         let path = folder.join(FILE);
         let fail = |e: std::io::Error| Error::new(path.display(), e);
         std::fs::create_dir_all(folder).map_err(fail)?;
         let mut records = if path.exists() { read(&path)? } else { Vec::new() };
         if records.iter().any(&mine) {
-            std::fs::copy(&path, folder.join(OLD)).map_err(fail)?;
+            if copy {
+                std::fs::copy(&path, folder.join(OLD)).map_err(fail)?;
+            }
             records.retain(|record| !mine(record));
             let partial = folder.join(format!("{FILE}.tmp-{}", std::process::id()));
             let text: String = records.iter().map(line).collect::<Result<_>>()?;

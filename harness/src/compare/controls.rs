@@ -23,6 +23,7 @@ use diffraction_shaders::tables::Table;
 use diffraction_shaders::variant::{Part, Tolerance};
 
 use crate::drivers::Prepared;
+use crate::process::watched::{Place, child::enter};
 use crate::drivers::routes::Route;
 use crate::results::{self, Record};
 
@@ -179,6 +180,12 @@ pub(super) fn run(route: &dyn Route, sink: &mut dyn Sink) -> Result<u32> {
         }
         let variant = variant(control.mode, control.filtered);
         let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
+        enter(Place {
+            route: route.name(),
+            surface: Some(SURFACE.to_owned()),
+            variant: Some(control.name.to_owned()),
+            light: Some(LIGHT),
+        });
         match control.record(placement, route, &mut rights) {
             Ok(record) => sink.record(Record::Control(record))?,
             Err(error) => {

@@ -13,6 +13,7 @@ use glam::DVec3;
 use serde_json::Value;
 
 use crate::drivers::Prepared;
+use crate::process::watched::{Place, child::enter};
 use crate::drivers::routes::Route;
 use crate::results::{Compare, MapColours, Part, Record};
 
@@ -75,6 +76,12 @@ pub(super) fn run(
     for (route, failures) in routes.iter().zip(failures) {
         if let Some(route) = route {
             let name = route.name();
+            enter(Place {
+                route: name.clone(),
+                surface: Some(unit.unit.surface.to_owned()),
+                variant: Some(unit.unit.variant.name.clone()),
+                light: Some(unit.unit.light),
+            });
             match truth.ask(route.runner(prepared.clone()).as_ref(), unit.unit.size) {
                 Ok(colours) => {
                     *failures = 0;

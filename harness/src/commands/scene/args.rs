@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use anyhow::{Result, bail};
 use diffraction_cli::args::PlanArgs;
+use diffraction_cli::memory::MemoryArgs;
 
 const EXAMPLE: &str = "Examples:
   cargo xtask scene --plan plans/scene.toml --surface fingers --variant lamp --out snake.png
@@ -28,6 +29,8 @@ A PNG is tone-mapped: colours are multiplied by --exposure, negative components 
 pub(crate) struct Args {
     #[command(flatten)]
     pub(crate) plan: PlanArgs,
+    #[command(flatten)]
+    pub(crate) memory: MemoryArgs,
     /// Name of the surface for the skin. Several, separated by commas, give pictures side by side.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', required = true)]
     pub(crate) surface: Vec<String>,
