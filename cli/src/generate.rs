@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::{Context, Result};
+use diffraction_shaders::error::shell_path;
 use diffraction_shaders::package::compile::{Compiler, Step};
 use diffraction_shaders::package::{self, Package, Report, Stamp};
 use diffraction_shaders::plan::{Plan, Target, Variant};
@@ -181,7 +182,8 @@ fn run_with(
     let (out, files) = (args.out.display(), written.files);
     console.note(&format!("{out}: {files} files, {mib:.1} MiB"));
     console.note(&format!(
-        "next: cargo xtask validate {out}; cargo xtask list prints the cost of each variant"
+        "next: cargo xtask validate {}; cargo xtask list prints the cost of each variant",
+        shell_path(&args.out)
     ));
     Ok(Outcome::Done)
 }
@@ -218,7 +220,7 @@ fn stale_text(report: &Report, args: &Args) -> String {
         );
     }
     if report.is_stale() {
-        let (plan, out) = (args.plan.plan.display(), args.out.display());
+        let (plan, out) = (shell_path(&args.plan.plan), shell_path(&args.out));
         text += &format!("to mend: cargo xtask generate --plan {plan} --out {out}\n");
     }
     text

@@ -68,8 +68,7 @@ fn costs(plan: &Plan, console: &Console) -> Costs {
     let mut held = 0;
     for spec in &plan.surfaces {
         // the plan can be listed without the heights
-        let unknown =
-            |error: &Error| console.note(&format!("costs are unknown: {error}"));
+        let unknown = |error: &Error| console.note(&format!("costs are unknown: {error}"));
         let read = match SurfaceInput::read(spec) {
             Ok(read) => read,
             Err(error) => {
@@ -275,7 +274,9 @@ fn cost_table(plan: &Plan, costs: &Costs) -> String {
     for variant in &plan.variants {
         let begin = rows.len();
         for surface in &plan.surfaces {
-            let Some(On { form: on, peak_bytes, .. }) = costs.get(&(variant.name.clone(), surface.name.clone())) else {
+            let Some(On { form: on, peak_bytes, .. }) =
+                costs.get(&(variant.name.clone(), surface.name.clone()))
+            else {
                 continue;
             };
             let cost = on.cost();

@@ -1,8 +1,8 @@
 //! How much memory a command may take.
 
 use diffraction_shaders::plan::Variant;
-use diffraction_shaders::survey::memory::{Memory, around_bytes, within_budget};
 use diffraction_shaders::surface::HeightField;
+use diffraction_shaders::survey::memory::{Memory, around_bytes, within_budget};
 use diffraction_shaders::variant::Form;
 use sysinfo::System;
 

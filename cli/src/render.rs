@@ -11,8 +11,8 @@ use diffraction_shaders::runner::rounded;
 use crate::Outcome;
 use crate::args::{Exposure, Light, Runner, RunnerArgs, SurfaceArgs};
 use crate::console::Console;
-use crate::memory::MemoryArgs;
 use crate::files::write_whole;
+use crate::memory::MemoryArgs;
 use crate::progress;
 use crate::runners::{Drivers, Job};
 

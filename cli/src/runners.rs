@@ -1,7 +1,7 @@
 //! From options to a runner, which evaluates a variant on a surface.
 
 use anyhow::{Result, bail};
-use diffraction_shaders::field::reference::Reference;
+use diffraction_shaders::field::reference::{Reference, Span};
 use diffraction_shaders::input;
 use diffraction_shaders::plan::{Plan, SurfaceSpec, Variant};
 use diffraction_shaders::runner::{Exact, Placement, Runner, TwinRunner};
@@ -53,7 +53,9 @@ impl Job {
         surface.notes.iter().for_each(|note| console.note(note));
         surface.field.check_pitch(&surface::subject(&spec), min_nm)?;
         let needed = match runner.runner {
-            Kind::Exact => Reference::working_bytes(&surface.field, &variant.optics),
+            Kind::Exact => {
+                Reference::working_bytes(&surface.field, &variant.optics, Span::ANYWHERE)
+            }
             Kind::Twin => memory::of(&surface.field, &variant)?.to_evaluate(),
             _ => memory::of(&surface.field, &variant)?.to_check_and_draw(),
         };

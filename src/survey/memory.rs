@@ -1,12 +1,12 @@
 //! How much memory work on a variant takes, estimated before it begins.
 //!
 //! Estimates count what grows with pixels, bins and terms. Each is within 30 % of what was measured on scans of up to 8192²
-//! pixels; `cargo run --release --example memory` measures again.
+//! pixels; `cli/tests/memory.rs` measures smaller ones.
 
 use serde::Serialize;
 
 use crate::error::{Error, Result};
-use crate::field::reference::Reference;
+use crate::field::reference::{Reference, Span};
 use crate::plan::Variant;
 use crate::surface::HeightField;
 use crate::tables::{TableSpec, strongest_period_bytes};
@@ -28,7 +28,9 @@ pub struct Memory {
     pub texel_bytes: u64,
     /// What computing a table takes at most, beside the heights.
     pub tables_working_bytes: u64,
-    /// What the exact colours take, beside the heights.
+    /// What the exact colours of the probes take, beside the heights.
+    pub probes_bytes: u64,
+    /// What exact colours of any directions take, beside the heights.
     pub exact_bytes: u64,
     /// What finding out how the variant computes takes, beside the heights.
     pub form_bytes: u64,
@@ -49,7 +51,8 @@ impl Memory {
                 .map(|spec| spec.working_bytes(height, threads))
                 .max()
                 .unwrap_or(0),
-            exact_bytes: Reference::working_bytes(height, &variant.optics),
+            probes_bytes: Reference::working_bytes(height, &variant.optics, Span::PROBES),
+            exact_bytes: Reference::working_bytes(height, &variant.optics, Span::ANYWHERE),
             form_bytes: if is_order_sum { strongest_period_bytes(height) } else { 0 },
         }
     }
@@ -61,7 +64,7 @@ impl Memory {
         let forms = self.form_bytes * threads as u64;
         let encoded = (containers as u64 + 2) * self.largest_table_bytes;
         let encoded = if containers == 0 { 0 } else { encoded };
-        [self.tables_working_bytes, self.exact_bytes, self.texel_bytes, forms, encoded]
+        [self.tables_working_bytes, self.probes_bytes, self.texel_bytes, forms, encoded]
             .into_iter()
             .max()
             .unwrap_or(0)

@@ -23,8 +23,8 @@ use diffraction_shaders::tables::Table;
 use diffraction_shaders::variant::{Part, Tolerance};
 
 use crate::drivers::Prepared;
-use crate::process::watched::{Place, child::enter};
 use crate::drivers::routes::Route;
+use crate::process::watched::{Place, child::enter};
 use crate::results::{self, Record};
 
 use super::{PATIENCE, Sink, Truth, failed};

@@ -13,8 +13,8 @@ use glam::DVec3;
 use serde_json::Value;
 
 use crate::drivers::Prepared;
-use crate::process::watched::{Place, child::enter};
 use crate::drivers::routes::Route;
+use crate::process::watched::{Place, child::enter};
 use crate::results::{Compare, MapColours, Part, Record};
 
 use super::{Job, Sink, Truth, Unit, difference, failed, mean_flip};

@@ -298,9 +298,11 @@ mod tests {
     fn a_crash_takes_its_route_out_and_a_crash_of_listing_all_that_list_the_same() {
         let one = crash("vulkan:llvmpipe");
         assert!(one.concerns("vulkan:llvmpipe"));
-        assert!(!["vulkan:other", "vulkan", "gl:llvmpipe", "spirv:llvmpipe"]
-            .iter()
-            .any(|route| one.concerns(route)));
+        assert!(
+            !["vulkan:other", "vulkan", "gl:llvmpipe", "spirv:llvmpipe"]
+                .iter()
+                .any(|route| one.concerns(route))
+        );
         let all = crash("hlsl");
         assert!(["vulkan", "vulkan:x", "spirv:x", "hlsl:x"].iter().all(|r| all.concerns(r)));
         assert!(!["gl", "gl:x", "glsl450", "webgpu"].iter().any(|route| all.concerns(route)));
@@ -343,6 +345,9 @@ mod tests {
             command.args(["-c", "read -r h; exit 77"]);
             Ok(command)
         };
-        assert_eq!(watch(code, true).expect("runs").expect_err("no code of ours").how, "exit code 77");
+        assert_eq!(
+            watch(code, true).expect("runs").expect_err("no code of ours").how,
+            "exit code 77"
+        );
     }
 }

@@ -23,7 +23,8 @@ pub(super) fn chosen(args: &Args, output: &mut Output<'_>) -> Result<Vec<Adapter
         let fits = |info: &&AdapterInfo| {
             info.backend == backend && info.to_string().to_lowercase().contains(&text)
         };
-        if watched::child::history().crashes.iter().any(|crash| crash.place.route == backend.name()) {
+        if watched::child::history().crashes.iter().any(|crash| crash.place.route == backend.name())
+        {
             // recorded as a crash
             continue;
         }

@@ -5,6 +5,7 @@ use diffraction_cli::Outcome;
 use diffraction_cli::args::Exposure;
 use diffraction_cli::console::Console;
 use diffraction_cli::{interrupt, progress};
+use diffraction_shaders::error::shell_path;
 use diffraction_shaders::plan::Variant;
 
 use super::sink::Recorder;
@@ -80,7 +81,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     console.note(&format!(
         "records and pictures are in {}; next: cargo xtask report {}",
         args.out.display(),
-        args.out.display()
+        shell_path(&args.out)
     ));
     Ok(outcome)
 }

@@ -95,7 +95,9 @@ pub(super) fn times(
         enter(Watched {
             route: format!("{}:{}", place.backend, place.adapter),
             surface: Some(place.surface.clone()),
-            variant: Some(std::iter::once(texts.name.as_str()).chain(drawn).collect::<Vec<_>>().join(", ")),
+            variant: Some(
+                std::iter::once(texts.name.as_str()).chain(drawn).collect::<Vec<_>>().join(", "),
+            ),
             light: None,
         });
         let share = |share: f64| progress((number as f64 + share) / groups.len() as f64);

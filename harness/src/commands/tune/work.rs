@@ -8,7 +8,7 @@ use anyhow::{Context, Result, bail};
 use diffraction_cli::console::Console;
 use diffraction_cli::files::write_whole;
 use diffraction_cli::{Outcome, interrupt, progress};
-use diffraction_shaders::field::reference::Reference;
+use diffraction_shaders::field::reference::{Reference, Span};
 use diffraction_shaders::input;
 use diffraction_shaders::plan::{Plan, SurfaceSpec, Variant};
 use diffraction_shaders::runner::Placement;
@@ -116,7 +116,7 @@ fn results(
     let (candidates, too_large) = affordable(candidates, height, args.memory.budget());
     lost.extend(too_large);
     bar.finish_and_clear();
-    let exact = Reference::working_bytes(height, &plan.optics);
+    let exact = Reference::working_bytes(height, &plan.optics, Span::ANYWHERE);
     args.memory.check(&spec.name, "exact", height.byte_count(), exact)?;
 
     console.note(&format!(
