@@ -40,6 +40,9 @@ pub use crate::shader::template::GENERATED as GENERATED_BY;
 /// The file that lists all others.
 pub const MANIFEST: &str = "manifest.json";
 
+/// Maximum size of such a file that is read, in bytes.
+pub const MAX_MANIFEST_BYTES: u64 = 256 << 20;
+
 /// Relative tolerance of numbers in JSON.
 pub const JSON_TOLERANCE: f64 = 1e-9;
 

@@ -3,8 +3,9 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use diffraction_shaders::field::reference::Directions;
+use diffraction_shaders::input::read_file;
 use diffraction_shaders::optics::gain;
 
 use crate::Outcome;
@@ -90,19 +91,24 @@ pub fn run(args: &Args, console: &Console, drivers: Drivers) -> Result<Outcome> 
     Ok(Outcome::Done)
 }
 
+/// Maximum size of a file of directions, in bytes: a million rows.
+const MAX_DIRECTIONS_BYTES: u64 = 64 << 20;
+
 /// Reads rows of `theta_i, phi_i, theta_r, phi_r`, in degrees.
 fn read_directions(path: &Path) -> Result<Vec<[f64; 4]>> {
     const HEADER: [&str; 4] = ["theta_i", "phi_i", "theta_r", "phi_r"];
     let place = path.display();
-    // a pipe without a writer, or a device, would never end
-    if std::fs::metadata(path).is_ok_and(|found| !found.is_file()) {
-        bail!("--directions {place}: is not a regular file; give the path of a CSV file");
-    }
+    let bytes = read_file(path, MAX_DIRECTIONS_BYTES).map_err(|error| {
+        if error.kind() == std::io::ErrorKind::InvalidInput {
+            anyhow!("--directions {place}: {error}; give the path of a CSV file")
+        } else {
+            anyhow!("--directions {place}: cannot be read: {error}")
+        }
+    })?;
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .comment(Some(b'#'))
-        .from_path(path)
-        .with_context(|| format!("--directions {place}: cannot be read"))?;
+        .from_reader(bytes.as_slice());
     let header =
         reader.headers().with_context(|| format!("--directions {place}: cannot be read"))?;
     if header.len() < 4 || header.iter().zip(HEADER).any(|(got, want)| got != want) {
