@@ -282,7 +282,7 @@ impl Field {
                 doubled.max(signal + COMPLEX * tile).max(COMPLEX * tile + 2 * bins)
             }
         };
-        (size_of::<f64>() * pixels).saturating_add(table).saturating_add(node) as u64
+        height.byte_count().saturating_add(table as u64).saturating_add(node as u64)
     }
 
     /// Number of transforms that were computed.

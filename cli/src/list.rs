@@ -85,7 +85,7 @@ fn costs(plan: &Plan, console: &Console) -> Costs {
                         Ok((variant, form)) => {
                             let key = (variant.name.clone(), spec.name.clone());
                             let memory = Memory::new(&surface.field, &variant, &form, threads);
-                            let peak_bytes = memory.to_build(threads, plan.containers.len());
+                            let peak_bytes = memory.to_build(plan.containers.len());
                             costs.insert(key, On { variant, form, peak_bytes });
                         }
                         Err(reason) => console.note(&format!("{}: left out: {reason}", spec.name)),

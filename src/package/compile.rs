@@ -186,16 +186,18 @@ impl<'a> Compiler<'a> {
 }
 
 /// Checks that every variant fits the memory. All of them are compared with what the whole run holds beside it.
-fn affordable(work: &Work<'_>, pairs: &[(&Loaded<'_>, &Variant)]) -> Result<(), Vec<Diagnostic>> {
+fn affordable(
+    work: &Work<'_>,
+    pairs: &[(&Loaded<'_>, &Variant, &Form)],
+) -> Result<(), Vec<Diagnostic>> {
     if work.memory == u64::MAX {
         return Ok(());
     }
     let threads = rayon::current_num_threads();
     let around = memory::around_bytes(work.held_bytes(), pairs.len());
-    let check = |(surface, variant): &(&Loaded<'_>, &Variant)| {
-        let form = Form::new(variant, surface.field)?;
-        let memory = Memory::new(surface.field, variant, &form, threads);
-        let needed = around + memory.to_build(threads, work.containers.len());
+    let check = |(surface, variant, form): &(&Loaded<'_>, &Variant, &Form)| {
+        let memory = Memory::new(surface.field, variant, form, threads);
+        let needed = around + memory.to_build(work.containers.len());
         let subject = format!("surface {}: variant {}", surface.name(), variant.name);
         memory::within_budget(&subject, needed, work.memory)
     };
@@ -218,10 +220,10 @@ fn generate(
     let mut pairs = Vec::new();
     for surface in &surfaces {
         gaps.extend(surface.gaps.iter().cloned());
-        pairs.extend(surface.variants.iter().map(|variant| (surface, variant)));
+        pairs.extend(surface.variants.iter().map(|(variant, form)| (surface, variant, form)));
     }
     affordable(work, &pairs)?;
-    let built = pairs.into_par_iter().map(|(s, v)| build(work, s, v));
+    let built = pairs.into_par_iter().map(|(s, v, form)| build(work, s, v, form));
     let mut built = all_or_errors(built.collect())?;
     // so that the variants that share a table come together, and one term table at a time is in memory
     built.sort_by_cached_key(|one| (one.surface.name().to_owned(), one.ids.clone()));

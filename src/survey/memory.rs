@@ -59,12 +59,11 @@ impl Memory {
 
     /// The most that the compiler takes for the variant beside what it holds anyway: its tables come one after the other, then
     /// exact colours, then the twin. `containers`: number of further files of each table.
-    pub fn to_build(&self, threads: usize, containers: usize) -> u64 {
-        // forms are found in parallel; a container is encoded from the whole table, and stays until it is written
-        let forms = self.form_bytes * threads as u64;
+    pub fn to_build(&self, containers: usize) -> u64 {
+        // a container is encoded from the whole table, and stays until it is written
         let encoded = (containers as u64 + 2) * self.largest_table_bytes;
         let encoded = if containers == 0 { 0 } else { encoded };
-        [self.tables_working_bytes, self.probes_bytes, self.texel_bytes, forms, encoded]
+        [self.tables_working_bytes, self.probes_bytes, self.texel_bytes, self.form_bytes, encoded]
             .into_iter()
             .max()
             .unwrap_or(0)

@@ -4,8 +4,10 @@
 
 mod bad_input;
 mod committed;
+mod endless;
 mod explain;
 mod inspect;
 mod list;
+mod memory;
 mod program;
 mod surfaces;

@@ -139,7 +139,7 @@ fn a_driver_that_crashes_in_a_bench_leaves_the_other_adapters() {
     let Some(folder) = folder() else { return };
     let folder = folder.path();
     let line = "bench --adapter llvmpipe --size 16 --seconds 0 --out out";
-    let done = run(folder, &layer(folder, 40), line);
+    let done = run(folder, &layer(folder, 12), line);
     assert_eq!(done.status.code(), Some(1), "{}", said(&done));
     let all = records(folder);
     assert_eq!(crashes(&all).len(), 1);

@@ -37,7 +37,8 @@ pub(crate) struct Args {
     /// Name of the variant, as in the plan. Needed only if the plan has several.
     #[arg(long, value_name = "NAME")]
     pub(crate) variant: Option<String>,
-    /// The body: snake, sphere, or a .gltf, .glb or .obj file.
+    /// The body: snake, sphere, or a .gltf, .glb or .obj file. Files that it names must lie below its folder. Limits: 512 MiB in
+    /// all, 4 Mi vertices, 8 Mi triangles, 65536 nodes.
     #[arg(long, value_name = "snake|sphere|FILE", default_value = "snake")]
     pub(crate) mesh: String,
     /// Width and height of a picture, in pixels.

@@ -1,7 +1,7 @@
 //! From a plan to the winner: candidates, errors, times, records.
 
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
@@ -72,8 +72,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         adapter: [info.backend.name(), &info.name],
         size: args.size as usize,
     };
-    let stop = interrupt::flag()?;
-    let results = results(&run, args, &gpu, &plan, &spec, &surface.field, &stop, console)?;
+    let results = results(&run, args, &gpu, &plan, &spec, &surface.field, console)?;
     let records = settle(&run, &results);
     if let Some(folder) = &args.out {
         keep(folder, &records)?;
@@ -104,10 +103,10 @@ fn results(
     plan: &Plan,
     spec: &SurfaceSpec,
     height: &HeightField,
-    stop: &AtomicBool,
     console: &Console,
 ) -> Result<Results> {
     let rotate_deg = spec.rotate_deg;
+    let stop = interrupt::flag()?;
     let stopped = || stop.load(Ordering::Relaxed);
     let bar = stage(console, "which candidates can be built");
     let (all, mut lost) = candidates(plan, height);
