@@ -332,8 +332,8 @@ fn cost_table(plan: &Plan, costs: &Costs) -> String {
         }
         text += &format!("  {line}\n");
     }
-    text + "evaluations, fetches: per lit pixel, mean and worst case; term fetches: worst case; KiB: all tables; GiB: estimated\n\
-           peak of memory while generate builds the variant;\n\
+    text + "evaluations, fetches: per lit pixel, mean and worst case; term fetches: worst case; KiB: all tables;\n\
+           GiB: peak of memory while generate builds the variant, estimated;\n\
            modes with uniform wavelengths cost the same in every lit pixel\n\n"
 }
 

@@ -25,6 +25,10 @@ const REMEDY: &str = "install it: apt-get install chromium";
 /// The file in the profile for the program's stderr.
 const LOG: &str = "stderr.log";
 
+/// Maximum length of the browser's own folder of temporary files. It makes a socket there, in a folder of its own; the name of a
+/// socket has at most 107 bytes.
+const MAX_TEMPORARY: usize = 60;
+
 /// Flags for every machine.
 const FLAGS: &[&str] = &[
     "--headless=new",
@@ -158,8 +162,10 @@ fn spawn(program: &Path, flags: &[&str], address: &str, profile: &Path) -> io::R
     command.arg(folder).arg(address);
     // what the browser puts into the system's folder of temporary files would stay if it is killed
     let temporary = profile.join("tmp");
-    fs::create_dir_all(&temporary)?;
-    command.env("TMPDIR", temporary);
+    if temporary.as_os_str().len() <= MAX_TEMPORARY {
+        fs::create_dir_all(&temporary)?;
+        command.env("TMPDIR", temporary);
+    }
     let log = File::create(profile.join(LOG))?;
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(log);
     #[cfg(unix)]
