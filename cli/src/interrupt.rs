@@ -16,7 +16,7 @@ use tempfile::TempDir;
 const INTERRUPTED: i32 = 130;
 
 /// How long a command that asked for [`flag`] may take to end in order.
-const GRACE: Duration = Duration::from_millis(600);
+const GRACE: Duration = Duration::from_millis(350);
 
 type Action = Box<dyn FnOnce() + Send>;
 
@@ -134,7 +134,7 @@ pub fn install(out: &Path) -> Result<Cancel> {
     Ok(cancel.clone())
 }
 
-/// On an interrupt or a termination: sets the flag, so that work in progress ends in order. What takes longer than half a second is
+/// On an interrupt or a termination: sets the flag, so that work in progress ends in order. What takes longer than a third of a second is
 /// cut off. For commands that write only whole lines or whole files.
 pub fn flag() -> Result<Arc<AtomicBool>> {
     IS_ORDERLY.store(true, Ordering::Relaxed);

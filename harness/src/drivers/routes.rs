@@ -56,8 +56,7 @@ pub fn open(wanted: &[String]) -> Result<Vec<Found>> {
             None => (wanted.as_str(), None),
         };
         // a kind whose adapters could not even be listed; single adapters are left out where they are opened
-        let listed = history.crashes.iter().any(|crash| !crash.place.route.contains(':'));
-        if let Some(reason) = history.refusal(kind).filter(|_| listed) {
+        if let Some(reason) = history.refusal(kind) {
             found.push(Found { name: wanted.clone(), route: Err(Error::new(wanted, reason)) });
             continue;
         }

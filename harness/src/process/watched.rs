@@ -184,7 +184,7 @@ mod unix {
     use super::{Crash, History, Place, Told};
 
     /// How long an interrupted child may take to end in order.
-    const LAST_WORDS: Duration = Duration::from_millis(850);
+    const LAST_WORDS: Duration = Duration::from_millis(700);
 
     /// Runs a command as a child, again without the route that crashed as often as one does. Returns its exit code, or the crash
     /// after which nothing is left to try. `goes_on`: whether the command has several routes.
