@@ -121,12 +121,12 @@ fn a_profile_of_a_killed_run_goes_with_the_next_run() {
     let place = Place::new();
     let mut child = place.started();
     let profile = place.profile();
-    // the command and the child that it watches, at once
+    // the child that is watched first, or it would clean up once its parent is gone
     let children =
         Command::new("ps").args(["-o", "pid=", "--ppid", &child.id().to_string()]).output();
     let children = String::from_utf8_lossy(&children.unwrap().stdout).into_owned();
     let all: Vec<&str> = children.split_whitespace().collect();
-    signal("KILL", &format!("{} {}", child.id(), all.join(" ")));
+    signal("KILL", &format!("{} {}", all.join(" "), child.id()));
     child.wait().unwrap();
     place.waits_for_the_end();
     assert!(profile.exists(), "nobody was left to remove it");

@@ -5,9 +5,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use diffraction_cli::interrupt::TemporaryFolder;
+use diffraction_cli::interrupt::{BeforeExit, before_exit};
 use diffraction_shaders::error::Result;
 use diffraction_shaders::input::read_file;
+use tempfile::TempDir;
 
 use super::failure::failure;
 
@@ -25,8 +26,9 @@ const YOUNG: Duration = Duration::from_secs(60);
 /// A temporary folder for a browser.
 #[derive(Debug)]
 pub(super) struct UserFolder {
-    folder: TemporaryFolder,
+    folder: TempDir,
     _lock: File,
+    _removed: BeforeExit,
 }
 
 impl UserFolder {
@@ -34,11 +36,14 @@ impl UserFolder {
     pub(super) fn new() -> Result<UserFolder> {
         sweep(&std::env::temp_dir());
         let made = tempfile::Builder::new().prefix(PREFIX).tempdir().and_then(|folder| {
-            let folder = TemporaryFolder::of(folder);
+            let path = folder.path().to_owned();
+            let removed = before_exit(move || {
+                let _ = clear(&path);
+            });
             let mut lock = File::create_new(folder.path().join(LOCK))?;
             lock.lock()?;
             lock.write_all(MARK)?;
-            Ok(UserFolder { folder, _lock: lock })
+            Ok(UserFolder { folder, _lock: lock, _removed: removed })
         });
         made.map_err(|e| failure("its profile folder cannot be created").source(e))
     }
@@ -51,7 +56,7 @@ impl UserFolder {
     pub(super) fn remove(&self) {
         // ending processes may still write into it
         for _ in 0..20 {
-            if fs::remove_dir_all(self.path()).is_ok() {
+            if clear(self.path()).is_ok() {
                 break;
             }
             std::thread::sleep(Duration::from_millis(50));
@@ -59,12 +64,22 @@ impl UserFolder {
     }
 }
 
+/// Removes a folder of ours. The mark goes last: a process that is killed meanwhile leaves a folder that the next run knows.
+fn clear(folder: &Path) -> std::io::Result<()> {
+    for entry in fs::read_dir(folder)?.flatten().filter(|entry| entry.file_name() != LOCK) {
+        let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+        let path = entry.path();
+        if is_folder { fs::remove_dir_all(path)? } else { fs::remove_file(path)? }
+    }
+    fs::remove_dir_all(folder)
+}
+
 /// Removes the folders in `place` whose process is gone, and empty ones whose process ended before it could mark them.
 fn sweep(place: &Path) {
     // another process may do the same
     for folder in named(place) {
         if is_abandoned(&folder) {
-            let _ = fs::remove_dir_all(folder);
+            let _ = clear(&folder);
         } else if is_old(&folder) {
             // fails unless it is empty
             let _ = fs::remove_dir(folder);
