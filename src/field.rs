@@ -267,6 +267,27 @@ impl Field {
         layout.bins.len().saturating_mul(layout.stride()).saturating_mul(size_of::<f64>())
     }
 
+    /// Bytes that [`Field::new`] takes at most, beside the heights: an estimate.
+    pub fn working_bytes(height: &HeightField, domain: &Domain) -> u64 {
+        const COMPLEX: usize = size_of::<Complex64>();
+        let layout = Layout::new(height, domain);
+        let pixels = height.heights_um().len();
+        let (signal, bins) = (COMPLEX * pixels, COMPLEX.saturating_mul(layout.bins.len()));
+        let table = layout.bins.len().saturating_mul(layout.stride() * size_of::<f64>());
+        let is_tiled = layout.split.iter().any(|s| s.applied_um.is_finite());
+        let tile: usize = layout.split.iter().map(|s| s.axis.count).product();
+        // a transform has its samples, their columns, and the bins in order
+        let node = match (is_tiled, domain.coherence) {
+            (false, _) => signal.saturating_add(2 * bins),
+            (true, coherence) => {
+                // the autocorrelation transposes, which takes a second signal
+                let doubled = if coherence == Coherence::Ensemble { 2 * signal } else { 0 };
+                doubled.max(signal + COMPLEX * tile).max(COMPLEX * tile + 2 * bins)
+            }
+        };
+        height.byte_count().saturating_add(table as u64).saturating_add(node as u64)
+    }
+
     /// Number of transforms that were computed.
     pub fn node_count(&self) -> usize {
         self.nodes.z.len()

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -51,22 +51,48 @@ pub fn read_plan(path: &Path) -> Result<Plan, Vec<Error>> {
     if errors.is_empty() { Ok(plan) } else { Err(errors) }
 }
 
+/// Reads a whole file. Whatever is not a regular file is refused before it is opened, since a pipe or a device might never
+/// end or never begin. So is a file of more than `max` bytes, and one that turns out to have more than it stated.
+pub fn read_file(path: &Path, max: u64) -> io::Result<Vec<u8>> {
+    let refused = |cause: String| io::Error::new(io::ErrorKind::InvalidInput, cause);
+    let found = fs::metadata(path)?;
+    if !found.is_file() {
+        let what = if found.is_dir() { "is a folder" } else { "is not a regular file" };
+        return Err(refused(what.to_owned()));
+    }
+    let above =
+        |bytes: u64| refused(format!("has {bytes} bytes or more, above the limit of {max}"));
+    if found.len() > max {
+        return Err(above(found.len()));
+    }
+    let mut bytes = Vec::with_capacity(found.len() as usize);
+    File::open(path)?.take(max + 1).read_to_end(&mut bytes)?;
+    match bytes.len() as u64 > max {
+        true => Err(above(bytes.len() as u64)),
+        false => Ok(bytes),
+    }
+}
+
 const PLAN_REMEDY: &str = "check the path, or name another plan with --plan";
-const LIGHTS_REMEDY: &str = "name a file of lights with --lights, such as lights.toml";
+const LIGHTS_REMEDY: &str = "check the path; --lights names a TOML file of lights";
 
 /// Reads a TOML file.
 fn read_text(path: &Path, remedy: &str) -> Result<String> {
-    let error = |cause: &str| Error::new(path.display(), cause).remedy(remedy);
-    let unreadable = |e: std::io::Error| error("cannot be read").source(e);
-    let file = File::open(path).map_err(unreadable)?;
-    if file.metadata().map_err(unreadable)?.is_dir() {
-        return Err(error("is a folder; name a file in it"));
+    let error = |cause: &str| Error::new(path.display(), cause);
+    if path.is_dir() {
+        return Err(error("is a folder")
+            .remedy(format!("name the file, such as {}", path.join("plan.toml").display())));
     }
-    let mut bytes = Vec::new();
-    file.take(MAX_PLAN_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
-    if bytes.len() as u64 > MAX_PLAN_BYTES {
-        return Err(error("is larger than 4 MiB, the limit for a TOML file"));
-    }
+    let bytes = read_file(path, MAX_PLAN_BYTES).map_err(|e| {
+        let check = "check that this is the right file";
+        match e.kind() {
+            io::ErrorKind::InvalidInput if path.is_file() => {
+                error("is larger than 4 MiB, the limit for a TOML file").remedy(check)
+            }
+            io::ErrorKind::InvalidInput => error("is not a regular file").remedy(check),
+            _ => error("cannot be read").source(e).remedy(remedy),
+        }
+    })?;
     String::from_utf8(bytes).map_err(|e| {
         let valid = e.utf8_error().valid_up_to();
         let line = e.as_bytes()[..valid].iter().filter(|byte| **byte == b'\n').count() + 1;
@@ -77,11 +103,6 @@ fn read_text(path: &Path, remedy: &str) -> Result<String> {
 
 /// Reads and checks a `lights.toml`. Returns all errors, in the order of its text.
 pub fn read_lights(path: &Path) -> Result<Lights, Vec<Error>> {
-    // a pipe without a writer, or a device, would never end
-    if path.metadata().is_ok_and(|found| !found.is_file() && !found.is_dir()) {
-        let error = Error::new(path.display(), "is not a regular file").remedy(LIGHTS_REMEDY);
-        return Err(vec![error]);
-    }
     let text = read_text(path, LIGHTS_REMEDY).map_err(|error| vec![error])?;
     Lights::parse(&text, path)
 }
@@ -98,14 +119,13 @@ fn read_illuminant(plan: &Path, folder: &Path, illuminant: &Illuminant) -> Resul
             "is neither a known illuminant nor a file relative to the plan's folder".to_owned(),
         ));
     }
-    let mut bytes = Vec::new();
-    File::open(&path)
-        .and_then(|file| file.take(MAX_ILLUMINANT_BYTES + 1).read_to_end(&mut bytes))
-        .map_err(|e| fail("cannot be read".to_owned()).source(e))?;
-    if bytes.len() as u64 > MAX_ILLUMINANT_BYTES {
-        return Err(fail("is larger than 1 MiB, the limit for an illuminant table".to_owned())
-            .remedy("check that this is the right file; a few thousand lines suffice"));
-    }
+    let bytes = read_file(&path, MAX_ILLUMINANT_BYTES).map_err(|e| match e.kind() {
+        io::ErrorKind::InvalidInput => {
+            fail("is larger than 1 MiB, the limit for an illuminant table".to_owned())
+                .remedy("check that this is the right file; a few thousand lines suffice")
+        }
+        _ => fail("cannot be read".to_owned()).source(e),
+    })?;
     Ok(illuminant.clone().with_content(bytes))
 }
 
@@ -138,6 +158,12 @@ impl SurfaceInput {
     /// surface's name and the path of the file are not part of it.
     pub fn identity(&self) -> &str {
         &self.identity
+    }
+
+    /// Bytes of memory that it takes: the file, and the heights once they are decoded.
+    pub fn held_bytes(&self) -> u64 {
+        let heights = self.prepared.get().map_or(0, |(surface, _)| surface.field.byte_count());
+        self.bytes.as_ref().map_or(0, Vec::len) as u64 + heights
     }
 
     /// The prepared heights. They are decoded only once.
@@ -207,7 +233,7 @@ fn height_bytes(source: &FileSource, subject: &str) -> Result<Vec<u8>> {
             format!("the file has {} bytes, above the limit of {MAX_FILE_BYTES}", meta.len());
         return Err(error(&cause).remedy("crop the surface"));
     }
-    fs::read(&source.path)
+    read_file(&source.path, MAX_FILE_BYTES)
         .map_err(|e| error("cannot be read").source(e).remedy("check its permissions"))
 }
 

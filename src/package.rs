@@ -16,6 +16,7 @@ mod write;
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -25,6 +26,7 @@ use crate::encode::json;
 use crate::error::{Error, Result};
 use crate::hash::sha256;
 use crate::plan::{Container, TableFormat};
+use crate::tables::Table;
 use crate::tables::container::Shape;
 
 pub use check::{Report, check};
@@ -37,6 +39,9 @@ pub use crate::shader::template::GENERATED as GENERATED_BY;
 
 /// The file that lists all others.
 pub const MANIFEST: &str = "manifest.json";
+
+/// Maximum size of such a file that is read, in bytes.
+pub const MAX_MANIFEST_BYTES: u64 = 256 << 20;
 
 /// Relative tolerance of numbers in JSON.
 pub const JSON_TOLERANCE: f64 = 1e-9;
@@ -92,6 +97,25 @@ impl Content {
             Content::Stored(path) | Content::Kept(path) => {
                 std::fs::read(path).map(Cow::Owned).map_err(|e| unreadable(path, e))
             }
+        }
+    }
+
+    /// A table with the (rounded) numbers of these bytes. They are read in parts, since as numbers they take more space.
+    fn table(&self, shape: Table) -> Result<Table> {
+        /// A multiple of every texel's size.
+        const PART: u64 = 1 << 20;
+        let (Content::Stored(path) | Content::Kept(path)) = self else {
+            return Ok(shape.with_bytes(&self.read()?));
+        };
+        let mut texels = Vec::with_capacity(shape.texel_count() * shape.format.channels());
+        let mut file = std::fs::File::open(path).map_err(|e| unreadable(path, e))?;
+        loop {
+            let mut part = Vec::with_capacity(PART as usize);
+            (&mut file).take(PART).read_to_end(&mut part).map_err(|e| unreadable(path, e))?;
+            if part.is_empty() {
+                return Ok(Table { texels, ..shape });
+            }
+            texels.extend(shape.format.decode(&part));
         }
     }
 

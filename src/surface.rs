@@ -197,6 +197,11 @@ impl HeightField {
         &self.heights_um
     }
 
+    /// Bytes of the heights.
+    pub fn byte_count(&self) -> u64 {
+        size_of_val(self.heights_um.as_slice()) as u64
+    }
+
     /// Lowest and highest height, µm.
     pub fn range_um(&self) -> (f64, f64) {
         let fold = |f: fn(f64, f64) -> f64, start| self.heights_um.iter().copied().fold(start, f);

@@ -3,6 +3,7 @@
 mod canvas;
 mod font;
 mod heights;
+pub mod memory;
 mod plot;
 mod spectrum;
 mod window;
@@ -117,7 +118,7 @@ pub fn survey(plan: &Plan, spec: &SurfaceSpec) -> Result<(Survey, HeightField)> 
         }
     }
     let optics = spec.optics.over(&plan.optics);
-    let white_sky = match OrderSum::fits(&field) {
+    let white_sky = match OrderSum::has_white_sky(&field) {
         true => Some(OrderSum::new(&field, spec.rotate_deg, &optics)?.white_sky()),
         false => None,
     };

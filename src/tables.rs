@@ -16,6 +16,8 @@ mod spec;
 
 use serde::{Deserialize, Serialize};
 
+use rustfft::num_complex::Complex64;
+
 use crate::error::{Error, Result};
 use crate::field::transform::Bins;
 use crate::optics::spectrum::Sample;
@@ -26,7 +28,7 @@ use crate::tables::terms::Terms;
 pub use axes::{Aim, BEND, BakedAxes, octant};
 pub use corridor::{BROADEST, Corridor, LobeGeometry, MIN_SQUARED, OUTER_NODES, REACH_SIGMAS};
 pub use meaning::{Meaning, NODE_LEVELS};
-pub use period::strongest_period_um;
+pub use period::{strongest_period_bytes, strongest_period_um};
 pub use series::{Choice, LaidExpansion, Reach, Series};
 pub use spec::*;
 
@@ -137,6 +139,11 @@ impl Table {
 
     /// Checks that its format can hold every number: none is infinite, not a number or too large.
     fn check(&self) -> Result<()> {
+        self.check_from(0)
+    }
+
+    /// The same for layers from `first` on.
+    fn check_from(&self, first: usize) -> Result<()> {
         let max = self.format.max();
         let fits = |number: &f64| number.abs() <= max;
         let Some(at) = self.texels.iter().position(|number| !fits(number)) else { return Ok(()) };
@@ -144,7 +151,7 @@ impl Table {
         let (column, row) = (texel % self.width, texel / self.width % self.height);
         let cause = format!(
             "channel {channel} at column {column}, row {row}, layer {} is {}, which {} cannot hold",
-            texel / (self.width * self.height),
+            first + texel / (self.width * self.height),
             self.texels[at],
             self.format.name()
         );
@@ -171,9 +178,14 @@ impl Table {
         Table { texels: self.format.decode(bytes), ..self }
     }
 
+    /// Number of texels.
+    pub fn texel_count(&self) -> usize {
+        self.width * self.height * self.layers.max(1)
+    }
+
     /// Size in bytes.
     pub fn byte_count(&self) -> usize {
-        self.width * self.height * self.layers.max(1) * self.format.texel_bytes()
+        self.texel_count() * self.format.texel_bytes()
     }
 
     /// A texel. Missing channels are 0, alpha included; after `textureLoad` a missing alpha would be 1.
@@ -253,20 +265,64 @@ pub fn terms_table(
     scale: TermScale,
 ) -> Table {
     let shape = terms_shape(terms.bins, terms.tables.len(), packing, format);
-    let (format, layers) = (shape.format, shape.layers);
-    let per_texel = format.channels() / 2;
-    let mut texels = Vec::with_capacity(layers * terms.bins.len() * format.channels());
-    for (index, group) in terms.tables.chunks(per_texel).enumerate() {
-        let scales: Vec<f64> = (0..per_texel).map(|i| scale.of(index * per_texel + i)).collect();
-        for bin in 0..terms.bins.len() {
+    let mut layers = TermLayers::new(terms.bins, packing, format, scale);
+    let mut texels = Vec::with_capacity(shape.texel_count() * shape.format.channels());
+    let added = terms.tables.iter().filter_map(|term| layers.add(term.clone())).collect::<Vec<_>>();
+    for (layer, _) in added.into_iter().chain(layers.finish()) {
+        texels.extend(layer.texels);
+    }
+    Table { texels, ..shape }
+}
+
+/// Makes the layers of a term table from one term after the other.
+struct TermLayers {
+    shape: Table,
+    scale: TermScale,
+    /// Terms of a layer that is not complete.
+    waiting: Vec<Vec<Complex64>>,
+    /// Number of layers that were made.
+    made: usize,
+}
+
+impl TermLayers {
+    fn new(bins: Bins, packing: Packing, format: TableFormat, scale: TermScale) -> TermLayers {
+        let shape = terms_shape(bins, 1, packing, format);
+        TermLayers { shape, scale, waiting: Vec::new(), made: 0 }
+    }
+
+    /// Number of terms in a layer.
+    fn per_layer(&self) -> usize {
+        self.shape.format.channels() / 2
+    }
+
+    /// Takes the next term. Returns a layer and its number once the layer is complete.
+    fn add(&mut self, term: Vec<Complex64>) -> Option<(Table, usize)> {
+        self.waiting.push(term);
+        if self.waiting.len() == self.per_layer() { self.finish() } else { None }
+    }
+
+    /// The last layer with its number, if it has terms. Channels of terms that do not exist are 0.
+    fn finish(&mut self) -> Option<(Table, usize)> {
+        let terms = std::mem::take(&mut self.waiting);
+        if terms.is_empty() {
+            return None;
+        }
+        let per_layer = self.per_layer();
+        let scales: Vec<f64> =
+            (0..per_layer).map(|i| self.scale.of(self.made * per_layer + i)).collect();
+        let count = self.shape.width * self.shape.height;
+        let mut texels = Vec::with_capacity(count * self.shape.format.channels());
+        for bin in 0..count {
             for (slot, scale) in scales.iter().enumerate() {
-                let (re, im) =
-                    group.get(slot).map_or((0.0, 0.0), |table| (table[bin].re, table[bin].im));
+                let term = terms.get(slot);
+                let (re, im) = term.map_or((0.0, 0.0), |term| (term[bin].re, term[bin].im));
                 texels.extend([re / scale, im / scale]);
             }
         }
+        let made = self.made;
+        self.made += 1;
+        Some((Table { texels, ..self.shape.clone() }, made))
     }
-    Table { texels, ..shape }
 }
 
 /// The term table without its texels.

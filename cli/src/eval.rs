@@ -3,15 +3,16 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use diffraction_shaders::field::reference::Directions;
-use diffraction_shaders::input;
+use diffraction_shaders::input::{self, read_file};
 use diffraction_shaders::optics::{direction, gain};
 use glam::DVec3;
 
 use crate::Outcome;
 use crate::args::{Runner, RunnerArgs, SurfaceArgs, wavelength_nm};
 use crate::console::{Console, Errors};
+use crate::memory::MemoryArgs;
 use crate::progress;
 use crate::runners::{Drivers, Job};
 
@@ -43,6 +44,8 @@ then X,Y,Z of the radiance, reflectance included; a white of radiance 1 has Y = 
 pub struct Args {
     #[command(flatten)]
     surface: SurfaceArgs,
+    #[command(flatten)]
+    memory: MemoryArgs,
     /// What computes the colours.
     #[command(flatten)]
     pub runner: RunnerArgs,
@@ -80,7 +83,7 @@ fn under_directions(
     console: &Console,
     drivers: Drivers,
 ) -> Result<Outcome> {
-    let job = Job::new(&args.surface, &args.runner, console)?;
+    let job = Job::new(&args.surface, &args.runner, &args.memory, console)?;
     let angles = rows(path, "--directions", ["theta_i", "phi_i", "theta_r", "phi_r"])?;
     let directions: Vec<Directions> = angles.iter().map(|a| Directions::from_degrees(*a)).collect();
     let runner = job.runner(&args.runner, drivers)?;
@@ -125,7 +128,7 @@ fn under_lights(
     drivers: Drivers,
 ) -> Result<Outcome> {
     let lights = input::read_lights(lights).map_err(Errors)?;
-    let job = Job::under(&lights, &args.surface, &args.runner, console)?;
+    let job = Job::under(&lights, &args.surface, &args.runner, &args.memory, console)?;
     let angles = rows(views, "--views", ["theta_r", "phi_r"])?;
     let views: Vec<DVec3> = angles.iter().map(|[theta, phi]| direction(*theta, *phi)).collect();
     let runner = job.runner(&args.runner, drivers)?;
@@ -152,18 +155,23 @@ fn print<const N: usize>(
     Ok(Outcome::Done)
 }
 
+/// Maximum size of a file of directions, in bytes: a million rows.
+const MAX_DIRECTIONS_BYTES: u64 = 64 << 20;
+
 /// Reads rows of angles in degrees. `header`: the names of the columns; those that begin with `theta` are at most 180.
 fn rows<const N: usize>(path: &Path, option: &str, header: [&str; N]) -> Result<Vec<[f64; N]>> {
     let place = path.display();
-    // a pipe without a writer, or a device, would never end
-    if std::fs::metadata(path).is_ok_and(|found| !found.is_file()) {
-        bail!("{option} {place}: is not a regular file; give the path of a CSV file");
-    }
+    let bytes = read_file(path, MAX_DIRECTIONS_BYTES).map_err(|error| {
+        if error.kind() == std::io::ErrorKind::InvalidInput {
+            anyhow!("{option} {place}: {error}; give the path of a CSV file")
+        } else {
+            anyhow!("{option} {place}: cannot be read: {error}")
+        }
+    })?;
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .comment(Some(b'#'))
-        .from_path(path)
-        .with_context(|| format!("{option} {place}: cannot be read"))?;
+        .from_reader(bytes.as_slice());
     let found = reader.headers().with_context(|| format!("{option} {place}: cannot be read"))?;
     if found.len() < N || found.iter().zip(header).any(|(got, want)| got != want) {
         let got: Vec<&str> = found.iter().collect();

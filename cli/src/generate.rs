@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::{Context, Result};
+use diffraction_shaders::error::shell_path;
 use diffraction_shaders::package::compile::{Compiler, Step};
 use diffraction_shaders::package::{self, Package, Report, Stamp};
 use diffraction_shaders::plan::{Plan, Target, Variant};
@@ -11,6 +12,7 @@ use diffraction_shaders::plan::{Plan, Target, Variant};
 use crate::Outcome;
 use crate::args::PlanArgs;
 use crate::console::Console;
+use crate::memory::MemoryArgs;
 use crate::program::spoken;
 use crate::unchanged::{self, Expected};
 use crate::{interrupt, progress};
@@ -45,6 +47,8 @@ pub(crate) struct Args {
     /// Number of threads, at most 1024. Default: one for each core.
     #[arg(long, value_name = "N", value_parser = jobs)]
     jobs: Option<usize>,
+    #[command(flatten)]
+    memory: MemoryArgs,
     /// Do not use the cache of finished tables.
     #[arg(long)]
     no_cache: bool,
@@ -67,6 +71,8 @@ pub(crate) struct Selection {
     pub(crate) is_whole: bool,
     /// Folder of the tables until they are written: the cache, or a folder of this run.
     pub(crate) cache: PathBuf,
+    /// Bytes of memory that may be taken.
+    pub(crate) memory: u64,
     /// Hash of this program, if a folder that already has the package may be left unchanged.
     pub(crate) program: Option<String>,
 }
@@ -85,7 +91,8 @@ fn build(
     let mut compiler = Compiler::new(plan)
         .variants(&selection.variants)
         .targets(&selection.targets)
-        .cache(&selection.cache);
+        .cache(&selection.cache)
+        .memory_budget(selection.memory);
     if !selection.is_whole {
         compiler = compiler.rest_from(out);
     }
@@ -140,9 +147,9 @@ fn run_with(
     };
     let cache = match (&spilled, &program) {
         (None, Some(program)) => unchanged::cache(caches, program),
-        (spilled, _) => spilled.as_ref().map_or(PathBuf::new(), |s| s.path().to_owned()),
+        (spilled, _) => spilled.as_ref().map_or_else(PathBuf::new, |s| s.path().to_owned()),
     };
-    let cancel = interrupt::install(&args.out, spilled.as_ref().map(tempfile::TempDir::path))?;
+    let cancel = interrupt::install(&args.out)?;
     let plan = args.plan.read(console)?;
     let mut selection = select(args, &plan, cache)?;
     if selection.is_whole && spilled.is_none() && !args.check {
@@ -175,7 +182,8 @@ fn run_with(
     let (out, files) = (args.out.display(), written.files);
     console.note(&format!("{out}: {files} files, {mib:.1} MiB"));
     console.note(&format!(
-        "next: cargo xtask validate {out}; cargo xtask list prints the cost of each variant"
+        "next: cargo xtask validate {}; cargo xtask list prints the cost of each variant",
+        shell_path(&args.out)
     ));
     Ok(Outcome::Done)
 }
@@ -188,6 +196,7 @@ fn select(args: &Args, plan: &Plan, cache: PathBuf) -> Result<Selection> {
         is_whole: args.variant.is_empty() && targets.is_empty(),
         targets: if targets.is_empty() { plan.targets.clone() } else { targets },
         cache,
+        memory: args.memory.budget(),
         program: None,
     })
 }
@@ -211,7 +220,7 @@ fn stale_text(report: &Report, args: &Args) -> String {
         );
     }
     if report.is_stale() {
-        let (plan, out) = (args.plan.plan.display(), args.out.display());
+        let (plan, out) = (shell_path(&args.plan.plan), shell_path(&args.out));
         text += &format!("to mend: cargo xtask generate --plan {plan} --out {out}\n");
     }
     text

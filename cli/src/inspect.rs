@@ -3,12 +3,14 @@
 mod text;
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use diffraction_shaders::encode;
-use diffraction_shaders::package::{self, Equality, JSON_TOLERANCE, MANIFEST, Package};
+use diffraction_shaders::input::read_file;
+use diffraction_shaders::package::{
+    self, Equality, JSON_TOLERANCE, MANIFEST, MAX_MANIFEST_BYTES, Package,
+};
 use diffraction_shaders::plan::SurfaceSpec;
 use diffraction_shaders::survey::{Survey, height_picture, spectrum_picture, survey};
 use serde_json::{Value, json};
@@ -74,7 +76,7 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
 
 /// Refuses a folder that another command wrote. The writer refuses folders that no command wrote.
 fn check_ours(out: &Path) -> Result<()> {
-    let manifest = fs::read(out.join(MANIFEST)).ok();
+    let manifest = read_file(&out.join(MANIFEST), MAX_MANIFEST_BYTES).ok();
     let manifest = manifest.and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok());
     match manifest.as_ref().and_then(|manifest| manifest["generated_by"].as_str()) {
         Some(other) if other != GENERATED_BY => {

@@ -17,6 +17,7 @@ pub mod harness;
 mod inspect;
 pub mod interrupt;
 pub mod list;
+pub mod memory;
 pub mod program;
 pub mod progress;
 pub mod render;
@@ -140,6 +141,9 @@ pub fn main(program: &Program) -> ExitCode {
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let console = Console::new(cli.message_format);
     let drivers = runners::none;
+    if let Err(error) = interrupt::watch() {
+        return finish(Err(error), &console);
+    }
     let outcome = match cli.command {
         Command::Generate(args) => generate::run(&args, &(program.cache)(), &console),
         Command::List(args) => list::run(&args, &console),

@@ -5,17 +5,20 @@ pub mod table;
 use std::collections::BTreeMap;
 
 use anyhow::Result;
-use diffraction_shaders::input;
+use diffraction_shaders::error::Error;
+use diffraction_shaders::input::SurfaceInput;
 use diffraction_shaders::plan::{
     Grating, Mode, Plan, Rejected, SurfaceSource, SurfaceSpec, Variant, vocabulary,
 };
+use diffraction_shaders::survey::memory::{self, Memory};
 use diffraction_shaders::tables::Series;
 use diffraction_shaders::variant::Form;
 use serde_json::{Map, Value, json};
 
 use crate::Outcome;
 use crate::args::PlanArgs;
-use crate::console::Console;
+use crate::console::{Console, Errors};
+use crate::memory::MemoryArgs;
 
 const EXAMPLE: &str = "Examples:
   cargo xtask list
@@ -26,6 +29,8 @@ const EXAMPLE: &str = "Examples:
 pub(crate) struct Args {
     #[command(flatten)]
     plan: PlanArgs,
+    #[command(flatten)]
+    memory: MemoryArgs,
     /// Print one JSON object instead of tables.
     #[arg(long)]
     json: bool,
@@ -37,32 +42,61 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let text =
         if args.json { format!("{:#}\n", object(&plan, &costs)) } else { human(&plan, &costs) };
     console.data(&text)?;
-    Ok(Outcome::Done)
+    let budget = args.memory.budget();
+    let refused = costs.iter().filter_map(|((variant, surface), on)| {
+        let subject = format!("surface {surface}: variant {variant}");
+        memory::within_budget(&subject, on.peak_bytes, budget).err()
+    });
+    let refused: Vec<Error> = refused.collect();
+    if refused.is_empty() { Ok(Outcome::Done) } else { Err(Errors(refused).into()) }
+}
+
+/// A variant as built on a surface.
+struct On {
+    variant: Variant,
+    form: Form,
+    /// Estimated memory of `generate` while it builds this variant, in bytes.
+    peak_bytes: u64,
 }
 
 /// Each variant as built on each readable surface, by the names of variant and surface.
-type Costs = BTreeMap<(String, String), (Variant, Form)>;
+type Costs = BTreeMap<(String, String), On>;
 
 fn costs(plan: &Plan, console: &Console) -> Costs {
     let mut costs = Costs::new();
+    let threads = rayon::current_num_threads();
+    let mut held = 0;
     for spec in &plan.surfaces {
-        match input::load_surface(spec) {
+        // the plan can be listed without the heights
+        let unknown = |error: &Error| console.note(&format!("costs are unknown: {error}"));
+        let read = match SurfaceInput::read(spec) {
+            Ok(read) => read,
+            Err(error) => {
+                unknown(&error);
+                continue;
+            }
+        };
+        match read.surface() {
             Ok(surface) => {
+                held += read.held_bytes();
                 for variant in plan.variants.iter().filter_map(|variant| variant.on(spec)) {
                     let form = |v: Variant| Form::new(&v, &surface.field).map(|form| (v, form));
                     match variant.and_then(form) {
-                        Ok((v, form)) => {
-                            let key = (v.name.clone(), spec.name.clone());
-                            costs.insert(key, (v, form));
+                        Ok((variant, form)) => {
+                            let key = (variant.name.clone(), spec.name.clone());
+                            let memory = Memory::new(&surface.field, &variant, &form, threads);
+                            let peak_bytes = memory.to_build(plan.containers.len());
+                            costs.insert(key, On { variant, form, peak_bytes });
                         }
                         Err(reason) => console.note(&format!("{}: left out: {reason}", spec.name)),
                     }
                 }
             }
-            // the plan can be listed without the heights
-            Err(error) => console.note(&format!("costs are unknown: {error}")),
+            Err(error) => unknown(&error),
         }
     }
+    let around = memory::around_bytes(held, costs.len());
+    costs.values_mut().for_each(|on| on.peak_bytes += around);
     costs
 }
 
@@ -93,7 +127,8 @@ pub(crate) fn surface_object(surface: &SurfaceSpec) -> Value {
 
 fn variant_object(variant: &Variant, plan: &Plan, costs: &Costs) -> Value {
     let cost = plan.surfaces.iter().filter_map(|surface| {
-        let (here, on) = costs.get(&(variant.name.clone(), surface.name.clone()))?;
+        let On { variant: here, form: on, peak_bytes } =
+            costs.get(&(variant.name.clone(), surface.name.clone()))?;
         let counted = on.cost();
         let mut cost = json!({
             "surface": surface.name,
@@ -105,6 +140,7 @@ fn variant_object(variant: &Variant, plan: &Plan, costs: &Costs) -> Value {
             "fetches": counted.fetches,
             "fetches_mean": counted.fetches_mean,
             "table_bytes": counted.table_bytes,
+            "peak_memory_bytes": peak_bytes,
         });
         if on.series().is_some_and(Series::is_accepted) {
             cost["error_accepted"] = json!(true);
@@ -238,7 +274,9 @@ fn cost_table(plan: &Plan, costs: &Costs) -> String {
     for variant in &plan.variants {
         let begin = rows.len();
         for surface in &plan.surfaces {
-            let Some((_, on)) = costs.get(&(variant.name.clone(), surface.name.clone())) else {
+            let Some(On { form: on, peak_bytes, .. }) =
+                costs.get(&(variant.name.clone(), surface.name.clone()))
+            else {
                 continue;
             };
             let cost = on.cost();
@@ -251,18 +289,19 @@ fn cost_table(plan: &Plan, costs: &Costs) -> String {
                 format!("{:.1}", cost.fetches_mean),
                 cost.fetches.to_string(),
                 format!("{:.1}", cost.table_bytes as f64 / 1024.0),
+                format!("{:.2}", *peak_bytes as f64 / f64::from(1 << 30)),
             ];
-            match rows[begin..].iter_mut().find(|row| row[..8] == numbers) {
-                Some(row) => row[8] = format!("{}, {}", row[8], surface.name),
+            match rows[begin..].iter_mut().find(|row| row[..9] == numbers) {
+                Some(row) => row[9] = format!("{}, {}", row[9], surface.name),
                 None => rows.push(numbers.into_iter().chain([surface.name.clone()]).collect()),
             }
         }
         for row in &mut rows[begin..] {
-            row[8] = shortened(&row[8]);
+            row[9] = shortened(&row[9]);
         }
         if rows.len() > begin {
-            let is_accepted = costs.iter().any(|((name, _), (_, on))| {
-                *name == variant.name && on.series().is_some_and(Series::is_accepted)
+            let is_accepted = costs.iter().any(|((name, _), on)| {
+                *name == variant.name && on.form.series().is_some_and(Series::is_accepted)
             });
             let mark =
                 if is_accepted { " (error above its limit, accepted by the plan)" } else { "" };
@@ -281,6 +320,7 @@ fn cost_table(plan: &Plan, costs: &Costs) -> String {
         "fetches",
         "worst",
         "KiB",
+        "GiB",
         "on",
     ];
     let lines = table::text(&head, rows);
@@ -293,6 +333,7 @@ fn cost_table(plan: &Plan, costs: &Costs) -> String {
         text += &format!("  {line}\n");
     }
     text + "evaluations, fetches: per lit pixel, mean and worst case; term fetches: worst case; KiB: all tables;\n\
+           GiB: peak of memory while generate builds the variant, estimated;\n\
            modes with uniform wavelengths cost the same in every lit pixel\n\n"
 }
 

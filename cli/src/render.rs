@@ -13,6 +13,7 @@ use crate::Outcome;
 use crate::args::{Exposure, Light, Runner, RunnerArgs, SurfaceArgs};
 use crate::console::{Console, Errors};
 use crate::files::write_whole;
+use crate::memory::MemoryArgs;
 use crate::progress;
 use crate::runners::{Drivers, Job};
 
@@ -33,6 +34,8 @@ With --lights the map shows the radiance under the lights of a file; `cargo xtas
 pub struct Args {
     #[command(flatten)]
     surface: SurfaceArgs,
+    #[command(flatten)]
+    memory: MemoryArgs,
     /// What computes the colours.
     #[command(flatten)]
     pub runner: RunnerArgs,
@@ -71,8 +74,8 @@ pub fn run(args: &Args, console: &Console, drivers: Drivers) -> Result<Outcome> 
     let size = args.size as usize;
     let lights = args.lights.as_deref().map(input::read_lights).transpose().map_err(Errors)?;
     let job = match &lights {
-        Some(lights) => Job::under(lights, &args.surface, &args.runner, console)?,
-        None => Job::new(&args.surface, &args.runner, console)?,
+        Some(lights) => Job::under(lights, &args.surface, &args.runner, &args.memory, console)?,
+        None => Job::new(&args.surface, &args.runner, &args.memory, console)?,
     };
     let runner = job.runner(&args.runner, drivers)?;
     let light = direction(args.light.theta_deg, args.light.phi_deg);

@@ -1,6 +1,8 @@
 //! From options to a runner, which evaluates a variant on a surface.
 
 use anyhow::{Result, bail};
+use diffraction_shaders::field::orders::OrderSum;
+use diffraction_shaders::field::reference::{Reference, Span};
 use diffraction_shaders::input;
 use diffraction_shaders::light::{Cap, Light, Lights};
 use diffraction_shaders::optics::REFERENCE_NM;
@@ -14,6 +16,7 @@ use glam::DVec3;
 
 use crate::args::{Runner as Kind, RunnerArgs, SurfaceArgs};
 use crate::console::Console;
+use crate::memory::{self, MemoryArgs};
 
 /// Opens a runner on a driver.
 pub type Drivers = for<'a> fn(Placement<'a>, &RunnerArgs) -> Result<Box<dyn Runner + 'a>>;
@@ -34,9 +37,14 @@ pub struct Job {
 }
 
 impl Job {
-    /// Reads plan and surface, and checks that the pitch resolves the shortest wavelength.
-    pub fn new(surface: &SurfaceArgs, runner: &RunnerArgs, console: &Console) -> Result<Job> {
-        Job::with_optics(surface, runner, None, console)
+    /// Reads plan and surface, and checks that the pitch resolves the shortest wavelength, and that there is memory enough.
+    pub fn new(
+        surface: &SurfaceArgs,
+        runner: &RunnerArgs,
+        budget: &MemoryArgs,
+        console: &Console,
+    ) -> Result<Job> {
+        Job::with_optics(surface, runner, None, budget, console)
     }
 
     /// `named`: the variant whose optics the reference takes, instead of those of the plan.
@@ -44,6 +52,7 @@ impl Job {
         surface: &SurfaceArgs,
         runner: &RunnerArgs,
         named: Option<&str>,
+        budget: &MemoryArgs,
         console: &Console,
     ) -> Result<Job> {
         let plan: Plan = surface.plan.read(console)?;
@@ -64,6 +73,15 @@ impl Job {
         let surface = input::load_surface(&spec)?;
         surface.notes.iter().for_each(|note| console.note(note));
         surface.field.check_pitch(&surface::subject(&spec), min_nm)?;
+        let needed = match runner.runner {
+            Kind::Exact => {
+                Reference::working_bytes(&surface.field, &variant.optics, Span::ANYWHERE)
+            }
+            Kind::Twin => memory::of(&surface.field, &variant)?.to_evaluate(),
+            _ => memory::of(&surface.field, &variant)?.to_check_and_draw(),
+        };
+        let name = if runner.runner == Kind::Exact { "exact" } else { &variant.name };
+        budget.check(&spec.name, name, surface.field.byte_count(), needed)?;
         Ok(Job { spec, surface, variant })
     }
 
@@ -73,10 +91,16 @@ impl Job {
         lights: &Lights,
         surface: &SurfaceArgs,
         args: &RunnerArgs,
+        budget: &MemoryArgs,
         console: &Console,
     ) -> Result<Job> {
-        let job = Job::with_optics(surface, args, args.variant.as_deref(), console)?;
+        let job = Job::with_optics(surface, args, args.variant.as_deref(), budget, console)?;
         check_scaling(&job.variant.optics, lights)?;
+        let field = &job.surface.field;
+        if args.runner == Kind::Exact && lights.with_size().next().is_some() {
+            let needed = OrderSum::working_bytes(field);
+            budget.check(&job.spec.name, "exact", field.byte_count(), needed)?;
+        }
         for note in job.narrow(lights) {
             console.note(&note);
         }

@@ -9,6 +9,8 @@ use diffraction_shaders::package::Stamp;
 use diffraction_shaders::package::compile::Compiler;
 use diffraction_shaders::plan::Plan;
 
+use crate::interrupt::TemporaryFolder;
+
 /// The cache of another build of the program is removed if nothing was added to it for this time.
 const KEPT: Duration = Duration::from_secs(7 * 24 * 3600);
 
@@ -32,10 +34,10 @@ pub(crate) fn cache(caches: &Path, program: &str) -> PathBuf {
 }
 
 /// A folder for the tables of one run without the cache.
-pub(crate) fn spill(caches: &Path) -> std::io::Result<tempfile::TempDir> {
+pub(crate) fn spill(caches: &Path) -> std::io::Result<TemporaryFolder> {
     let folder = caches.join("spilled");
     fs::create_dir_all(&folder)?;
-    tempfile::tempdir_in(folder)
+    tempfile::tempdir_in(folder).map(TemporaryFolder::of)
 }
 
 /// The stamp of an output folder, and the hash of inputs that it must hold.

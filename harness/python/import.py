@@ -8,6 +8,7 @@ JSON object, with lengths in µm, or in the file's numbers if it states no unit;
 
 import json
 import re
+import shlex
 import sys
 import warnings
 
@@ -87,7 +88,7 @@ def in_amperes(channel):
 
 def heights_of(channels):
     heights = [channel.name for channel in channels if has_heights(channel)]
-    return "--channel " + " or ".join(f"'{name}'" for name in heights) if heights else "it has no channel of heights"
+    return "--channel " + " or ".join(shlex.quote(name) for name in heights) if heights else "it has no channel of heights"
 
 
 def metres(unit):

@@ -20,7 +20,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use diffraction_cli::console::{Console, MessageFormat};
-use diffraction_cli::{eval, finish, harness, program, render};
+use diffraction_cli::{eval, finish, harness, interrupt, program, render};
 
 /// Compare, time and validate diffraction shaders on the drivers of this machine.
 #[derive(Parser)]
@@ -65,6 +65,9 @@ pub fn main() -> ExitCode {
     let matches = program::named(Cli::command()).get_matches();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let console = Console::new(cli.message_format);
+    if let Err(error) = interrupt::watch() {
+        return finish(Err(error), &console);
+    }
     let outcome = match cli.command {
         Command::Import(args) => import::run(&args, &console),
         Command::Validate(args) => validate::run(&args, &console),

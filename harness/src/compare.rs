@@ -19,6 +19,7 @@ use diffraction_shaders::optics::brdf_map::BrdfMap;
 use diffraction_shaders::plan::{Mode, SurfaceSpec, Variant};
 use diffraction_shaders::runner::{Placement, Runner};
 use diffraction_shaders::surface::{self, HeightField};
+use diffraction_shaders::survey::memory::{self, Memory};
 use diffraction_shaders::variant::Form;
 use glam::DVec3;
 
@@ -48,6 +49,8 @@ pub struct Job<'a> {
     pub exposure: Option<f64>,
     /// Number of variants per surface that slow routes take: of each mode the cheapest first.
     pub subset: usize,
+    /// Bytes of memory that may be taken. More is an error before anything of the surface is computed.
+    pub memory: u64,
 }
 
 /// Takes results.
@@ -150,6 +153,14 @@ fn run_surface(
     let mut truths: BTreeMap<(String, usize), Truth> = BTreeMap::new();
     let placed: Vec<Option<Result<Variant>>> =
         request.variants.iter().map(|variant| variant.on(spec)).collect();
+    let around = memory::around_bytes(height.byte_count(), placed.len());
+    for variant in placed.iter().flatten().flatten() {
+        // a variant without a form is a gap, below
+        let Ok(form) = Form::new(variant, height) else { continue };
+        let memory = Memory::new(height, variant, &form, rayon::current_num_threads());
+        let subject = format!("surface {}: variant {}", spec.name, variant.name);
+        memory::within_budget(&subject, around + memory.to_compare(), request.memory)?;
+    }
     for (index, (variant, here)) in request.variants.iter().zip(&placed).enumerate() {
         let skip = |sink: &mut dyn Sink| {
             (0..request.lights.len() * (1 + request.routes.len())).for_each(|_| sink.step());

@@ -3,6 +3,7 @@
 mod glslang;
 mod output;
 mod tools;
+pub mod watched;
 
 use std::{
     env, fmt, fs, io,
@@ -11,6 +12,8 @@ use std::{
     thread,
     time::{Duration, Instant},
 };
+
+use diffraction_cli::interrupt::{BeforeExit, before_exit};
 
 pub use glslang::{GLSLANG, GLSLANG_PACKAGE, hlsl_options, hlsl_to_spirv};
 pub use output::KEPT;
@@ -91,6 +94,7 @@ pub fn run(command: &mut Command, limit: Duration) -> Result<(ExitStatus, String
     }
     let failed = |error: io::Error| Fault::NotStarted(format!("cannot be run: {error}"));
     let mut child = command.spawn().map_err(failed)?;
+    let _ended = ended_with_us(&child);
     let streams = [child.stderr.take().map(output::keep), child.stdout.take().map(output::keep)];
     let end = Instant::now() + limit;
     let status = loop {
@@ -122,6 +126,32 @@ pub fn accepted(command: &mut Command, limit: Duration) -> Result<String, Fault>
     words.pop();
     let text = format!("{}: {status}\n{}", words.join(" "), text.trim());
     Err(if status.code().is_none() { Fault::Crashed(text) } else { Fault::Refused(text) })
+}
+
+/// Runs a command to its end, without a time limit. Its output is not kept.
+pub fn to_its_end(command: &mut Command) -> io::Result<ExitStatus> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::process::CommandExt;
+        command.process_group(0);
+    }
+    let mut child = command.spawn()?;
+    let _ended = ended_with_us(&child);
+    child.wait()
+}
+
+/// Has an interrupt of this program end a program that leads a process group, with all of the group.
+pub fn ended_with_us(child: &Child) -> BeforeExit {
+    #[cfg(unix)]
+    {
+        use rustix::process::{Pid, Signal, kill_process_group};
+        let group = Pid::from_child(child);
+        before_exit(move || {
+            let _ = kill_process_group(group, Signal::KILL);
+        })
+    }
+    #[cfg(not(unix))]
+    before_exit(|| ())
 }
 
 /// Ends a program with its process group.

@@ -5,11 +5,12 @@
 mod tune;
 
 use std::fs::{File, OpenOptions};
-use std::io::{Read, Seek, SeekFrom, Write};
+use std::io::{Seek, SeekFrom, Write};
 use std::path::Path;
 
 use diffraction_shaders::encode;
 use diffraction_shaders::error::{Error, Result};
+use diffraction_shaders::input::read_file;
 use diffraction_shaders::optics::colour_difference::Percentiles;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -252,6 +253,9 @@ pub struct Testbench {
     pub svg: Option<String>,
 }
 
+/// Maximum size of a file of records: a million results.
+const MAX_BYTES: u64 = 1 << 30;
+
 /// A file of records, open for appending.
 #[derive(Debug)]
 pub struct Log {
@@ -263,12 +267,27 @@ impl Log {
     /// Begins a run with results of some kinds, selected by `mine`. Earlier results of these kinds are removed from the file; the
     /// whole old file is kept as [`OLD`] beside it. Returns the log and the remaining results.
     pub fn begin(folder: &Path, mine: impl Fn(&Record) -> bool) -> Result<(Log, Vec<Record>)> {
+        Log::without(folder, mine, true)
+    }
+
+    /// Goes on with a run that was cut short, without the results that it has to measure again. Keeps no copy of the file.
+    pub fn go_on(folder: &Path, again: impl Fn(&Record) -> bool) -> Result<(Log, Vec<Record>)> {
+        Log::without(folder, again, false)
+    }
+
+    fn without(
+        folder: &Path,
+        mine: impl Fn(&Record) -> bool,
+        copy: bool,
+    ) -> Result<(Log, Vec<Record>)> {
         let path = folder.join(FILE);
         let fail = |e: std::io::Error| Error::new(path.display(), e);
         std::fs::create_dir_all(folder).map_err(fail)?;
         let mut records = if path.exists() { read(&path)? } else { Vec::new() };
         if records.iter().any(&mine) {
-            std::fs::copy(&path, folder.join(OLD)).map_err(fail)?;
+            if copy {
+                std::fs::copy(&path, folder.join(OLD)).map_err(fail)?;
+            }
             records.retain(|record| !mine(record));
             let partial = folder.join(format!("{FILE}.tmp-{}", std::process::id()));
             let text: String = records.iter().map(line).collect::<Result<_>>()?;
@@ -282,10 +301,13 @@ impl Log {
     pub fn open(path: &Path) -> Result<Log> {
         let shown = path.display().to_string();
         let fail = |e: std::io::Error| Error::new(&shown, e);
+        // first, since a pipe or a device has no end
+        let bytes = match path.exists() {
+            true => read_file(path, MAX_BYTES).map_err(fail)?,
+            false => Vec::new(),
+        };
         let options = OpenOptions::new().read(true).append(true).create(true).clone();
         let mut file = options.open(path).map_err(fail)?;
-        let mut bytes = Vec::new();
-        file.read_to_end(&mut bytes).map_err(fail)?;
         let whole = bytes.iter().rposition(|b| *b == b'\n').map_or(0, |at| at + 1);
         if whole < bytes.len() {
             file.set_len(whole as u64).map_err(fail)?;
@@ -309,7 +331,7 @@ pub fn line(record: &Record) -> Result<String> {
 /// Reads a file of records. An incomplete last line is ignored; any other fault is an error with its line number.
 pub fn read(path: &Path) -> Result<Vec<Record>> {
     let shown = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|e| Error::new(&shown, e))?;
+    let bytes = read_file(path, MAX_BYTES).map_err(|e| Error::new(&shown, e))?;
     let whole = bytes.iter().rposition(|b| *b == b'\n').map_or(0, |at| at + 1);
     let text = String::from_utf8_lossy(&bytes[..whole]);
     let parse = |(i, line): (usize, &str)| {

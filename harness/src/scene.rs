@@ -7,6 +7,7 @@ mod camera;
 pub mod drawing;
 mod gltf;
 mod mesh;
+mod named;
 mod obj;
 pub mod pattern;
 pub mod tone_map;

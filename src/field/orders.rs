@@ -27,6 +27,9 @@ const PANEL_NM: f64 = 2.0;
 /// Number of orders beyond which panels of [`OrderSum::white_sky`] grow with it: the errors of that many orders cancel.
 const MANY: f64 = 1000.0;
 
+/// Largest table for which the radiance under a white sky is computed without being asked for, bytes.
+const MAX_SKY_BYTES: usize = 512 << 20;
+
 /// The light is sought at steps of this part of its radius.
 const SEARCH: f64 = 1.0 / 32.0;
 
@@ -87,9 +90,16 @@ impl OrderSum {
         })
     }
 
-    /// Whether the orders of a surface are within the limit of [`OrderSum::new`].
-    pub fn fits(height: &HeightField) -> bool {
-        OrderSum::layout(height).2 <= MAX_BYTES
+    /// Whether [`OrderSum::white_sky`] is worth its time and memory: up to a table of half a GiB.
+    pub fn has_white_sky(height: &HeightField) -> bool {
+        OrderSum::layout(height).2 <= MAX_SKY_BYTES
+    }
+
+    /// The most that [`OrderSum::new`] takes, in bytes: its table, and one transform.
+    pub fn working_bytes(height: &HeightField) -> u64 {
+        let (bins, _, bytes) = OrderSum::layout(height);
+        // heights, signal and columns of the transform, coefficients
+        (bytes + 24 * height.heights_um().len() + 32 * bins.len()) as u64
     }
 
     /// Orders, nodes, and the bytes of the table.

@@ -55,15 +55,7 @@ impl Reference {
             longest = longest.max(uvw.z);
             widest = widest.max(uvw.truncate().length());
         }
-        let k = |nm: f64| TAU / (nm * 1e-3);
-        let sigma_um = [min_nm, max_nm].map(|nm| optics::window_sigma_um(optics, nm));
-        let domain = Domain {
-            coherence: optics.coherence,
-            sigma_um: (sigma_um[0].min(sigma_um[1]), sigma_um[0].max(sigma_um[1])),
-            // z = k w with w = -(cos θi + cos θr)
-            z: (-k(min_nm) * longest.max(shortest), -k(max_nm) * shortest.min(longest)),
-            reach_cpum: widest / (min_nm * 1e-3),
-        };
+        let domain = domain(optics, (min_nm, max_nm), Span { shortest, longest, widest });
         let subject = format!("surface of {} × {} pixels", height.columns(), height.rows());
         let bytes = Field::bytes_needed(height, &domain);
         if bytes > MAX_BYTES {
@@ -76,6 +68,11 @@ impl Reference {
         let spectrum = Spectrum::new(&optics.illuminant)?;
         let field = Field::new(height, &domain);
         Ok(Reference { field, spectrum, optics: optics.clone(), rotate_deg, coarsest_step_nm: 1.0 })
+    }
+
+    /// Bytes that the reference takes for colours, beside the heights: an estimate.
+    pub fn working_bytes(height: &HeightField, optics: &Optics, span: Span) -> u64 {
+        Field::working_bytes(height, &domain(optics, Reference::VISIBLE_NM, span))
     }
 
     /// The colour range of the tables, 380–780 nm: what the reference always integrates.
@@ -156,6 +153,41 @@ impl Reference {
             step_nm *= 0.5;
         }
         1.0 / step_nm
+    }
+}
+
+/// What a batch of directions covers: the extreme sums of their cosines, and the maximum of `|(u, v)|`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// Least sum of the cosines of light and viewer.
+    pub shortest: f64,
+    /// Greatest sum of the cosines.
+    pub longest: f64,
+    /// Maximum of `|(u, v)|`.
+    pub widest: f64,
+}
+
+impl Span {
+    /// Every direction.
+    pub const ANYWHERE: Span = Span { shortest: 0.0, longest: 2.0, widest: 2.0 };
+    /// The directions of a package's probes. On the plan's surfaces they cover 0.42 to 2, and up to 1.65.
+    pub const PROBES: Span = Span { shortest: 0.47, longest: 2.0, widest: 1.58 };
+}
+
+/// What a field must cover.
+fn domain(
+    optics: &Optics,
+    (min_nm, max_nm): (f64, f64),
+    Span { shortest, longest, widest }: Span,
+) -> Domain {
+    let k = |nm: f64| TAU / (nm * 1e-3);
+    let sigma_um = [min_nm, max_nm].map(|nm| optics::window_sigma_um(optics, nm));
+    Domain {
+        coherence: optics.coherence,
+        sigma_um: (sigma_um[0].min(sigma_um[1]), sigma_um[0].max(sigma_um[1])),
+        // z = k w with w = -(cos θi + cos θr)
+        z: (-k(min_nm) * longest.max(shortest), -k(max_nm) * shortest.min(longest)),
+        reach_cpum: widest / (min_nm * 1e-3),
     }
 }
 

@@ -23,10 +23,13 @@ use crate::package::{Cancel, Equality, Gap, Package, readme};
 use crate::plan::{Plan, Target, Variant};
 use crate::shader::template::Sources;
 
+use crate::survey::memory::{self, Memory};
+use crate::variant::Form;
+
 use build::build;
 use cache::Cache;
 use index::{index, input_hash};
-use work::{Work, all_or_errors, load};
+use work::{Loaded, Work, all_or_errors, load};
 
 pub use step::Step;
 
@@ -47,6 +50,7 @@ pub struct Compiler<'a> {
     cache: Option<&'a Path>,
     templates: Sources,
     progress: &'a (dyn Fn(Step<'_>) + Sync),
+    memory: u64,
     cancel: Cancel,
     surfaces: OnceLock<Vec<SurfaceInput>>,
 }
@@ -62,6 +66,7 @@ impl<'a> Compiler<'a> {
             cache: None,
             templates: Sources::builtin(),
             progress: &|_| (),
+            memory: u64::MAX,
             cancel: Cancel::new(),
             surfaces: OnceLock::new(),
         }
@@ -96,6 +101,12 @@ impl<'a> Compiler<'a> {
     #[must_use]
     pub fn progress(self, progress: &'a (dyn Fn(Step<'_>) + Sync)) -> Compiler<'a> {
         Compiler { progress, ..self }
+    }
+
+    /// Refuses variants that would take more than so many bytes of memory, before any of them is built. Default: no limit.
+    #[must_use]
+    pub fn memory_budget(self, bytes: u64) -> Compiler<'a> {
+        Compiler { memory: bytes, ..self }
     }
 
     /// Gives up, with an error, soon after `cancel` is cancelled: before the next variant or table.
@@ -168,9 +179,34 @@ impl<'a> Compiler<'a> {
             sources: &self.templates,
             cache: self.cache,
             keep: &keep,
+            memory: self.memory,
             go_on: &go_on,
         })
     }
+}
+
+/// Checks that every variant fits the memory. All of them are compared with what the whole run holds beside it.
+fn affordable(
+    work: &Work<'_>,
+    pairs: &[(&Loaded<'_>, &Variant, &Form)],
+) -> Result<(), Vec<Diagnostic>> {
+    if work.memory == u64::MAX {
+        return Ok(());
+    }
+    let threads = rayon::current_num_threads();
+    let around = memory::around_bytes(work.held_bytes(), pairs.len());
+    let check = |(surface, variant, form): &(&Loaded<'_>, &Variant, &Form)| {
+        let memory = Memory::new(surface.field, variant, form, threads);
+        let needed = around + memory.to_build(work.containers.len());
+        let subject = format!("surface {}: variant {}", surface.name(), variant.name);
+        memory::within_budget(&subject, needed, work.memory)
+    };
+    let refused: Vec<Diagnostic> = pairs
+        .iter()
+        .filter_map(|pair| check(pair).err())
+        .map(|error| Diagnostic::from(&error))
+        .collect();
+    if refused.is_empty() { Ok(()) } else { Err(refused) }
 }
 
 /// Everything but index and README.
@@ -184,9 +220,10 @@ fn generate(
     let mut pairs = Vec::new();
     for surface in &surfaces {
         gaps.extend(surface.gaps.iter().cloned());
-        pairs.extend(surface.variants.iter().map(|variant| (surface, variant)));
+        pairs.extend(surface.variants.iter().map(|(variant, form)| (surface, variant, form)));
     }
-    let built = pairs.into_par_iter().map(|(s, v)| build(work, s, v));
+    affordable(work, &pairs)?;
+    let built = pairs.into_par_iter().map(|(s, v, form)| build(work, s, v, form));
     let mut built = all_or_errors(built.collect())?;
     // so that the variants that share a table come together, and one term table at a time is in memory
     built.sort_by_cached_key(|one| (one.surface.name().to_owned(), one.ids.clone()));

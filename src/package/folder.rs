@@ -9,8 +9,9 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use crate::error::{Error, Result};
+use crate::input::read_file;
 
-use super::{Gap, Listed, MANIFEST, is_plain};
+use super::{Gap, Listed, MANIFEST, MAX_MANIFEST_BYTES, is_plain};
 
 /// An output folder that exists.
 pub(super) struct Folder {
@@ -51,7 +52,7 @@ pub(super) fn open(out: &Path) -> Result<Option<Folder>> {
             has_manifest: false,
         }));
     }
-    let manifest = fs::read(root.join(MANIFEST)).ok();
+    let manifest = read_file(&root.join(MANIFEST), MAX_MANIFEST_BYTES).ok();
     let manifest = manifest.and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok());
     let manifest = manifest.filter(|value| value.get("generated_by").is_some_and(Value::is_string));
     let Some(manifest) = manifest else {

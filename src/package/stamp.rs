@@ -9,8 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 use crate::hash::sha256;
+use crate::input::read_file;
 
-use super::{Package, folder, write};
+use super::{MAX_MANIFEST_BYTES, Package, folder, write};
 
 /// Hashes of everything that a package was made from, and of the bytes of every file in it. It is kept outside the
 /// package, on the machine that made it, because numbers may differ in their last digits between processors.
@@ -42,7 +43,7 @@ impl Stamp {
 
     /// Reads a stamp. `None` if there is no readable one.
     pub fn read(file: &Path) -> Option<Stamp> {
-        serde_json::from_slice(&fs::read(file).ok()?).ok()
+        serde_json::from_slice(&read_file(file, MAX_MANIFEST_BYTES).ok()?).ok()
     }
 
     /// Writes the stamp.
@@ -61,7 +62,7 @@ impl Stamp {
     pub fn holds(&self, out: &Path) -> bool {
         let Ok(root) = folder::resolve(out) else { return false };
         let is_same = |(path, expected): (&String, &String)| {
-            fs::read(root.join(path)).is_ok_and(|bytes| sha256(&bytes) == *expected)
+            read_file(&root.join(path), u64::MAX - 1).is_ok_and(|bytes| sha256(&bytes) == *expected)
         };
         write::is_tidy(&root)
             && !self.files.is_empty()

@@ -10,6 +10,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
+use crate::input::read_file;
 
 use super::folder::{self, Folder, sibling};
 use super::{Content, Equality, Package, equality};
@@ -222,7 +223,8 @@ fn carry(package: &Package, old: &Folder, into: &Path) -> Result<Vec<PathBuf>> {
             let fresh = folder::slashed(&path).and_then(|path| package.files().get(&path));
             let fresh = fresh.filter(|file| !matches!(file.content, Content::Kept(_)));
             let is_same = fresh.and_then(|file| file.content.read().ok()).is_some_and(|fresh| {
-                fs::read(&from).is_ok_and(|disk| equality::same(Equality::Bytes, &fresh, &disk))
+                read_file(&from, fresh.len() as u64)
+                    .is_ok_and(|disk| equality::same(Equality::Bytes, &fresh, &disk))
             });
             if is_same || (is_folder && to.is_dir()) {
                 continue;

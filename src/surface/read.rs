@@ -29,7 +29,7 @@ mod tiff;
 
 use std::path::Path;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, shell_path};
 use crate::plan::{FileSource, Flip};
 use crate::surface::raster::{Raster, Samples};
 use crate::surface::{check_pixels, gsf};
@@ -88,7 +88,7 @@ pub fn check_extension(path: &Path, subject: &str) -> Result<()> {
 
 /// The command that converts an instrument's file.
 fn import(path: &Path) -> String {
-    format!("cargo xtask import \"{}\"", path.display())
+    format!("cargo xtask import {}", shell_path(path))
 }
 
 fn decode(format: Format, bytes: &[u8], source: &FileSource, subject: &str) -> Result<Raster> {

@@ -70,6 +70,23 @@ pub fn bake(
     Ok(Colours { axes, xyz })
 }
 
+/// Bytes that baking takes at most, beside the heights: an estimate. `texels` and `table`: bytes of the table in 64 bits and in
+/// its format.
+pub(super) fn working_bytes(
+    height: &HeightField,
+    window: Window,
+    range: &Wavelengths,
+    axes: BakedAxes,
+    [texels, table]: [u64; 2],
+    threads: usize,
+) -> u64 {
+    let cells = u64::from(axes.columns) * u64::from(axes.rows) * u64::from(axes.levels);
+    let colours = cells * size_of::<[f32; 3]>() as u64;
+    let [making, lines] = line::bytes(height, window, range, &axes, threads);
+    // what the threads computed, then the same in order; sharpening keeps a copy
+    making.max(lines + 2 * colours).max(colours + texels).max(texels + table)
+}
+
 /// The rows of a table with their wavelengths.
 fn rows(axes: &BakedAxes) -> impl Iterator<Item = RadiusRow> + '_ {
     (0..axes.rows).map(|index| RadiusRow { radius: axes.radius(index) })

@@ -12,10 +12,7 @@ const REACH_CPUM: f64 = 5.6;
 /// flat surface. Among peaks that are equal within a millionth, the lowest frequency wins, then the direction along x.
 pub fn strongest_period_um(height: &HeightField) -> Option<[f64; 2]> {
     let size_um = [height.size_x_um(), height.size_y_um()];
-    let limit = |count: usize| (count / 2).max(1);
-    let mut bins = Bins::reachable(size_um[0], size_um[1], REACH_CPUM, 0);
-    bins.r_max = bins.r_max.min(limit(height.columns()));
-    bins.s_max = bins.s_max.min(limit(height.rows()));
+    let bins = reachable(height);
     let (low_um, high_um) = height.range_um();
     let middle_um = 0.5 * (low_um + high_um);
     let mut data: Vec<Complex64> =
@@ -40,6 +37,27 @@ pub fn strongest_period_um(height: &HeightField) -> Option<[f64; 2]> {
         .filter(|p| p.0 >= strongest * (1.0 - 1e-6))
         .min_by(|a, b| squared(a.1).total_cmp(&squared(b.1)).then(b.1[0].total_cmp(&a.1[0])))?;
     Some(f.map(|c| c / squared(f)))
+}
+
+/// Bytes that [`strongest_period_um`] takes at most, beside the heights: an estimate.
+pub fn strongest_period_bytes(height: &HeightField) -> u64 {
+    const COMPLEX: usize = size_of::<Complex64>();
+    let (pixels, bins) = (height.heights_um().len(), reachable(height).len());
+    // the heights turned over, the signal; its columns and bins; half of them with their frequencies
+    let peaks = size_of::<(f64, [f64; 2])>() * bins / 2;
+    let signal = COMPLEX * pixels;
+    let most = (size_of::<f64>() * pixels).max(2 * COMPLEX * bins).max(COMPLEX * bins + 2 * peaks);
+    (signal + most) as u64
+}
+
+/// The bins that are searched.
+fn reachable(height: &HeightField) -> Bins {
+    let limit = |count: usize| (count / 2).max(1);
+    let all = Bins::reachable(height.size_x_um(), height.size_y_um(), REACH_CPUM, 0);
+    Bins {
+        r_max: all.r_max.min(limit(height.columns())),
+        s_max: all.s_max.min(limit(height.rows())),
+    }
 }
 
 #[cfg(test)]

@@ -15,9 +15,9 @@ use crate::tables::terms::Terms;
 
 use super::lobes::lobes_table;
 use super::{
-    Aim, BakedAxes, LaidExpansion, LobeGeometry, Series, Settings, Table, TermScale, bake,
-    coefficients_shape, coefficients_table, grating_table, levels_table, rotation_table,
-    spectrum_shape, spectrum_table, strongest_period_um, terms_shape, terms_table,
+    Aim, BakedAxes, LaidExpansion, LobeGeometry, Series, Settings, Table, TermLayers, TermScale,
+    bake, coefficients_shape, coefficients_table, grating_table, levels_table, rotation_table,
+    spectrum_shape, spectrum_table, strongest_period_um, terms_shape,
 };
 
 /// A table, described by its inputs. Fields called `surface` are the identity of the heights. They are empty if the
@@ -54,6 +54,23 @@ pub struct TermsSpec {
     /// part of the identity.
     #[serde(skip)]
     pub filtered: bool,
+}
+
+impl TermsSpec {
+    /// Hands over the layers, each with its number, one after the other.
+    fn layers(
+        &self,
+        height: &HeightField,
+        mut take: impl FnMut(Table, usize) -> Result<()>,
+    ) -> Result<()> {
+        let series = &self.series;
+        let mut layers =
+            TermLayers::new(series.bins, series.packing, series.format, series.scale());
+        Terms::each(height, series.expansion(), series.bins, series.grid, |term| {
+            layers.add(term).map_or(Ok(()), |(layer, index)| take(layer, index))
+        })?;
+        layers.finish().map_or(Ok(()), |(layer, index)| take(layer, index))
+    }
 }
 
 /// See [`coefficients_table`].
@@ -262,6 +279,52 @@ impl TableSpec {
         self.compute_with(height, &|_| ())
     }
 
+    /// The bytes of the rounded table, as in its `.bin`, with progress as in [`TableSpec::compute_with`]. Of a table of terms, only
+    /// a few terms and the bytes are in memory at a time.
+    pub fn bytes_with(
+        &self,
+        height: &HeightField,
+        done: &(dyn Fn(usize) + Sync),
+    ) -> Result<Vec<u8>> {
+        let TableSpec::Terms(spec) = self else {
+            return Ok(self.compute_with(height, done)?.bytes());
+        };
+        let mut bytes = Vec::with_capacity(self.shape().byte_count());
+        spec.layers(height, |layer, index| {
+            layer.check_from(index)?;
+            bytes.extend(layer.bytes());
+            Ok(())
+        })?;
+        Ok(bytes)
+    }
+
+    /// Bytes that [`TableSpec::bytes_with`] takes at most, beside the heights: an estimate. `threads`: how many work on it.
+    pub fn working_bytes(&self, height: &HeightField, threads: usize) -> u64 {
+        let shape = self.shape();
+        let table = shape.byte_count() as u64;
+        let texels = self.texel_bytes();
+        match self {
+            TableSpec::Terms(TermsSpec { series, .. }) => {
+                let layer = texels / shape.layers.max(1) as u64;
+                let terms =
+                    Terms::working_bytes(height, series.expansion(), series.bins, series.grid);
+                table + layer + terms
+            }
+            TableSpec::Colours(spec) => {
+                let range = range(spec.range_nm);
+                let sizes = [texels, table];
+                bake::working_bytes(height, spec.window, &range, spec.axes, sizes, threads)
+            }
+            _ => texels + table,
+        }
+    }
+
+    /// Bytes of the table as [`Table::texels`] has it.
+    pub fn texel_bytes(&self) -> u64 {
+        let shape = self.shape();
+        (size_of::<f64>() * shape.format.channels() * shape.texel_count()) as u64
+    }
+
     /// [`TableSpec::compute`] with progress: `done` is called with the columns of a table of colours
     /// that were finished since the last call, from any thread.
     pub fn compute_with(
@@ -270,10 +333,14 @@ impl TableSpec {
         done: &(dyn Fn(usize) + Sync),
     ) -> Result<Table> {
         let table = match self {
-            TableSpec::Terms(TermsSpec { series, filtered, .. }) => {
-                let terms = Terms::new(height, series.expansion(), series.bins, series.grid);
-                let table = terms_table(&terms, series.packing, series.format, series.scale());
-                Table { filtered: *filtered, ..table }
+            TableSpec::Terms(spec) => {
+                let shape = self.shape();
+                let mut texels = Vec::with_capacity(shape.texel_count() * shape.format.channels());
+                spec.layers(height, |layer, _| {
+                    texels.extend(layer.texels);
+                    Ok(())
+                })?;
+                Table { texels, ..shape }
             }
             TableSpec::Coefficients(spec) => coefficients_table(spec.expansion.get(), spec.columns),
             TableSpec::Colours(spec) => {

@@ -46,15 +46,32 @@ impl Terms {
         bins: Bins,
         grid: Option<Grid>,
     ) -> Terms {
+        let mut tables = Vec::with_capacity(expansion.terms as usize);
+        // collecting cannot fail
+        let _ = Terms::each::<()>(height, expansion, bins, grid, |table| {
+            tables.push(table);
+            Ok(())
+        });
+        Terms { bins, tables }
+    }
+
+    /// Like [`Terms::new`], but hands over one term after the other, so that not all of them need to be in memory. An error
+    /// of `take` ends the work.
+    pub fn each<E>(
+        height: &HeightField,
+        expansion: &Expansion,
+        bins: Bins,
+        grid: Option<Grid>,
+        mut take: impl FnMut(Vec<Complex64>) -> Result<(), E>,
+    ) -> Result<(), E> {
         if expansion.is_tabulated() {
-            return Terms { bins, tables: curves(height, expansion, bins, grid) };
+            return curves(height, expansion, bins, grid, take);
         }
         let x: Vec<f64> = heights_upwards_um(height)
             .iter()
             .map(|h| expansion.z_max * (h - expansion.origin_um))
             .collect();
         let mut power = vec![1.0; x.len()];
-        let mut tables = Vec::with_capacity(expansion.terms as usize);
         for n in (0..expansion.terms).step_by(2) {
             let next = |p: f64, x: f64, n: u32| p * x / f64::from(n + 1);
             let data: Vec<Complex64> =
@@ -68,19 +85,38 @@ impl Terms {
             let last = both.len() - 1;
             // bins run from -max to max on both axes, so the mirrored bin has the mirrored index
             let mirrored = |i: usize| both[last - i].conj();
-            tables.push(
-                (0..both.len())
-                    .into_par_iter()
-                    .map(|i| times_i(0.5 * (both[i] + mirrored(i)), n))
-                    .collect(),
-            );
+            let even = |i: usize| times_i(0.5 * (both[i] + mirrored(i)), n);
+            take((0..both.len()).into_par_iter().map(even).collect())?;
             if n + 1 < expansion.terms {
                 // (Z(r) - Z*(-r))/2i is the odd one
                 let odd = |i: usize| times_i(0.5 * (both[i] - mirrored(i)), n + 4);
-                tables.push((0..both.len()).into_par_iter().map(odd).collect());
+                take((0..both.len()).into_par_iter().map(odd).collect())?;
             }
         }
-        Terms { bins, tables }
+        Ok(())
+    }
+
+    /// Bytes that [`Terms::each`] takes beside the heights, without what `take` keeps.
+    pub(super) fn working_bytes(
+        height: &HeightField,
+        expansion: &Expansion,
+        bins: Bins,
+        grid: Option<Grid>,
+    ) -> u64 {
+        const COMPLEX: u64 = size_of::<Complex64>() as u64;
+        let pixels = height.heights_um().len() as u64;
+        // two numbers for each pixel, or three: heights and the power, or the shift
+        let kept = if expansion.is_tabulated() { 24 } else { 16 } * pixels;
+        let bins = bins.len() as u64;
+        let signal = COMPLEX * pixels;
+        let windowed = grid.map_or(0, |grid| grid.samples.iter().product::<usize>() as u64);
+        // the signal, then its columns, then the bins; with a grid the signal goes before the transform
+        let transformed = match grid {
+            None => signal + 2 * COMPLEX * bins,
+            Some(_) => (signal + COMPLEX * windowed).max(COMPLEX * (windowed + 2 * bins)),
+        };
+        // both terms of a pair, and what they are separated from
+        kept + transformed.max(3 * COMPLEX * bins)
     }
 
     /// Value of a term at bin `(r, s)`.
@@ -91,12 +127,13 @@ impl Terms {
 }
 
 /// The terms of a basis with functions of its own. Each needs a transform, because they are complex.
-fn curves(
+fn curves<E>(
     height: &HeightField,
     expansion: &Expansion,
     bins: Bins,
     grid: Option<Grid>,
-) -> Vec<Vec<Complex64>> {
+    take: impl FnMut(Vec<Complex64>) -> Result<(), E>,
+) -> Result<(), E> {
     let heights_um: Vec<f64> =
         heights_upwards_um(height).iter().map(|h| h - expansion.origin_um).collect();
     let shift: Vec<Complex64> =
@@ -112,7 +149,7 @@ fn curves(
         let data: Vec<Complex64> = heights_um.par_iter().zip(&shift).map(value).collect();
         transform(data, axes(height), bins, grid)
     };
-    (0..expansion.terms as usize).map(table).collect()
+    (0..expansion.terms as usize).map(table).try_for_each(take)
 }
 
 /// The transform at the bins of the patch, or of the grid.

@@ -67,11 +67,38 @@ fn grid(variant: &Variant, height: &HeightField) -> Result<Grid> {
             "the window of coherence_um = {} needs {max} samples on an axis, above the limit of {MAX_SAMPLES}",
             variant.optics.coherence_um
         );
-        return Err(Error::new(&variant.name, cause)
-            .remedy("use a shorter coherence length, or reconstruction = \"window\""));
+        let otherwise = "use a shorter coherence length, or reconstruction = \"window\"";
+        return Err(Error::new(&variant.name, cause).remedy(
+            match coarser(variant, height, wanted_um) {
+                Some(pitch) => format!("{pitch}; or {otherwise}"),
+                None => otherwise.to_owned(),
+            },
+        ));
     }
     let size_um = [0, 1].map(|axis| samples[axis] as f64 * pitch_um[axis]);
     Ok(Grid { samples, size_um, sigma_um })
+}
+
+/// What a coarser scan would do: a pitch at which the window needs fewer samples and which still resolves the shortest
+/// wavelength. `None` if there is no such pitch.
+fn coarser(variant: &Variant, height: &HeightField, wanted_um: f64) -> Option<String> {
+    // resampling keeps the size of the patch, so its pitch is the size divided by a whole number
+    let axis = |size_um: f64| {
+        let pixels = (size_um * MAX_SAMPLES as f64 / wanted_um).floor();
+        (pixels >= 1.0).then(|| size_um / pixels)
+    };
+    let pitch_um = axis(height.size_x_um())?.max(axis(height.size_y_um())?);
+    // four digits after the point, upwards
+    let pitch_um = (pitch_um * 1e4).ceil() / 1e4;
+    let limit_um = variant.wavelengths.min_nm / 4000.0;
+    let samples = smooth((wanted_um / pitch_um).ceil() as usize);
+    (pitch_um <= limit_um).then(|| {
+        format!(
+            "the scan, with a pitch of {:.4} µm, is finer than the shortest wavelength needs ({limit_um:.4} µm): \
+             resample_um = {pitch_um} in its surface makes {samples} samples of them",
+            height.pitch_x_um().min(height.pitch_y_um())
+        )
+    })
 }
 
 /// Root mean square error of a grid's interpolation, relative to that of the amplitude, to first order in the grid's spacing.

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::support::heights::*;
+use diffraction_shaders::error::shell_path;
 use diffraction_shaders::input::{SurfaceInput, load_surface, read_heights as read};
 use diffraction_shaders::plan::{FileSource, Flip, Level, SurfaceSpec, Trust, VoidValue};
 use diffraction_shaders::surface::{HeightField, write_gsf};
@@ -180,7 +181,7 @@ fn files_of_instruments_are_sent_to_import() {
         "nms", "opdx", "mnt", "mat", "h5", "dm3", "001",
     ] {
         let path = put(&dir, &format!("my scan.{extension}"), b"\0\x01\x02\x03");
-        let wanted = format!("cargo xtask import \"{}\"", path.display());
+        let wanted = format!("cargo xtask import {}", shell_path(&path));
         assert_says(read(&floats(&path), "probe"), &["format of instruments", &wanted]);
     }
     // binary content under a name of text, and formats of text that are not read

@@ -176,3 +176,34 @@ fn check(file: &EmittedFile, samples: bool) {
         assert!(text.contains(&binding.emitted_name), "{}", file.name);
     }
 }
+
+/// The error states a pitch. With that pitch the table can be built; a little finer it cannot. Where no pitch would do, it
+/// states none.
+#[test]
+fn a_scan_that_is_finer_than_needed_is_told_which_pitch_would_do() {
+    let (_, mut variant) = read(FINGERS, "");
+    variant.optics.coherence_um = 200.0;
+    // as `resample_um` makes it: the size stays, so the number of pixels is whole
+    let size_um = 2.4;
+    let form = |pitch_um: f64| {
+        let count = (size_um / pitch_um).ceil() as usize;
+        let heights_um = (0..count * count).map(|i| 1e-3 * (i % 7) as f64).collect();
+        let pitch_um = size_um / count as f64;
+        let height = HeightField::new(count, count, pitch_um, pitch_um, heights_um).expect("valid");
+        Form::new(&variant, &height).map(drop).map_err(|error| error.to_string())
+    };
+    let said = form(0.004).expect_err("too many samples");
+    assert!(said.contains("samples on an axis, above the limit of 8192"), "{said}");
+    let stated = said.split("resample_um = ").nth(1).expect("a pitch");
+    let pitch_um: f64 = stated.split(' ').next().and_then(|n| n.parse().ok()).expect("a number");
+    assert!(pitch_um > 0.004 && pitch_um <= 0.095, "{said}");
+    if let Err(error) = form(pitch_um) {
+        assert!(!error.contains("samples on an axis"), "{error}");
+    }
+    let finer = form(0.9 * pitch_um).expect_err("still too many");
+    assert!(finer.contains("samples on an axis"), "{finer}");
+    let (height, mut longer) = read(FINGERS, "");
+    longer.optics.coherence_um = 4000.0;
+    let said = Form::new(&longer, &height).map(drop).expect_err("too long").to_string();
+    assert!(said.contains("samples on an axis") && !said.contains("resample_um"), "{said}");
+}

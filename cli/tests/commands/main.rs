@@ -4,9 +4,11 @@
 
 mod bad_input;
 mod committed;
+mod endless;
 mod explain;
 mod inspect;
 mod lights;
 mod list;
+mod memory;
 mod program;
 mod surfaces;

@@ -8,7 +8,7 @@ use super::result::disc_pixels;
 use super::surface::{higher, middle};
 
 /// A number that is varied.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Swept {
     /// Pixels of the disc.
     Pixels,

@@ -13,6 +13,7 @@ use anyhow::Result;
 use diffraction_cli::Outcome;
 use diffraction_cli::args::{Light, PlanArgs};
 use diffraction_cli::console::Console;
+use diffraction_cli::memory::MemoryArgs;
 use diffraction_shaders::plan::Variant;
 
 use crate::commands::restart;
@@ -35,6 +36,8 @@ const NO_SHADER_CACHE: (&str, &str) = ("MESA_SHADER_CACHE_DISABLE", "true");
 pub(crate) struct Args {
     #[command(flatten)]
     plan: PlanArgs,
+    #[command(flatten)]
+    memory: MemoryArgs,
     /// Measure only the surface of this name; may be repeated. Default: all surfaces.
     #[arg(long, value_name = "NAME")]
     surface: Vec<String>,
@@ -97,7 +100,7 @@ pub(crate) enum Interface {
 }
 
 pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    restart::with_drivers_and(&[NO_SHADER_CACHE])?;
+    restart::with_routes(&[NO_SHADER_CACHE])?;
     work::run(args, Duration::from_secs_f64(args.seconds), console)
 }
 

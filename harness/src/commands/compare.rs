@@ -10,6 +10,7 @@ use anyhow::Result;
 use diffraction_cli::Outcome;
 use diffraction_cli::args::{Exposure, Light, PlanArgs};
 use diffraction_cli::console::Console;
+use diffraction_cli::memory::MemoryArgs;
 
 use crate::commands::restart;
 
@@ -30,6 +31,8 @@ Exit code 1: something is outside its tolerance, a negative control was not caug
 pub(crate) struct Args {
     #[command(flatten)]
     plan: PlanArgs,
+    #[command(flatten)]
+    memory: MemoryArgs,
     /// Compare only the surface of this name; may be repeated. Default: all surfaces.
     #[arg(long, value_name = "NAME")]
     surface: Vec<String>,
@@ -65,6 +68,6 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    restart::with_drivers()?;
+    restart::with_routes(&[])?;
     drivers::run(args, console)
 }

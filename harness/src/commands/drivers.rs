@@ -4,11 +4,14 @@ use anyhow::Result;
 use diffraction_cli::args::{Runner as Kind, RunnerArgs};
 use diffraction_shaders::runner::{Placement, Runner};
 
+use clap::ValueEnum;
+
 use crate::drivers::browser::{Api, Web};
 use crate::drivers::egl::{Dialect, Egl};
 use crate::drivers::gpu::{Backend, Gpu};
 use crate::drivers::passthrough::{Language, Passthrough};
 use crate::drivers::{Driver, DriverRunner, Prepared};
+use crate::process::watched::{Place, child::enter};
 
 /// Opens a runner on the driver that the options name.
 pub(super) fn open<'a>(
@@ -16,6 +19,13 @@ pub(super) fn open<'a>(
     args: &RunnerArgs,
 ) -> Result<Box<dyn Runner + 'a>> {
     let adapter = args.adapter.as_deref();
+    if let Some(route) = args.runner.to_possible_value() {
+        enter(Place {
+            route: route.get_name().to_owned(),
+            variant: Some(placement.variant.name.clone()),
+            ..Place::default()
+        });
+    }
     let egl = |dialect| -> Result<Box<dyn Runner + 'a>> {
         let driver = Egl::open(dialect, adapter)?;
         runner(placement, driver, args)

@@ -13,6 +13,7 @@ use anyhow::{Result, anyhow, bail};
 use diffraction_cli::Outcome;
 use diffraction_cli::console::Console;
 use diffraction_cli::files::write_whole;
+use diffraction_cli::interrupt::TemporaryFolder;
 use diffraction_shaders::error::Error;
 use diffraction_shaders::{Plan, input};
 
@@ -103,7 +104,9 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
 /// The file that a file becomes.
 fn place(args: &Args, file: &Path) -> Result<PathBuf> {
     if !file.is_file() {
-        bail!(Error::new(file.display(), "is not a file"));
+        bail!(
+            Error::new(file.display(), "is not a regular file").remedy("give the path of a file")
+        );
     }
     let mut name = stem(file);
     if let Some(channel) = &args.channel {
@@ -129,7 +132,7 @@ fn place(args: &Args, file: &Path) -> Result<PathBuf> {
 }
 
 fn import(args: &Args, python: &Path, file: &Path, output: &Path) -> Result<Facts> {
-    let place = tempfile::tempdir()?;
+    let place = TemporaryFolder::new()?;
     let field = place.path().join("field.gsf");
     let mut command = python::command(python, SCRIPT);
     // a relative name might look like an option
@@ -172,6 +175,9 @@ fn note_refusal(block: &str, console: &Console) {
 
 /// Whether this command wrote a file.
 fn is_ours(path: &Path) -> bool {
+    if !path.is_file() {
+        return false;
+    }
     let mut head = Vec::new();
     let read = File::open(path).and_then(|file| file.take(1 << 16).read_to_end(&mut head));
     let header = head.split(|byte| *byte == 0).next().unwrap_or_default();

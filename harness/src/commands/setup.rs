@@ -5,8 +5,9 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail};
 use diffraction_cli::console::Console;
+use diffraction_cli::interrupt::TemporaryFolder;
 
-use crate::process::{on_path, tools_folder};
+use crate::process::{on_path, to_its_end, tools_folder};
 
 const SCRIPT: &str = include_str!("../../python/setup.py");
 
@@ -40,15 +41,13 @@ impl Item {
             bail!("--setup needs Python 3.11 or later; apt-get install python3-venv");
         };
         let folder = self.folder();
-        let place = tempfile::tempdir().context("a temporary folder cannot be created")?;
+        let place = TemporaryFolder::new().context("a temporary folder cannot be created")?;
         let list = place.path().join("list.txt");
         std::fs::write(&list, self.list).context("the list of packages cannot be written")?;
-        let status = Command::new(&python)
-            .args(["-I", "-c", SCRIPT, self.kind])
-            .args([&folder, &list])
-            .stdin(Stdio::null())
-            .stdout(std::io::stderr())
-            .status()
+        let mut command = Command::new(&python);
+        command.args(["-I", "-c", SCRIPT, self.kind]).args([&folder, &list]);
+        command.stdin(Stdio::null()).stdout(std::io::stderr());
+        let status = to_its_end(&mut command)
             .with_context(|| format!("{} cannot be started", python.display()))?;
         if !status.success() {
             bail!("{}: could not be set up; see the messages above", folder.display());

@@ -57,6 +57,8 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
                 gaps.push(gap(&spec.name, &task.name, args.runner_name(), reason));
                 break;
             }
+            let held = surface.field.byte_count() + field.byte_count();
+            args.memory.check(&spec.name, &task.name, held, task.memory(&field)?)?;
             let one = task.measure(spec, field, crop.is_none(), &protocol)?;
             if one.measurement.points == 0 {
                 gaps.push(gap(&spec.name, &task.name, one.route.clone(), nothing(&one)));

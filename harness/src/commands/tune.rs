@@ -10,6 +10,7 @@ use anyhow::Result;
 use diffraction_cli::Outcome;
 use diffraction_cli::args::{Light, SurfaceArgs};
 use diffraction_cli::console::Console;
+use diffraction_cli::memory::MemoryArgs;
 
 use crate::commands::bench::Interface;
 use crate::commands::restart;
@@ -31,6 +32,8 @@ Exit code 1: no candidate is within the budget.";
 pub(crate) struct Args {
     #[command(flatten)]
     surface: SurfaceArgs,
+    #[command(flatten)]
+    memory: MemoryArgs,
     /// The error budget: maximum 95th percentile of CIEDE2000. 1 is about the smallest visible difference.
     #[arg(long, value_name = "DE", value_parser = positive, allow_hyphen_values = true)]
     budget_de: f64,

@@ -24,6 +24,7 @@ use diffraction_shaders::variant::{Part, Tolerance};
 
 use crate::drivers::Prepared;
 use crate::drivers::routes::Route;
+use crate::process::watched::{Place, child::enter};
 use crate::results::{self, Record};
 
 use super::{PATIENCE, Sink, Truth, failed};
@@ -179,6 +180,12 @@ pub(super) fn run(route: &dyn Route, sink: &mut dyn Sink) -> Result<u32> {
         }
         let variant = variant(control.mode, control.filtered);
         let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
+        enter(Place {
+            route: route.name(),
+            surface: Some(SURFACE.to_owned()),
+            variant: Some(control.name.to_owned()),
+            light: Some(LIGHT),
+        });
         match control.record(placement, route, &mut rights) {
             Ok(record) => sink.record(Record::Control(record))?,
             Err(error) => {

@@ -14,6 +14,7 @@ use serde_json::Value;
 
 use crate::drivers::Prepared;
 use crate::drivers::routes::Route;
+use crate::process::watched::{Place, child::enter};
 use crate::results::{Compare, MapColours, Part, Record};
 
 use super::{Job, Sink, Truth, Unit, difference, failed, mean_flip};
@@ -75,6 +76,12 @@ pub(super) fn run(
     for (route, failures) in routes.iter().zip(failures) {
         if let Some(route) = route {
             let name = route.name();
+            enter(Place {
+                route: name.clone(),
+                surface: Some(unit.unit.surface.to_owned()),
+                variant: Some(unit.unit.variant.name.clone()),
+                light: Some(unit.unit.light),
+            });
             match truth.ask(route.runner(prepared.clone()).as_ref(), unit.unit.size) {
                 Ok(colours) => {
                     *failures = 0;

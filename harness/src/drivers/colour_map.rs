@@ -1,6 +1,13 @@
 //! The colour picture of a body.
 
+use std::io::Cursor;
+
 use diffraction_shaders::error::{Error, Result};
+
+/// Maximum width and height of a picture that is read.
+const MAX_SIDE: u32 = 8192;
+/// Maximum bytes that decoding takes: such a picture in 16 bits for each of four channels.
+const MAX_DECODED: u64 = 512 << 20;
 
 /// An sRGB picture, `[row][column]`. The first row is at texture coordinate 0.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -22,8 +29,21 @@ impl ColourMap {
 
     /// Reads the bytes of a PNG or JPEG file. `subject` names the file in errors.
     pub(crate) fn decode(subject: &str, bytes: &[u8]) -> Result<ColourMap> {
-        let picture = image::load_from_memory(bytes)
-            .map_err(|error| Error::new(subject, "cannot be read as an image").source(error))?;
+        let unreadable = |error: image::ImageError| {
+            Error::new(subject, "cannot be read as a PNG or JPEG picture")
+                .source(error)
+                .remedy(format!("convert it; it may have at most {MAX_SIDE} × {MAX_SIDE} pixels"))
+        };
+        let reader = || {
+            let mut reader = image::ImageReader::new(Cursor::new(bytes));
+            let mut limits = image::Limits::default();
+            limits.max_image_width = Some(MAX_SIDE);
+            limits.max_image_height = Some(MAX_SIDE);
+            limits.max_alloc = Some(MAX_DECODED);
+            reader.limits(limits);
+            reader.with_guessed_format().map_err(image::ImageError::IoError)
+        };
+        let picture = reader().and_then(image::ImageReader::decode).map_err(unreadable)?;
         let picture = picture.into_rgb8();
         let texels = picture.pixels().map(|p| [p[0], p[1], p[2], 255]).collect();
         Ok(ColourMap { width: picture.width(), height: picture.height(), texels })

@@ -62,6 +62,11 @@ impl Gpu {
         guard::caught("adapters", || Ok(adapter::list())).unwrap_or_default()
     }
 
+    /// The adapters of one backend.
+    pub fn adapters_of(backend: Backend) -> Vec<AdapterInfo> {
+        guard::caught("adapters", || Ok(adapter::list_of(backend))).unwrap_or_default()
+    }
+
     /// The adapter that was opened.
     pub fn info(&self) -> &AdapterInfo {
         &self.shared.info

@@ -3,6 +3,8 @@
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::runner::Runner;
 
+use crate::process::watched::{self, Place};
+
 use super::browser::{Api, Browser, Web};
 use super::egl::{Dialect, Egl};
 use super::gpu::{Backend, Gpu};
@@ -43,7 +45,8 @@ pub const KINDS: [&str; 8] =
 /// Opens every route of the wanted kinds, `KIND` or `KIND:SUBSTRING` with a part of the adapter's name; all kinds for an empty
 /// list. A kind with several adapters gives one route for each. An unknown kind is an error.
 pub fn open(wanted: &[String]) -> Result<Vec<Found>> {
-    let mut found = Vec::new();
+    let mut found: Vec<Found> = Vec::new();
+    let history = watched::child::history();
     // one browser for both routes
     let mut browser = None;
     let all: Vec<String> = KINDS.iter().map(ToString::to_string).collect();
@@ -52,6 +55,12 @@ pub fn open(wanted: &[String]) -> Result<Vec<Found>> {
             Some((kind, adapter)) => (kind, Some(adapter)),
             None => (wanted.as_str(), None),
         };
+        // a kind whose adapters could not even be listed; single adapters are left out where they are opened
+        if let Some(reason) = history.refusal(kind) {
+            found.push(Found { name: wanted.clone(), route: Err(Error::new(wanted, reason)) });
+            continue;
+        }
+        enter(kind);
         match kind {
             "vulkan" => found.extend(on_adapters(Backend::Vulkan, wanted, adapter, Ok)),
             "gl" => found.extend(on_adapters(Backend::Gl, wanted, adapter, Ok)),
@@ -90,9 +99,9 @@ fn on_adapters<R: Route + 'static>(
     route: impl Fn(Gpu) -> Result<R>,
 ) -> Vec<Found> {
     let part = adapter.unwrap_or_default().to_lowercase();
-    let mut names: Vec<String> = Gpu::adapters()
+    let mut names: Vec<String> = Gpu::adapters_of(backend)
         .into_iter()
-        .filter(|info| info.backend == backend && info.name.to_lowercase().contains(&part))
+        .filter(|info| info.name.to_lowercase().contains(&part))
         .map(|info| info.name)
         .collect();
     // two adapters of the same name are one route
@@ -101,9 +110,21 @@ fn on_adapters<R: Route + 'static>(
         // the error of opening lists the adapters and what to do
         return vec![one(wanted, Gpu::open(backend, adapter).and_then(route))];
     }
-    let open =
-        |name: &String| one(wanted, Gpu::open(backend, Some(name.as_str())).and_then(&route));
+    let kind = wanted.split(':').next().unwrap_or_default();
+    let open = |adapter: &String| {
+        let name = format!("{kind}:{adapter}");
+        if let Some(reason) = watched::child::history().refusal(&name) {
+            return Found { route: Err(Error::new(&name, reason)), name };
+        }
+        enter(&name);
+        one(wanted, Gpu::open(backend, Some(adapter.as_str())).and_then(&route))
+    };
     names.iter().map(open).collect()
+}
+
+/// Says that a route is about to be opened.
+fn enter(route: &str) {
+    watched::child::enter(Place { route: route.to_owned(), ..Place::default() });
 }
 
 fn one<R: Route + 'static>(wanted: &str, opened: Result<R>) -> Found {

@@ -5,9 +5,12 @@ use std::fs;
 use std::path::{Component, Path};
 
 use diffraction_shaders::error::{Error, Result};
+use diffraction_shaders::input::read_file;
 
 use crate::results::{self, Record};
 
+/// Maximum size of a picture, in bytes.
+const MAX_PICTURE: u64 = 64 << 20;
 /// First bytes of a PNG file (ISO/IEC 15948, 5.2).
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
@@ -57,7 +60,13 @@ fn picture(folder: &Path, place: &str) -> std::result::Result<Vec<u8>, String> {
     if !inside || place.is_empty() {
         return Err("is outside the folder".into());
     }
-    let bytes = fs::read(folder.join(place)).map_err(|e| e.to_string())?;
+    // links are followed, but not out of the folder
+    let real = |path: &Path| fs::canonicalize(path).map_err(|e| e.to_string());
+    let (root, path) = (real(folder)?, real(&folder.join(place))?);
+    if !path.starts_with(root) {
+        return Err("leads out of the folder through a link".into());
+    }
+    let bytes = read_file(&path, MAX_PICTURE).map_err(|e| e.to_string())?;
     let known = match place.rsplit_once('.') {
         Some((_, "png")) => bytes.starts_with(PNG),
         Some((_, "svg")) => std::str::from_utf8(&bytes).is_ok_and(|text| text.contains("<svg")),

@@ -129,7 +129,8 @@ fn dominator(all: &[Candidate], at: usize) -> Option<usize> {
     all.iter().enumerate().filter(|(i, _)| *i != at).find(beats).map(|(i, _)| i)
 }
 
-fn lose(candidate: &Candidate, verdict: Verdict, why: String) -> Lost {
+/// The record of a candidate that does not take part.
+pub fn lose(candidate: &Candidate, verdict: Verdict, why: String) -> Lost {
     let (name, preset) = (candidate.variant.name.clone(), candidate.preset.clone());
     Lost { name, preset, verdict, why }
 }

@@ -5,6 +5,7 @@
 use std::fs;
 use std::path::Path;
 
+use diffraction_cli::interrupt::TemporaryFolder;
 use diffraction_shaders::diagnostic::Diagnostics;
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::package::{Package, write};
@@ -87,7 +88,7 @@ fn no_folder(error: std::io::Error) -> Error {
 
 /// Whether the tool judges the small package rightly. The outer error is ours, the inner one the tool's.
 pub(super) fn believed(tool: &dyn Tool, package: &Package) -> Result<Result<(), Trouble>> {
-    let folder = tempfile::tempdir().map_err(no_folder)?;
+    let folder = TemporaryFolder::new().map_err(no_folder)?;
     let out = folder.path().join("package");
     write(package, &out)?;
     let manifest = package

@@ -8,6 +8,7 @@ use std::{
     time::Duration,
 };
 
+use diffraction_cli::interrupt::TemporaryFolder;
 use diffraction_shaders::shader::module::Stage;
 
 use crate::process::{Fault, accepted, on_path, tools_folder};
@@ -106,7 +107,7 @@ impl Tool for Dxc {
     }
 
     fn check(&self, file: &Path) -> Result<Option<f64>, Fault> {
-        let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
+        let folder = TemporaryFolder::new().map_err(|error| error.to_string())?;
         let (mut runs, mut written) = (Vec::new(), Vec::new());
         for input in shell::inputs(file)?.files {
             for (entry, stage) in all_entries(&input)? {

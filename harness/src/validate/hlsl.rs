@@ -7,6 +7,7 @@ use std::{
     time::Duration,
 };
 
+use diffraction_cli::interrupt::TemporaryFolder;
 use diffraction_shaders::shader::module::{Contract, Stage};
 use diffraction_shaders::variant::FUNCTIONS;
 
@@ -57,7 +58,7 @@ impl Tool for HlslSpirv {
 
     fn check(&self, file: &Path) -> Result<Option<f64>, Fault> {
         let (compiler, validator) = self.programs.as_ref().map_err(ToString::to_string)?;
-        let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
+        let folder = TemporaryFolder::new().map_err(|error| error.to_string())?;
         let spirv = folder.path().join("shader.spv");
         for input in shell::inputs(file)?.files {
             for (entry, stage) in all_entries(&input)? {

@@ -16,6 +16,8 @@ use std::{
     time::Duration,
 };
 
+use diffraction_cli::interrupt::TemporaryFolder;
+
 use crate::process::{Fault, accepted};
 
 use super::{Change, Control, Reads, Tool, Trouble, trouble};
@@ -95,7 +97,7 @@ impl Tool for MetalCpu {
         let program = self.program.as_ref().map_err(ToString::to_string)?;
         let text = fs::read_to_string(file).map_err(|error| error.to_string())?;
         let text = text::for_cpp(&text)?;
-        let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
+        let folder = TemporaryFolder::new().map_err(|error| error.to_string())?;
         let folder = folder.path();
         let write = |name: &str, text: &str| {
             fs::write(folder.join(name), text).map_err(|error| format!("{name}: {error}"))

@@ -10,6 +10,8 @@ use std::{
     time::Duration,
 };
 
+use diffraction_shaders::input::read_file;
+use diffraction_shaders::package::MAX_MANIFEST_BYTES;
 use serde_json::Value;
 
 use crate::process::{Fault, accepted};
@@ -58,9 +60,9 @@ impl Tool for Reflection {
     fn check(&self, file: &Path) -> Result<Option<f64>, Fault> {
         let program = self.program.as_ref().map_err(ToString::to_string)?;
         let file = fs::canonicalize(file).map_err(|error| error.to_string())?;
-        let manifest = fs::read_to_string(file.with_file_name("manifest.json"))
+        let manifest = read_file(&file.with_file_name("manifest.json"), MAX_MANIFEST_BYTES)
             .map_err(|error| format!("manifest.json beside it cannot be read: {error}"))?;
-        let manifest = json("manifest.json", &manifest)?;
+        let manifest = json("manifest.json", &String::from_utf8_lossy(&manifest))?;
         let mut reflect = Command::new(program);
         let reflected = accepted(reflect.arg(&file).arg("--reflect"), self.time_limit)?;
         let reflected = json("the output of spirv-cross", &reflected)?;

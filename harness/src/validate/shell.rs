@@ -5,9 +5,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use diffraction_cli::interrupt::TemporaryFolder;
 use diffraction_shaders::shader::module::function_names;
 use diffraction_shaders::variant::{DIRECTIONAL, FUNCTIONS, Function as _};
-use tempfile::TempDir;
 
 /// Prefix of the names of shells.
 pub const NAME: &str = "shell";
@@ -17,7 +17,7 @@ pub struct Inputs {
     /// One or more whole shaders.
     pub files: Vec<Input>,
     /// The folder of the shells, removed with this value.
-    _folder: Option<TempDir>,
+    _folder: Option<TemporaryFolder>,
 }
 
 /// A whole shader.
@@ -38,7 +38,7 @@ pub fn inputs(file: &Path) -> Result<Inputs, String> {
         return Ok(Inputs { files: vec![Input { name, file }], _folder: None });
     };
     let text = fs::read_to_string(file).map_err(|error| error.to_string())?;
-    let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
+    let folder = TemporaryFolder::new().map_err(|error| error.to_string())?;
     let mut files = Vec::new();
     for (name, text) in shells(language, &text)? {
         let file = folder.path().join(&name);

@@ -7,3 +7,4 @@ mod support;
 
 mod browser;
 mod browser_faults;
+mod browser_folders;

@@ -12,6 +12,8 @@ mod command_report;
 mod command_testbench;
 mod command_tune;
 mod command_validate;
+mod crashes;
+mod interrupted;
 mod program;
 
 use std::path::Path;

@@ -174,6 +174,7 @@ fn compared_of(plan: &str, routes: &[Box<dyn Route>], known: bool) -> Kept {
         size: 24,
         exposure: None,
         subset: 2,
+        memory: u64::MAX,
     };
     let mut kept = Kept { known, ..Kept::default() };
     run(&request, &mut kept).unwrap();
@@ -382,6 +383,7 @@ coherence_um = 16
             size,
             exposure: None,
             subset: 0,
+            memory: u64::MAX,
         };
         let mut kept = Kept::default();
         run(&request, &mut kept).unwrap();

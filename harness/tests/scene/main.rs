@@ -7,3 +7,4 @@ mod support;
 
 mod scene;
 mod scene_files;
+mod mesh_bounds;

@@ -181,7 +181,7 @@ fn a_missing_texture_is_said_and_the_plain_colour_taken() {
     let mesh = read_json(&gltf).unwrap();
     assert_eq!(mesh.colour.texels, [[255, 0, 0, 255]]);
     assert!(
-        mesh.notes[0].contains("its texture \"nowhere.png\" cannot be read"),
+        mesh.notes[0].contains("its texture: cannot be read: \"nowhere.png\""),
         "{:?}",
         mesh.notes
     );

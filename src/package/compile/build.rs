@@ -29,7 +29,7 @@ use super::work::{Loaded, Work};
 pub(super) struct Built<'a> {
     pub(super) surface: &'a Loaded<'a>,
     pub(super) variant: &'a Variant,
-    form: Form,
+    form: &'a Form,
     tables: Vec<TableSpec>,
     /// Names of the tables.
     pub(super) ids: Vec<String>,
@@ -42,16 +42,16 @@ pub(super) fn build<'a>(
     work: &Work<'_>,
     surface: &'a Loaded<'a>,
     variant: &'a Variant,
+    form: &'a Form,
 ) -> Result<Built<'a>, Vec<Diagnostic>> {
     let (name, rotate_deg) = (surface.name(), surface.rotate_deg());
     let label = format!("{name} {}", variant.name);
     let one = |error: Error| vec![Diagnostic::from(&error).variant(&label)];
-    let form = Form::new(variant, surface.field).map_err(one)?;
     let tables = form.tables(surface.ground());
     let ids: Vec<String> = tables.iter().map(TableSpec::id).collect();
     let shapes: Vec<Table> = tables.iter().map(TableSpec::shape).collect();
-    let defines = specialise::defines(variant, &form, rotate_deg, specialise::node_count(&shapes));
-    let module = specialise::shader(work.sources, &label, &form, &defines)?;
+    let defines = specialise::defines(variant, form, rotate_deg, specialise::node_count(&shapes));
+    let module = specialise::shader(work.sources, &label, form, &defines)?;
     let mut emitted = Vec::new();
     for &target in work.targets {
         emitted.extend(emit(&module, target).map_err(one)?);
@@ -65,8 +65,7 @@ pub(super) fn build<'a>(
     let entries = shapes.iter().zip(&ids).map(|pair| (pair.0, entry(pair))).collect();
     let input_hash = of_value(&json!([surface.input.identity(), variant.hash(), TOOL_VERSION]));
     let energy = surface.energy(&variant.optics);
-    let subject =
-        Described { surface: name, variant, form: &form, tables: entries, input_hash, energy };
+    let subject = Described { surface: name, variant, form, tables: entries, input_hash, energy };
     let manifest = manifest(subject, &module, &emitted);
     let folder = format!("shaders/{name}/{}", variant.name);
     let rust = bindings::rust(&manifest, &shapes.iter().collect::<Vec<_>>()).map_err(one)?;
@@ -99,6 +98,10 @@ impl Built<'_> {
         let known: BTreeSet<String> = package.files().keys().cloned().collect();
         for (spec, id) in self.tables.iter().zip(&self.ids) {
             (work.go_on)()?;
+            if !package.files().contains_key(&self.table_path(id)) {
+                // a new table is not the one in memory, which only takes space from now on
+                *last = None;
+            }
             self.insert_table(spec, id, work, package, baked)?;
         }
         let (surface, variant) = (self.surface.name(), &self.variant.name);
@@ -115,7 +118,7 @@ impl Built<'_> {
         }
         let path = format!("shaders/{surface}/{variant}/probe.json");
         let colour = self.variant.optics.colour;
-        let probes = probe::json(surface, variant, colour, &self.form, &exact, &expected)?;
+        let probes = probe::json(surface, variant, colour, self.form, &exact, &expected)?;
         package.insert(&path, probes, Equality::Json { tolerance: probe::TOLERANCE })?;
         Ok(None)
     }
@@ -131,7 +134,7 @@ impl Built<'_> {
             return Ok(None);
         }
         let exact: Vec<[f64; 3]> = exact.iter().map(|probe| probe.xyz).collect();
-        let Some(error) = probe_error(&self.form, &exact, expected) else { return Ok(None) };
+        let Some(error) = probe_error(self.form, &exact, expected) else { return Ok(None) };
         // a number that is not finite is no agreement either
         let agrees = error <= MAX_PROBE_ERROR;
         Ok((!agrees).then(|| {
@@ -162,7 +165,7 @@ impl Built<'_> {
                 baked(columns, spec.axes.columns as usize);
             }
         };
-        let make = || Ok(spec.compute_with(self.surface.field, &done)?.bytes());
+        let make = || spec.bytes_with(self.surface.field, &done);
         let content = if spec.is_expensive() {
             Cache(work.cache).content(id, table.byte_count(), make)?
         } else {
@@ -253,8 +256,7 @@ impl Built<'_> {
         }
         *last = None;
         if let Some(file) = package.files().get(path) {
-            let table = spec.shape().with_bytes(&file.content.read()?);
-            *last = Some((path.to_owned(), table));
+            *last = Some((path.to_owned(), file.content.table(spec.shape())?));
         }
         Ok(())
     }

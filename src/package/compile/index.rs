@@ -38,9 +38,9 @@ pub(super) fn index(work: &Work<'_>, known: Vec<Gap>) -> Result<BTreeMap<String,
     let (mut surfaces, mut gaps) = (BTreeMap::new(), Vec::new());
     for input in work.surfaces {
         surfaces.insert(input.spec().name.clone(), json!({ "input_hash": input.identity() }));
-        let (mut variants, never) = placed(work, input);
+        let (variants, never) = placed(work, input);
         gaps.extend(never);
-        gaps.extend(formed(input, &input.surface()?.field, &mut variants));
+        gaps.extend(formed(input, &input.surface()?.field, variants).1);
     }
     let place = |gap: &Gap| (gap.surface.clone(), gap.variant.clone());
     let found: BTreeSet<_> = gaps.iter().map(place).collect();

@@ -35,8 +35,17 @@ pub(super) struct Work<'a> {
     pub(super) cache: Option<&'a Path>,
     /// Which files are left as they are in the output folder: by path and target.
     pub(super) keep: &'a (dyn Fn(&str, Target) -> bool + Sync),
+    /// Bytes of memory that may be taken.
+    pub(super) memory: u64,
     /// Fails once the caller has given up.
     pub(super) go_on: &'a (dyn Fn() -> Result<(), Error> + Sync),
+}
+
+impl Work<'_> {
+    /// Bytes of all surfaces that are read.
+    pub(super) fn held_bytes(&self) -> u64 {
+        self.surfaces.iter().map(SurfaceInput::held_bytes).sum()
+    }
 }
 
 /// The variants that are for a surface as they are there, and those that cannot be.
@@ -52,21 +61,20 @@ pub(super) fn placed(work: &Work<'_>, input: &SurfaceInput) -> (Vec<Variant>, Ve
     (variants, gaps)
 }
 
-/// Takes those out that have no form on the heights.
+/// How each variant computes on the heights, and the gaps of those that have no form there.
 pub(super) fn formed(
     input: &SurfaceInput,
     field: &HeightField,
-    variants: &mut Vec<Variant>,
-) -> Vec<Gap> {
-    let mut gaps = Vec::new();
-    variants.retain(|variant| match Form::new(variant, field) {
-        Ok(_) => true,
-        Err(error) => {
-            gaps.push(gap(input, variant, &error));
-            false
+    variants: Vec<Variant>,
+) -> (Vec<(Variant, Form)>, Vec<Gap>) {
+    let (mut formed, mut gaps) = (Vec::new(), Vec::new());
+    for variant in variants {
+        match Form::new(&variant, field) {
+            Ok(form) => formed.push((variant, form)),
+            Err(error) => gaps.push(gap(input, &variant, &error)),
         }
-    });
-    gaps
+    }
+    (formed, gaps)
 }
 
 fn gap(input: &SurfaceInput, variant: &Variant, reason: &Error) -> Gap {
@@ -79,8 +87,8 @@ pub(super) struct Loaded<'a> {
     pub(super) input: &'a SurfaceInput,
     pub(super) field: &'a HeightField,
     pub(super) notes: &'a [String],
-    /// As they are on this surface.
-    pub(super) variants: Vec<Variant>,
+    /// As they are on this surface, and how they compute there.
+    pub(super) variants: Vec<(Variant, Form)>,
     pub(super) gaps: Vec<Gap>,
     /// Probes with their exact colours by their identity, one for every set of optics.
     pub(super) exact: Mutex<BTreeMap<String, Vec<ExactProbe>>>,
@@ -113,7 +121,7 @@ pub(super) fn load<'a>(work: &Work<'a>) -> Result<Vec<Loaded<'a>>, Vec<Diagnosti
         let surface = input.surface().map_err(|e| vec![Diagnostic::from(&e)])?;
         let subject = surface::subject(input.spec());
         let mut errors = BTreeMap::new();
-        let (mut variants, mut gaps) = placed(work, input);
+        let (variants, mut gaps) = placed(work, input);
         for variant in &variants {
             if let Err(error) = surface.field.check_pitch(&subject, variant.wavelengths.min_nm) {
                 errors.insert(error.to_string(), Diagnostic::from(&error).variant(&variant.name));
@@ -123,7 +131,8 @@ pub(super) fn load<'a>(work: &Work<'a>) -> Result<Vec<Loaded<'a>>, Vec<Diagnosti
             return Err(errors.into_values().collect());
         }
         let (field, notes) = (&surface.field, surface.notes.as_slice());
-        gaps.extend(formed(input, field, &mut variants));
+        let (variants, never) = formed(input, field, variants);
+        gaps.extend(never);
         let energy =
             energies(work, input, field, &variants).map_err(|e| vec![Diagnostic::from(&e)])?;
         Ok(Loaded { input, field, notes, variants, gaps, exact: Mutex::default(), energy })
@@ -136,13 +145,13 @@ fn energies(
     work: &Work<'_>,
     input: &SurfaceInput,
     field: &HeightField,
-    variants: &[Variant],
+    variants: &[(Variant, Form)],
 ) -> Result<BTreeMap<String, Energy>, Error> {
     let mut energies = BTreeMap::new();
-    if !OrderSum::fits(field) {
+    if !OrderSum::has_white_sky(field) {
         return Ok(energies);
     }
-    for Variant { optics, .. } in variants {
+    for (Variant { optics, .. }, _) in variants {
         (work.go_on)()?;
         let id = identity::energy_id(input.identity(), optics);
         if !energies.contains_key(&id) {

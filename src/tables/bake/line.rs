@@ -45,6 +45,65 @@ struct Recipe {
     coefficients: Vec<f32>,
 }
 
+/// Sizes that are known before the work begins.
+struct Sizes {
+    expansion: Expansion,
+    bins: Bins,
+    step_cpum: f64,
+    /// Numbers of a bin, and their count in whole chunks.
+    features: usize,
+    padded: usize,
+}
+
+impl Sizes {
+    fn new(height: &HeightField, window: Window, range: &Wavelengths, axes: &BakedAxes) -> Sizes {
+        let expansion =
+            Expansion::new(Basis::Optimal, 1, height, range.min_nm).with_error(TERM_ERROR);
+        let sigma = |nm: f64| 1.0 / (TAU * optics::window_sigma_um(window, nm));
+        let sigmas = [sigma(range.min_nm), sigma(range.max_nm)];
+        let narrowest = sigmas[0].min(sigmas[1]);
+        let widest = sigmas[0].max(sigmas[1]);
+        let reach = axes.radius(axes.rows - 1) / (range.min_nm * 1e-3) + REACH_SIGMAS * widest;
+        let bins = Bins::reachable(height.size_x_um(), height.size_y_um(), reach, 2);
+        let count = expansion.terms as usize;
+        let features = match window.coherence {
+            Coherence::Single => 2 * count,
+            Coherence::Ensemble => count * (count + 1) / 2,
+        };
+        let padded = features.next_multiple_of(CHUNK);
+        Sizes { expansion, bins, step_cpum: STEP_SIGMAS * narrowest, features, padded }
+    }
+}
+
+/// Bytes that [`Lines`] takes while it is made, and then as long as it lives, with the lines of `threads` threads.
+pub(super) fn bytes(
+    height: &HeightField,
+    window: Window,
+    range: &Wavelengths,
+    axes: &BakedAxes,
+    threads: usize,
+) -> [u64; 2] {
+    let sizes = Sizes::new(height, window, range, axes);
+    let numbers = size_of::<f32>() * sizes.padded * sizes.bins.len();
+    let complex = size_of::<rustfft::num_complex::Complex64>();
+    let terms = complex * sizes.expansion.terms as usize * sizes.bins.len();
+    let per_level = match window.coherence {
+        Coherence::Single => sizes.features / 2,
+        Coherence::Ensemble => sizes.features,
+    };
+    let places = |row: RadiusRow| {
+        let Pace { first, last, .. } = Pace::new(row, range, sizes.step_cpum);
+        last + 1 - first.min(last)
+    };
+    let nodes: usize = super::rows(axes).map(places).sum();
+    let coefficients = size_of::<f32>() * nodes * axes.levels as usize * per_level;
+    let longest = axes.radius(axes.rows - 1) / (range.min_nm * 1e-3) / sizes.step_cpum;
+    let line = size_of::<[f32; LANES]>() * longest as usize * sizes.padded;
+    let transforms = Terms::working_bytes(height, &sizes.expansion, sizes.bins, None);
+    let kept = (numbers + coefficients + threads * line) as u64;
+    [terms as u64 + transforms.max(numbers as u64), kept]
+}
+
 /// Everything that all columns share.
 pub(super) struct Lines {
     axes: BakedAxes,
@@ -68,18 +127,12 @@ impl Lines {
         spectrum: &Spectrum,
         axes: BakedAxes,
     ) -> Lines {
-        let expansion =
-            Expansion::new(Basis::Optimal, 1, height, range.min_nm).with_error(TERM_ERROR);
+        let sizes = Sizes::new(height, window, range, &axes);
+        let Sizes { expansion, bins, step_cpum, features, padded } = sizes;
         let patch_um = [height.size_x_um(), height.size_y_um()];
-        let sigma = |nm: f64| 1.0 / (TAU * optics::window_sigma_um(window, nm));
-        let sigmas = [sigma(range.min_nm), sigma(range.max_nm)];
-        let narrowest = sigmas[0].min(sigmas[1]);
-        let widest = sigmas[0].max(sigmas[1]);
-        let reach = axes.radius(axes.rows - 1) / (range.min_nm * 1e-3) + REACH_SIGMAS * widest;
-        let bins = Bins::reachable(patch_um[0], patch_um[1], reach, 2);
         let terms = Terms::new(height, &expansion, bins, None);
-        let (features, padded, numbers) = features(&terms, window.coherence);
-        let step_cpum = STEP_SIGMAS * narrowest;
+        let numbers = numbers(&terms, window.coherence, padded);
+        drop(terms);
         let recipe = |row: RadiusRow| {
             let mut recipe = Recipe::nodes(row, range, spectrum, step_cpum);
             recipe.combine(row, &axes, &expansion, window.coherence, range.min_nm * 1e-3);
@@ -210,13 +263,8 @@ fn linear(coefficients: &[f32], values: &[[f32; LANES]]) -> [f32; LANES] {
 
 /// Numbers of every bin. For `single`: real and imaginary part of every term. For `ensemble`: the real parts of all
 /// products `c_n c_m*`, `n ≤ m`, doubled for `n ≠ m`.
-fn features(terms: &Terms, coherence: Coherence) -> (usize, usize, Vec<f32>) {
+fn numbers(terms: &Terms, coherence: Coherence, padded: usize) -> Vec<f32> {
     let count = terms.tables.len();
-    let features = match coherence {
-        Coherence::Single => 2 * count,
-        Coherence::Ensemble => count * (count + 1) / 2,
-    };
-    let padded = features.next_multiple_of(CHUNK);
     let mut numbers = vec![0.0; terms.bins.len() * padded];
     for (bin, cell) in numbers.chunks_exact_mut(padded).enumerate() {
         match coherence {
@@ -234,12 +282,22 @@ fn features(terms: &Terms, coherence: Coherence) -> (usize, usize, Vec<f32>) {
             }
         }
     }
-    (features, padded, numbers)
+    numbers
 }
 
-impl Recipe {
-    /// The wavelengths of a row and their colours.
-    fn nodes(row: RadiusRow, range: &Wavelengths, spectrum: &Spectrum, step_cpum: f64) -> Recipe {
+/// The nodes of a row along the wavenumber 1/λ.
+struct Pace {
+    /// Ends of the range, 1/µm.
+    ends: [f64; 2],
+    halvings: u32,
+    point: bool,
+    pace: f64,
+    first: usize,
+    last: usize,
+}
+
+impl Pace {
+    fn new(row: RadiusRow, range: &Wavelengths, step_cpum: f64) -> Pace {
         let ends = [1e3 / range.max_nm, 1e3 / range.min_nm];
         let span = ends[1] - ends[0];
         let steps = |halvings: u32| row.radius * span / step_cpum * f64::from(1_u32 << halvings);
@@ -253,6 +311,14 @@ impl Recipe {
         };
         let first = (ends[0] / pace).ceil() as usize;
         let last = (ends[1] / pace).floor() as usize;
+        Pace { ends, halvings, point, pace, first, last }
+    }
+}
+
+impl Recipe {
+    /// The wavelengths of a row and their colours.
+    fn nodes(row: RadiusRow, range: &Wavelengths, spectrum: &Spectrum, step_cpum: f64) -> Recipe {
+        let Pace { ends, halvings, point, pace, first, last } = Pace::new(row, range, step_cpum);
         let mut recipe = Recipe {
             halvings,
             first: if point { 0 } else { first },

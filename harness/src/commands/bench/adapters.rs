@@ -5,6 +5,7 @@ use diffraction_shaders::error;
 
 use crate::bench::driver::Group;
 use crate::drivers::gpu::{AdapterInfo, Backend, Gpu};
+use crate::process::watched::{self, Place};
 use crate::results::Gap;
 
 use super::output::Output;
@@ -12,7 +13,6 @@ use super::{Args, Interface};
 
 /// All adapters that match. An interface without any is recorded as a gap.
 pub(super) fn chosen(args: &Args, output: &mut Output<'_>) -> Result<Vec<AdapterInfo>> {
-    let found = Gpu::adapters();
     let mut wanted: Vec<Backend> = args.backend.iter().map(|b| backend(*b)).collect();
     if wanted.is_empty() {
         wanted = vec![Backend::Vulkan, Backend::Gl];
@@ -23,6 +23,13 @@ pub(super) fn chosen(args: &Args, output: &mut Output<'_>) -> Result<Vec<Adapter
         let fits = |info: &&AdapterInfo| {
             info.backend == backend && info.to_string().to_lowercase().contains(&text)
         };
+        if watched::child::history().crashes.iter().any(|crash| crash.place.route == backend.name())
+        {
+            // recorded as a crash
+            continue;
+        }
+        watched::child::enter(Place { route: backend.name().to_owned(), ..Place::default() });
+        let found = Gpu::adapters_of(backend);
         let of_backend: Vec<AdapterInfo> = found.iter().filter(fits).cloned().collect();
         if of_backend.is_empty() {
             let reason = match Gpu::open(backend, args.adapter.as_deref()) {

@@ -3,9 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use crate::bench::scaling::Swept;
+use crate::process::watched::{History, Place, child};
 use crate::results::{self, Bench, Gap, Log, Record};
 use anyhow::{Context, Result, bail};
 use indicatif::ProgressBar;
+use serde::{Deserialize, Serialize};
 
 use diffraction_cli::console::Console;
 use diffraction_cli::files::write_whole;
@@ -23,6 +25,24 @@ pub(super) struct Output<'a> {
     scalings: Vec<(Swept, Vec<Point>)>,
     before: Option<Vec<Bench>>,
     failed: bool,
+    /// Adapters that are measured to the end.
+    done: Vec<String>,
+}
+
+/// What a run needs that goes on after a driver crashed.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Kept {
+    Row(Box<TimedVariant>),
+    Scaling(Swept, Vec<Point>),
+    Done(String),
+}
+
+impl Kept {
+    fn tell(&self) -> Result<()> {
+        child::keep(serde_json::to_value(self)?);
+        Ok(())
+    }
 }
 
 impl<'a> Output<'a> {
@@ -50,6 +70,7 @@ impl<'a> Output<'a> {
             scalings: vec![],
             before,
             failed: false,
+            done: vec![],
         })
     }
 
@@ -62,8 +83,43 @@ impl<'a> Output<'a> {
         self.bar.suspend(|| self.console.note(text));
     }
 
+    /// Takes over what was measured before a driver crashed, and records the crashes.
+    pub(super) fn go_on(&mut self, history: &History) -> Result<()> {
+        for kept in &history.kept {
+            match serde_json::from_value(kept.clone())? {
+                Kept::Row(row) => self.rows.push(*row),
+                Kept::Scaling(axis, points) => self.scalings.push((axis, points)),
+                Kept::Done(route) => self.done.push(route),
+            }
+        }
+        for crash in &history.crashes {
+            let Place { route, surface, variant, .. } = crash.place.clone();
+            let reason = crash.reason();
+            let gap = Gap { route, surface, variant, reason, failed: true };
+            match history.crashes.last() == Some(crash) {
+                true => self.gap(gap)?,
+                // an earlier run recorded it
+                false => self.failed = true,
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether an adapter was measured to the end before a driver crashed.
+    pub(super) fn is_done(&self, route: &str) -> bool {
+        self.done.iter().any(|done| done == route)
+    }
+
+    /// An adapter is measured to the end.
+    pub(super) fn done(&mut self, route: String) {
+        // the name of a route is always valid JSON
+        let _ = Kept::Done(route.clone()).tell();
+        self.done.push(route);
+    }
+
     pub(super) fn row(&mut self, row: TimedVariant) -> Result<()> {
         self.record(&Record::Bench(row.record.clone()))?;
+        Kept::Row(Box::new(row.clone())).tell()?;
         self.rows.push(row);
         Ok(())
     }
@@ -72,6 +128,7 @@ impl<'a> Output<'a> {
         for point in &points {
             self.record(&Record::Scaling(point.record.clone()))?;
         }
+        Kept::Scaling(axis, points.clone()).tell()?;
         self.scalings.push((axis, points));
         Ok(())
     }

@@ -3,7 +3,7 @@
 use crate::results::{Bench, Scaling};
 
 /// The result of a variant with the further numbers of its row.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub(super) struct TimedVariant {
     pub(super) record: Bench,
     /// Texels that a lit pixel reads on average.
@@ -11,7 +11,7 @@ pub(super) struct TimedVariant {
 }
 
 /// A point on an axis with the further numbers of its row.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub(super) struct Point {
     pub(super) record: Scaling,
     /// The amount of work. Time is expected to be proportional to it.

@@ -5,10 +5,11 @@ use std::time::Duration;
 
 use anyhow::{Result, bail};
 use diffraction_cli::console::Console;
-use diffraction_cli::{Outcome, interrupt, progress};
+use diffraction_cli::{Outcome, interrupt, memory, progress};
 use diffraction_shaders::input;
 use diffraction_shaders::plan::{SurfaceSpec, Variant};
 use diffraction_shaders::surface::{self, Surface};
+use diffraction_shaders::survey::memory::Memory;
 use diffraction_shaders::variant::Form;
 use indicatif::ProgressBar;
 
@@ -23,6 +24,7 @@ use crate::bench::scaling::{self, Swept};
 use crate::bench::stats::median;
 use crate::bench::yardstick::Yardstick;
 use crate::drivers::gpu::{AdapterInfo, Gpu};
+use crate::process::watched;
 use crate::results::Gap;
 
 /// Maximum number of variants whose tables are on the device at the same time, besides the baseline.
@@ -72,8 +74,11 @@ pub(super) fn run(args: &Args, budget: Duration, console: &Console) -> Result<Ou
         surface.notes.iter().for_each(|note| console.note(note));
         surfaces.push((spec, surface));
     }
+    affordable(args, &surfaces, &variants)?;
+    let history = watched::child::history();
+    output.go_on(history)?;
     let adapters = adapters::chosen(args, &mut output)?;
-    if adapters.is_empty() {
+    if adapters.is_empty() && history.crashes.is_empty() {
         bail!("there is no adapter to measure on");
     }
     let stop = interrupt::flag()?;
@@ -86,12 +91,20 @@ pub(super) fn run(args: &Args, budget: Duration, console: &Console) -> Result<Ou
     let rules = Rules::standard(budget);
     let run = Run { args, rules, clock: SystemClock::new(), stop: &stop, bar, baseline };
     for info in &adapters {
+        let route = format!("{}:{}", info.backend, info.name);
+        if history.refusal(&route).is_some() || output.is_done(&route) {
+            run.bar.inc((STEPS * groups * surfaces.len()) as u64);
+            continue;
+        }
         for (index, (spec, surface)) in surfaces.iter().enumerate() {
             if run.stopped() {
                 break;
             }
             let first = (index == 0).then_some(info);
             run.site(info, first, spec, surface, &variants, &mut output)?;
+        }
+        if !run.stopped() {
+            output.done(route);
         }
     }
     run.bar.finish_and_clear();
@@ -100,6 +113,28 @@ pub(super) fn run(args: &Args, budget: Duration, console: &Console) -> Result<Ou
         interrupt::exit();
     }
     Ok(if output.failed() { Outcome::Findings } else { Outcome::Done })
+}
+
+/// Refuses variants that take too much memory. The tables of a group are on the device together.
+fn affordable(
+    args: &Args,
+    surfaces: &[(SurfaceSpec, Surface)],
+    variants: &[Variant],
+) -> Result<()> {
+    let held = surfaces.iter().map(|(_, surface)| surface.field.byte_count()).sum();
+    for (spec, surface) in surfaces {
+        let placed = variants.iter().filter_map(|variant| variant.on(spec)?.ok());
+        // a variant that cannot be built is a gap, later
+        let known: Vec<(String, Memory)> = placed
+            .filter_map(|v| memory::of(&surface.field, &v).ok().map(|memory| (v.name, memory)))
+            .collect();
+        let largest = known.iter().map(|(_, memory)| memory.table_bytes).max().unwrap_or(0);
+        let others = GROUP.min(known.len().saturating_sub(1)) as u64 * largest;
+        for (name, memory) in &known {
+            args.memory.check(&spec.name, name, held, memory.to_check_and_draw() + others)?;
+        }
+    }
+    Ok(())
 }
 
 impl Run<'_> {
@@ -123,6 +158,11 @@ impl Run<'_> {
             adapter: info.name.clone(),
             light,
         };
+        watched::child::enter(watched::Place {
+            route: format!("{}:{}", info.backend, info.name),
+            surface: Some(spec.name.clone()),
+            ..watched::Place::default()
+        });
         // each surface has a device of its own: a lost device ends only its surface
         let gpu = match adapters::open(info) {
             Ok(gpu) => gpu,
@@ -256,6 +296,13 @@ impl Run<'_> {
     }
 
     fn group(&self, site: &mut Site<'_>, cases: &[Case], output: &Output<'_>) -> Group {
+        let names: Vec<&str> = cases.iter().map(name).collect();
+        watched::child::enter(watched::Place {
+            route: format!("{}:{}", site.place.backend, site.place.adapter),
+            surface: Some(site.place.surface.clone()),
+            variant: Some(names.join(", ")),
+            light: None,
+        });
         let begun = self.bar.position();
         let share = |share: f64| self.bar.set_position(begun + (STEPS as f64 * share) as u64);
         let stop = || self.stopped();

@@ -5,12 +5,14 @@ use diffraction_cli::Outcome;
 use diffraction_cli::args::Exposure;
 use diffraction_cli::console::Console;
 use diffraction_cli::{interrupt, progress};
+use diffraction_shaders::error::shell_path;
 use diffraction_shaders::plan::Variant;
 
 use super::sink::Recorder;
 use super::{Args, summary};
 use crate::compare::{Job, Sink, run as compare, steps};
 use crate::drivers::routes::{self, Route};
+use crate::process::watched::{self, Crash, Place};
 use crate::results::{Gap, Log, Record};
 
 pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
@@ -29,13 +31,30 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let mine = |record: &Record| {
         matches!(record, Record::Compare(_) | Record::Control(_) | Record::Gap(_))
     };
+    let crashes = &watched::child::history().crashes;
+    let cut_short = |record: &Record| match record {
+        Record::Gap(_) => true,
+        // all of the variant that was drawn is compared again
+        Record::Compare(c) => crashes.iter().any(|Crash { place, .. }| {
+            place.surface.as_ref() == Some(&c.surface)
+                && place.variant.as_ref() == Some(&c.variant)
+                && place.light == Some(c.light)
+        }),
+        _ => false,
+    };
     let (log, known) = match args.resume {
+        _ if !crashes.is_empty() => Log::go_on(&args.out, cut_short)?,
         // missing routes are tried again: they may be there now
         true => Log::begin(&args.out, |record| matches!(record, Record::Gap(_)))?,
         false => Log::begin(&args.out, mine)?,
     };
-    interrupt::install(&args.out, None)?;
+    interrupt::install(&args.out)?;
     let mut recorder = Recorder::new(&args.out, log, known, args.json, console);
+    for crash in crashes {
+        let Place { route, surface, variant, .. } = crash.place.clone();
+        let reason = crash.reason();
+        recorder.record(Record::Gap(Gap { route, surface, variant, reason, failed: true }))?;
+    }
     missing.into_iter().try_for_each(|gap| recorder.record(Record::Gap(gap)))?;
     let exposure = match args.exposure {
         Exposure::Auto => None,
@@ -49,6 +68,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         size: args.size as usize,
         exposure,
         subset: args.subset,
+        memory: args.memory.budget(),
     };
     recorder.bar = progress::bar(steps(&request), "comparing");
     let done = compare(&request, &mut recorder);
@@ -61,7 +81,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     console.note(&format!(
         "records and pictures are in {}; next: cargo xtask report {}",
         args.out.display(),
-        args.out.display()
+        shell_path(&args.out)
     ));
     Ok(outcome)
 }
@@ -79,6 +99,8 @@ fn open(wanted: &[String]) -> Result<Opened> {
     for found in routes::open(&drivers)? {
         match found.route {
             Ok(route) => open.push(route),
+            // recorded as a crash
+            Err(_) if watched::child::history().refusal(&found.name).is_some() => {}
             Err(error) if drivers.is_empty() => missing.push(Gap {
                 route: found.name,
                 surface: None,

@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use anyhow::{Result, bail};
 use diffraction_cli::args::PlanArgs;
+use diffraction_cli::memory::MemoryArgs;
 
 const EXAMPLE: &str = "Examples:
   cargo xtask scene --plan plans/scene.toml --surface fingers --variant lamp --out snake.png
@@ -28,13 +29,16 @@ A PNG is tone-mapped: colours are multiplied by --exposure, negative components 
 pub(crate) struct Args {
     #[command(flatten)]
     pub(crate) plan: PlanArgs,
+    #[command(flatten)]
+    pub(crate) memory: MemoryArgs,
     /// Name of the surface for the skin. Several, separated by commas, give pictures side by side.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', required = true)]
     pub(crate) surface: Vec<String>,
     /// Name of the variant, as in the plan. Needed only if the plan has several.
     #[arg(long, value_name = "NAME")]
     pub(crate) variant: Option<String>,
-    /// The body: snake, sphere, or a .gltf, .glb or .obj file.
+    /// The body: snake, sphere, or a .gltf, .glb or .obj file. Files that it names must lie below its folder. Limits: 512 MiB in
+    /// all, 4 Mi vertices, 8 Mi triangles, 65536 nodes.
     #[arg(long, value_name = "snake|sphere|FILE", default_value = "snake")]
     pub(crate) mesh: String,
     /// Width and height of a picture, in pixels.

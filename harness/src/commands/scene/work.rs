@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use diffraction_cli::Outcome;
 use diffraction_cli::console::Console;
 use diffraction_cli::files::write_whole;
-use diffraction_cli::progress;
+use diffraction_cli::{memory, progress};
 use diffraction_shaders::input;
 use diffraction_shaders::plan::{Plan, SurfaceSpec, Variant};
 use diffraction_shaders::runner::Placement;
@@ -17,6 +17,7 @@ use glam::DVec3;
 use super::args::{Args, Filter, Sweep};
 use crate::drivers::gpu::{Backend, Gpu};
 use crate::drivers::{Prepared, check};
+use crate::process::watched::{Place, child::enter};
 use crate::results::Part;
 use crate::scene::drawing::{Drawing, Hdr, Look, Truth, truth};
 use crate::scene::tone_map::{display, exr, reduced, stacked, strip};
@@ -56,6 +57,11 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         surface.field.check_pitch(&surface::subject(&spec), variant.wavelengths.min_nm)?;
         skins.push(Skin { spec, surface, variant });
     }
+    let held = skins.iter().map(|skin| skin.surface.field.byte_count()).sum();
+    for Skin { spec, surface, variant } in &skins {
+        let needed = memory::of(&surface.field, variant)?.to_check_and_draw();
+        args.memory.check(&spec.name, &variant.name, held, needed)?;
+    }
     let mut mesh = match args.mesh.as_str() {
         "snake" => snake(&Snake::standard()),
         "sphere" => sphere(128),
@@ -63,7 +69,13 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     };
     mesh.notes.iter().for_each(|note| console.note(note));
     turn(&mut mesh, args.orientation);
+    let mut place = Place { route: Backend::Vulkan.name().to_owned(), ..Place::default() };
+    enter(place.clone());
     let gpu = Gpu::open(Backend::Vulkan, args.adapter.as_deref())?;
+    place.route = format!("{}:{}", gpu.info().backend, gpu.info().name);
+    place.surface = Some(args.surface.join(", "));
+    place.variant = skins.first().map(|skin| skin.variant.name.clone());
+    enter(place);
     if args.truth {
         return judge(args, &gpu, &skins, &mesh);
     }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use diffraction_cli::args::{Runner, SurfaceArgs, wavelength_nm};
+use diffraction_cli::memory::MemoryArgs;
 use diffraction_shaders::plan::Wavelengths;
 use diffraction_shaders::surface::HeightField;
 
@@ -29,6 +30,8 @@ get the variant's name and the window's number as a suffix.";
 pub(crate) struct Args {
     #[command(flatten)]
     pub(super) surface: SurfaceArgs,
+    #[command(flatten)]
+    pub(super) memory: MemoryArgs,
     /// Measure only this variant, or `exact` for the exact reference. Default: all variants and `exact`.
     #[arg(long, value_name = "NAME")]
     pub(super) variant: Option<String>,

@@ -2,7 +2,9 @@
 
 use anyhow::Result;
 use diffraction_cli::args::{Runner, RunnerArgs};
+use diffraction_cli::memory;
 use diffraction_cli::runners::Job;
+use diffraction_shaders::field::reference::{Reference, Span};
 use diffraction_shaders::plan::{Mode, Plan, SurfaceSource, SurfaceSpec, Variant, Wavelengths};
 use diffraction_shaders::surface::facts::facts;
 use diffraction_shaders::surface::{HeightField, Surface, subject};
@@ -98,6 +100,15 @@ impl Task {
         let applies = self.runner.runner != Runner::Exact;
         let refused = applies.then(|| Form::new(&self.variant, field).err()).flatten();
         refused.map(|error| format!("not applicable: {error}"))
+    }
+
+    /// Bytes that measuring takes beside the heights.
+    pub(super) fn memory(&self, field: &HeightField) -> Result<u64> {
+        Ok(match self.runner.runner {
+            Runner::Exact => Reference::working_bytes(field, &self.variant.optics, Span::ANYWHERE),
+            Runner::Twin => memory::of(field, &self.variant)?.to_evaluate(),
+            _ => memory::of(field, &self.variant)?.to_check_and_draw(),
+        })
     }
 
     /// The heights of the whole surface, or of a window.

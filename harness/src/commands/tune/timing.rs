@@ -13,6 +13,7 @@ use crate::bench::result::{Place, Timed, bench};
 use crate::bench::rounds::{Rules, ratios};
 use crate::bench::stats::{interval, median};
 use crate::drivers::gpu::{Backend, Gpu};
+use crate::process::watched::{Place as Watched, child::enter};
 use crate::results::Time;
 use crate::tune::Candidate;
 use crate::tune::verdict::time;
@@ -40,9 +41,8 @@ pub(super) fn open(args: &Args) -> Result<Gpu> {
     let adapter = args.adapter.as_deref();
     let backend = match args.backend {
         None => {
-            let vulkan = Gpu::open(Backend::Vulkan, adapter);
-            return match vulkan.or_else(|error| Gpu::open(Backend::Gl, adapter).map_err(|_| error))
-            {
+            let vulkan = on(Backend::Vulkan, adapter);
+            return match vulkan.or_else(|error| on(Backend::Gl, adapter).map_err(|_| error)) {
                 Ok(gpu) => Ok(gpu),
                 Err(error) => Err(error.into()),
             };
@@ -52,7 +52,13 @@ pub(super) fn open(args: &Args) -> Result<Gpu> {
         Some(Interface::Metal) => Backend::Metal,
         Some(Interface::Dx12) => Backend::Dx12,
     };
-    Ok(Gpu::open(backend, adapter)?)
+    Ok(on(backend, adapter)?)
+}
+
+/// Opens an adapter, and says so.
+fn on(backend: Backend, adapter: Option<&str>) -> error::Result<Gpu> {
+    enter(Watched { route: backend.name().to_owned(), ..Watched::default() });
+    Gpu::open(backend, adapter)
 }
 
 /// Draws candidates in turns with `texts`. `progress` gets the share of the work done; `stop` is called before every draw.
@@ -85,6 +91,15 @@ pub(super) fn times(
     for (number, group) in groups.iter().enumerate() {
         let variants = group.iter().map(|timee| &timee.candidate.variant);
         let cases: Vec<Case> = std::iter::once(&texts).chain(variants).map(case).collect();
+        let drawn = group.iter().map(|timee| timee.candidate.variant.name.as_str());
+        enter(Watched {
+            route: format!("{}:{}", place.backend, place.adapter),
+            surface: Some(place.surface.clone()),
+            variant: Some(
+                std::iter::once(texts.name.as_str()).chain(drawn).collect::<Vec<_>>().join(", "),
+            ),
+            light: None,
+        });
         let share = |share: f64| progress((number as f64 + share) / groups.len() as f64);
         let measured = measure(gpu, scene, &cases, &clock, &rules, &share, stop);
         let mut outcomes = measured.cases;

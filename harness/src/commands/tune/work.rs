@@ -1,17 +1,20 @@
 //! From a plan to the winner: candidates, errors, times, records.
 
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
+use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use diffraction_cli::console::Console;
 use diffraction_cli::files::write_whole;
 use diffraction_cli::{Outcome, interrupt, progress};
+use diffraction_shaders::field::reference::{Reference, Span};
 use diffraction_shaders::input;
 use diffraction_shaders::plan::{Plan, SurfaceSpec, Variant};
 use diffraction_shaders::runner::Placement;
 use diffraction_shaders::shader::limits::Profile;
 use diffraction_shaders::surface::{self, HeightField};
+use diffraction_shaders::survey::memory::{self, Memory};
 use diffraction_shaders::variant::Form;
 use indicatif::ProgressBar;
 
@@ -23,13 +26,16 @@ use crate::report::front_picture;
 use crate::results::{self, Log, Record, Tune, Verdict};
 use crate::tune::candidates::candidates;
 use crate::tune::colours::Truth;
-use crate::tune::prune::{Limits, prune};
+use crate::tune::prune::{Limits, lose, prune};
 use crate::tune::search::{search, to_time};
 use crate::tune::verdict::{Baseline, Results, Run, settle};
+use crate::tune::{Candidate, Lost};
 
 /// The lights if `--light` is not given: several, so that a winner is not tuned to one light.
 const LIGHTS: [[f64; 2]; 4] = [[20.0, 0.0], [0.0, 0.0], [60.0, 0.0], [75.0, 0.0]];
 
+/// How often a bar shows that work without steps goes on.
+const TICK: Duration = Duration::from_millis(200);
 /// Steps of a progress bar for work without steps of its own.
 const STEPS: usize = 1000;
 
@@ -66,8 +72,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         adapter: [info.backend.name(), &info.name],
         size: args.size as usize,
     };
-    let stop = interrupt::flag()?;
-    let results = results(&run, args, &gpu, &plan, &spec, &surface.field, &stop)?;
+    let results = results(&run, args, &gpu, &plan, &spec, &surface.field, console)?;
     let records = settle(&run, &results);
     if let Some(folder) = &args.out {
         keep(folder, &records)?;
@@ -98,15 +103,29 @@ fn results(
     plan: &Plan,
     spec: &SurfaceSpec,
     height: &HeightField,
-    stop: &AtomicBool,
+    console: &Console,
 ) -> Result<Results> {
     let rotate_deg = spec.rotate_deg;
+    let stop = interrupt::flag()?;
     let stopped = || stop.load(Ordering::Relaxed);
+    let bar = stage(console, "which candidates can be built");
     let (all, mut lost) = candidates(plan, height);
     let (candidates, pruned) = prune(all, &run.limits, rotate_deg);
     lost.extend(pruned);
+    let (candidates, too_large) = affordable(candidates, height, args.memory.budget());
+    lost.extend(too_large);
+    bar.finish_and_clear();
+    let exact = Reference::working_bytes(height, &plan.optics, Span::ANYWHERE);
+    args.memory.check(&spec.name, "exact", height.byte_count(), exact)?;
 
+    console.note(&format!(
+        "{} candidates; now the exact colours under {} lights",
+        candidates.len(),
+        run.lights.len()
+    ));
     let bar = progress::bar(Truth::directions() * run.lights.len(), "exact colours");
+    // transforms come first, without steps of their own
+    bar.enable_steady_tick(TICK);
     let done = |count: usize| {
         bar.inc(count as u64);
         if stopped() {
@@ -116,7 +135,7 @@ fn results(
     let truth = Truth::new(height, rotate_deg, &plan.optics, run.lights, &done)?;
     bar.finish_and_clear();
 
-    let bar = ProgressBar::new_spinner();
+    let bar = stage(console, "errors of the candidates");
     let mut measured = 0;
     let budget_de = run.limits.budget_de;
     let states = search(&candidates, budget_de, &mut |candidate| {
@@ -135,6 +154,7 @@ fn results(
     let errors = truth.of(Placement { height, rotate_deg, variant: &texts })?;
     bar.finish_and_clear();
 
+    console.note("now the times of the best candidates");
     let bar = progress::bar(STEPS, "times");
     let chosen = to_time(&candidates, &states, budget_de);
     let timed: Vec<Timee<'_>> = chosen
@@ -154,6 +174,34 @@ fn results(
     }
     let cost = Form::new(&texts, height)?.cost();
     Ok(Results { candidates, states, lost, times, baseline: Baseline { errors, time, cost } })
+}
+
+/// Announces a stage of the work, and shows that it goes on.
+fn stage(console: &Console, what: &str) -> ProgressBar {
+    console.note(&format!("now {what}"));
+    let bar = ProgressBar::new_spinner();
+    bar.set_message(what.to_owned());
+    bar.enable_steady_tick(TICK);
+    bar
+}
+
+/// Takes candidates out whose errors would take too much memory to compute.
+fn affordable(
+    candidates: Vec<Candidate>,
+    height: &HeightField,
+    budget: u64,
+) -> (Vec<Candidate>, Vec<Lost>) {
+    let (mut kept, mut lost) = (Vec::new(), Vec::new());
+    for candidate in candidates {
+        let Candidate { variant, on, .. } = &candidate;
+        let memory = Memory::new(height, variant, on, rayon::current_num_threads());
+        let needed = memory::around_bytes(height.byte_count(), 1) + memory.to_evaluate();
+        match memory::within_budget(&variant.name, needed, budget) {
+            Ok(()) => kept.push(candidate),
+            Err(error) => lost.push(lose(&candidate, Verdict::Large, error.to_string())),
+        }
+    }
+    (kept, lost)
 }
 
 /// Writes the records in place of those of an earlier run of the same search, and draws the front.

@@ -8,6 +8,10 @@ use std::time::{Duration, Instant};
 
 use diffraction_shaders::error::{Error, Result};
 
+use diffraction_cli::interrupt::BeforeExit;
+
+use crate::process::ended_with_us;
+
 use super::failure::failure;
 use super::user_folder::UserFolder;
 
@@ -20,6 +24,10 @@ const REMEDY: &str = "install it: apt-get install chromium";
 
 /// The file in the profile for the program's stderr.
 const LOG: &str = "stderr.log";
+
+/// Maximum length of the browser's own folder of temporary files. It makes a socket there, in a folder of its own; the name of a
+/// socket has at most 107 bytes.
+const MAX_TEMPORARY: usize = 60;
 
 /// Flags for every machine.
 const FLAGS: &[&str] = &[
@@ -47,6 +55,7 @@ const FLAGS: &[&str] = &[
 pub(super) struct Chromium {
     child: Child,
     profile: UserFolder,
+    _ended: BeforeExit,
 }
 
 impl Chromium {
@@ -56,7 +65,10 @@ impl Chromium {
         let usual = PROGRAMS.map(Path::new);
         for candidate in program.as_ref().map_or(usual.as_slice(), std::slice::from_ref) {
             match spawn(candidate, flags, address, profile.path()) {
-                Ok(child) => return Ok(Chromium { child, profile }),
+                Ok(child) => {
+                    let ended = ended_with_us(&child);
+                    return Ok(Chromium { child, profile, _ended: ended });
+                }
                 Err(e) if e.kind() == io::ErrorKind::NotFound => {}
                 Err(e) => {
                     let cause = format!("{} cannot be started", candidate.display());
@@ -148,6 +160,12 @@ fn spawn(program: &Path, flags: &[&str], address: &str, profile: &Path) -> io::R
     let mut folder = std::ffi::OsString::from("--user-data-dir=");
     folder.push(profile);
     command.arg(folder).arg(address);
+    // what the browser puts into the system's folder of temporary files would stay if it is killed
+    let temporary = profile.join("tmp");
+    if temporary.as_os_str().len() <= MAX_TEMPORARY {
+        fs::create_dir_all(&temporary)?;
+        command.env("TMPDIR", temporary);
+    }
     let log = File::create(profile.join(LOG))?;
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(log);
     #[cfg(unix)]

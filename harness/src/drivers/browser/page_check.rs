@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, absolute};
 use std::time::Duration;
 
+use diffraction_cli::interrupt::TemporaryFolder;
 use diffraction_shaders::error::{Error, Result};
 use serde::Deserialize;
 
@@ -57,7 +58,7 @@ pub fn check_page(
     let about =
         |e: std::io::Error| Error::new(html.display(), "cannot be opened in a browser").source(e);
     fs::metadata(html).map_err(about)?;
-    let folder = tempfile::tempdir().map_err(about)?;
+    let folder = TemporaryFolder::new().map_err(about)?;
     let page = folder.path().join("frame.html");
     let text = FRAME
         .replace("WIDTH", &width.to_string())

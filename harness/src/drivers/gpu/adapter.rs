@@ -13,11 +13,12 @@ pub const MESA_FLOAT_TARGETS: (&str, &str) =
 
 /// All adapters of all backends.
 pub(super) fn list() -> Vec<AdapterInfo> {
-    Backend::ALL
-        .into_iter()
-        .flat_map(|backend| enumerate(backend).1)
-        .map(|(info, _)| info)
-        .collect()
+    Backend::ALL.into_iter().flat_map(list_of).collect()
+}
+
+/// The adapters of one backend.
+pub(super) fn list_of(backend: Backend) -> Vec<AdapterInfo> {
+    enumerate(backend).1.into_iter().map(|(info, _)| info).collect()
 }
 
 /// Opens the first adapter of `backend` that matches `wanted`.

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
+use diffraction_cli::interrupt::TemporaryFolder;
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::plan::Target;
 use diffraction_shaders::shader::module::Stage;
@@ -26,7 +27,7 @@ pub(super) fn words(
 ) -> Result<Vec<u32>> {
     let subject = format!("{name}: {}: {entry}", file.name);
     let fail = |cause: String| Error::new(&subject, cause);
-    let folder = tempfile::tempdir()
+    let folder = TemporaryFolder::new()
         .map_err(|e| fail("a temporary folder cannot be created".to_owned()).source(e))?;
     let spirv = folder.path().join("shader.spv");
     let unwritten = |e| fail(format!("{}: cannot be used", spirv.display())).source(e);

@@ -7,6 +7,8 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
+use diffraction_shaders::input::read_file;
+use diffraction_shaders::package::MAX_MANIFEST_BYTES;
 use glam::DVec3;
 use serde_json::Value;
 
@@ -163,8 +165,8 @@ impl Job {
 
 fn json(file: &Path) -> Result<Value, String> {
     let name = file.display();
-    let text = fs::read_to_string(file).map_err(|error| format!("{name}: {error}"))?;
-    serde_json::from_str(&text).map_err(|error| format!("{name}: is not valid JSON: {error}"))
+    let text = read_file(file, MAX_MANIFEST_BYTES).map_err(|error| format!("{name}: {error}"))?;
+    serde_json::from_slice(&text).map_err(|error| format!("{name}: is not valid JSON: {error}"))
 }
 
 /// Three numbers; not a number where the file has something else.
