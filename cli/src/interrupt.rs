@@ -1,7 +1,5 @@
 //! Signals. An interrupt leaves the previous output whole and no temporary folder. A full disk is an error.
 
-use std::fs;
-use std::path::Path;
 use std::sync::{
     Arc, OnceLock,
     atomic::{AtomicBool, Ordering},
@@ -9,36 +7,25 @@ use std::sync::{
 use std::time::Duration;
 
 use anyhow::{Context, Result};
-use diffraction_shaders::package::{Cancel, temporary_folder};
+use diffraction_shaders::package::Cancel;
 
 /// Exit code of an interrupted command, as shells have it.
 const INTERRUPTED: i32 = 130;
 
 static CANCEL: OnceLock<Cancel> = OnceLock::new();
 
-/// On an interrupt or a termination: cancels the write, removes the temporary folder beside `out` and the folder `other`,
-/// and exits.
-pub fn install(out: &Path, other: Option<&Path>) -> Result<Cancel> {
+/// On an interrupt or a termination: cancels, waits until the write under way has removed what it made, and exits.
+pub fn install() -> Result<Cancel> {
     let mut is_new = false;
     let cancel = CANCEL.get_or_init(|| {
         is_new = true;
         Cancel::new()
     });
     if is_new {
-        let (cancel, temporary) = (cancel.clone(), temporary_folder(out)?);
-        let other = other.map(Path::to_owned);
+        let cancel = cancel.clone();
         let stop = move || {
             cancel.cancel();
-            // the writer may be in the middle of a file, and begin another before it sees the flag
-            for _ in 0..50 {
-                if !temporary.exists() || fs::remove_dir_all(&temporary).is_ok() {
-                    break;
-                }
-                std::thread::sleep(Duration::from_millis(10));
-            }
-            if let Some(other) = &other {
-                let _ = fs::remove_dir_all(other);
-            }
+            cancel.settle(Duration::from_secs(10));
             std::process::exit(INTERRUPTED);
         };
         ctrlc::set_handler(stop).context("signals cannot be handled")?;

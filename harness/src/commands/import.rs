@@ -13,6 +13,7 @@ use anyhow::{Result, anyhow, bail};
 use diffraction_cli::Outcome;
 use diffraction_cli::console::Console;
 use diffraction_cli::files::write_whole;
+use diffraction_shaders::disk::{Access, FolderLock};
 use diffraction_shaders::error::Error;
 use diffraction_shaders::{Plan, input};
 
@@ -68,6 +69,9 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         return Ok(Outcome::Done);
     }
     let python = python::find()?;
+    let waiting = |text: &str| console.note(text);
+    let take = |folder: &PathBuf| FolderLock::take(folder, Access::Write, &waiting);
+    let _lock = args.out.as_ref().map(take).transpose()?;
     let mut taken = BTreeMap::new();
     let (mut blocks, mut failed) = (Vec::new(), 0);
     for file in &args.files {

@@ -1,7 +1,6 @@
 //! What a package is made of: surfaces, variants on them, and the gaps.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::sync::Mutex;
 
 use crate::diagnostic::Diagnostic;
@@ -12,6 +11,8 @@ use crate::plan::{Container, Target, Variant};
 use crate::shader::template::Sources;
 use crate::surface::{self, HeightField};
 use crate::variant::{ExactProbe, Form, Ground};
+
+use super::cache::Cache;
 
 /// What to generate.
 #[derive(Clone, Copy)]
@@ -26,8 +27,8 @@ pub(super) struct Work<'a> {
     pub(super) containers: &'a [Container],
     /// Templates.
     pub(super) sources: &'a Sources,
-    /// Folder for finished tables, content-addressed; `None`: compute all.
-    pub(super) cache: Option<&'a Path>,
+    /// Finished tables.
+    pub(super) cache: &'a Cache<'a>,
     /// Which files are left as they are in the output folder: by path and target.
     pub(super) keep: &'a (dyn Fn(&str, Target) -> bool + Sync),
     /// Fails once the caller has given up.

@@ -29,12 +29,13 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let mine = |record: &Record| {
         matches!(record, Record::Compare(_) | Record::Control(_) | Record::Gap(_))
     };
+    let waiting = |text: &str| console.note(text);
     let (log, known) = match args.resume {
         // missing routes are tried again: they may be there now
-        true => Log::begin(&args.out, |record| matches!(record, Record::Gap(_)))?,
-        false => Log::begin(&args.out, mine)?,
+        true => Log::begin(&args.out, &waiting, |record| matches!(record, Record::Gap(_)))?,
+        false => Log::begin(&args.out, &waiting, mine)?,
     };
-    interrupt::install(&args.out, None)?;
+    interrupt::install()?;
     let mut recorder = Recorder::new(&args.out, log, known, args.json, console);
     missing.into_iter().try_for_each(|gap| recorder.record(Record::Gap(gap)))?;
     let exposure = match args.exposure {
