@@ -7,8 +7,8 @@ mod owner;
 mod spill;
 mod whole;
 
-pub use lock::{Access, FolderLock, resolve};
 pub(crate) use lock::lock_new;
+pub use lock::{Access, FolderLock, resolve};
 pub use mount::{is_mount, remove_tree};
 pub use owner::{owner, touchable};
 pub use spill::{Spill, Spilled};

@@ -32,8 +32,8 @@ use crate::hash::sha256;
 use crate::plan::{Container, TableFormat};
 use crate::tables::container::Shape;
 
-pub use check::{Report, check};
 pub use cancel::Cancel;
+pub use check::{Report, check};
 pub use content::Content;
 pub use leftover::LeftBehind;
 pub use stamp::Stamp;
@@ -221,9 +221,7 @@ impl Package {
         if let Some(key) = ["generated_by", "files"].iter().find(|key| index.contains_key(**key)) {
             return Err(error(&format!("key \"{key}\" is taken")));
         }
-        index
-            .entry("schema_version".to_owned())
-            .or_insert_with(|| manifest::SCHEMA_VERSION.into());
+        index.entry("schema_version".to_owned()).or_insert_with(|| manifest::SCHEMA_VERSION.into());
         self.generated_by = Some(generated_by.to_owned());
         let mut files = BTreeMap::new();
         for (path, file) in &self.files {
@@ -274,8 +272,11 @@ impl Package {
 fn whole(folder: folder::Folder) -> Result<folder::Folder> {
     match folder.is_between() {
         false => Ok(folder),
-        true => Err(Error::new(folder.root.display(), "is a package of which a killed run wrote a part")
-            .remedy("run generate on it, which completes it")),
+        true => Err(Error::new(
+            folder.root.display(),
+            "is a package of which a killed run wrote a part",
+        )
+        .remedy("run generate on it, which completes it")),
     }
 }
 

@@ -84,9 +84,8 @@ fn build(
     out: &Path,
     console: &Console,
 ) -> Result<Option<Package>> {
-    let mut compiler = Compiler::new(plan)
-        .variants(&selection.variants)
-        .targets(&selection.targets);
+    let mut compiler =
+        Compiler::new(plan).variants(&selection.variants).targets(&selection.targets);
     if let Some(cache) = &selection.cache {
         compiler = compiler.cache(cache);
     }
@@ -117,7 +116,9 @@ fn build(
             bar.set_message(format!("baking {label}, {} %", 100 * sum / of.max(1)));
         }
         Step::NotCached(error) => bar.suspend(|| {
-            console.note(&format!("the cache takes nothing, so the next run will be as slow: {error}"));
+            console.note(&format!(
+                "the cache takes nothing, so the next run will be as slow: {error}"
+            ));
         }),
     };
     let package = compiler.progress(&show).compile();

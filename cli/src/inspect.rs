@@ -46,7 +46,8 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let spec = plan.surface(&args.surface.surface)?;
     let out = args.out.clone().unwrap_or_else(|| Path::new("inspect").join(&spec.name));
     // before the work; the folder may belong to somebody else, or to another command
-    package::is_free(&out, GENERATED_BY)?;
+    let waiting = |text: &str| console.note(text);
+    package::is_free(&out, GENERATED_BY, &waiting)?;
     let (found, field) = survey(&plan, spec)?;
     found.notes.iter().for_each(|note| console.note(&format!("surface {}: {note}", spec.name)));
     let files = FILES.map(|file| out.join(file));
@@ -60,7 +61,7 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     folder.insert(facts, format!("{object:#}\n"), compare)?;
     folder.seal_as(GENERATED_BY, BTreeMap::from([("surface".to_owned(), json!(spec.name))]))?;
     let cancel = interrupt::install()?;
-    let output = Output::open(&out, GENERATED_BY, &cancel, &|text| console.note(text))?;
+    let output = Output::open(&out, GENERATED_BY, &cancel, &waiting)?;
     let report = match output.write(&folder) {
         Err(_) if cancel.is_cancelled() => interrupt::exit(),
         other => other?,

@@ -29,9 +29,10 @@ pub(crate) fn cache(caches: &Path, program: &str) -> PathBuf {
     for entry in fs::read_dir(caches).into_iter().flatten().flatten() {
         // beside them stand what `--setup` installs, and whatever else somebody put there
         let name = entry.file_name();
-        let is_hash = |name: &str| name.len() == NAME && name.bytes().all(|b| b.is_ascii_hexdigit());
-        let is_cache = name.to_str().is_some_and(is_hash)
-            && entry.file_type().is_ok_and(|kind| kind.is_dir());
+        let is_hash =
+            |name: &str| name.len() == NAME && name.bytes().all(|b| b.is_ascii_hexdigit());
+        let is_cache =
+            name.to_str().is_some_and(is_hash) && entry.file_type().is_ok_and(|kind| kind.is_dir());
         let age = entry.metadata().and_then(|found| found.modified()).map(|time| time.elapsed());
         if is_cache && entry.path() != own && matches!(age, Ok(Ok(age)) if age > KEPT) {
             let _ = remove_tree(&entry.path());

@@ -362,12 +362,16 @@ mod tests {
     fn a_line_cut_short_is_dropped_and_the_rest_stays() {
         let folder = tempfile::tempdir().expect("folder");
         let path = folder.path().join(FILE);
-        Log::open(folder.path(), &|_| ()).and_then(|mut log| log.append(&gap("one"))).expect("writes");
+        Log::open(folder.path(), &|_| ())
+            .and_then(|mut log| log.append(&gap("one")))
+            .expect("writes");
         let cut = &line(&gap("two")).expect("finite")[..20];
         let mut file = OpenOptions::new().append(true).open(&path).expect("opens");
         file.write_all(cut.as_bytes()).expect("writes");
         assert_eq!(read(&path).expect("reads"), [gap("one")]);
-        Log::open(folder.path(), &|_| ()).and_then(|mut log| log.append(&gap("three"))).expect("writes");
+        Log::open(folder.path(), &|_| ())
+            .and_then(|mut log| log.append(&gap("three")))
+            .expect("writes");
         assert_eq!(read(&path).expect("reads"), [gap("one"), gap("three")]);
     }
 

@@ -38,13 +38,16 @@ impl FolderLock {
     /// line to show, and then this waits. What is there afterwards may be another folder than before.
     pub fn take(folder: &Path, access: Access, waiting: &dyn Fn(&str)) -> Result<FolderLock> {
         let error = |cause: &str| Error::new(format!("output {}", folder.display()), cause);
-        let mut has_waited = false;
+        let (mut has_waited, mut attempts) = (false, 0);
         let mut created = Vec::new();
         let mut wait = |file: &File| -> io::Result<()> {
             match (try_lock(file, access), has_waited) {
                 (Err(TryLockError::WouldBlock), false) => {
                     let what = if access == Access::Read { "is written" } else { "is in use" };
-                    waiting(&format!("output {}: {what} by another run; waiting for it", folder.display()));
+                    waiting(&format!(
+                        "output {}: {what} by another run; waiting for it",
+                        folder.display()
+                    ));
                     has_waited = true;
                     lock(file, access)
                 }
@@ -65,11 +68,14 @@ impl FolderLock {
                     if access == Access::Read {
                         return Ok(FolderLock { root, held: vec![], beside: None, created });
                     }
-                    if let Err(e) = create(&root, &mut created) {
-                        let holder = existing(&root);
-                        return Err(unmakable(&error, holder, e));
+                    attempts += 1;
+                    match create(&root, &mut created) {
+                        // another run may remove what this one makes folders in; some places take no folder, ever
+                        Err(e) if e.kind() != io::ErrorKind::NotFound || attempts > 50 => {
+                            return Err(unmakable(&error, existing(&root), e));
+                        }
+                        _ => continue,
                     }
-                    continue;
                 }
                 Err(e) => {
                     return Err(error("cannot be read").source(e).remedy("check its permissions"));
@@ -194,15 +200,9 @@ fn create(root: &Path, created: &mut Vec<PathBuf>) -> io::Result<()> {
                 created.retain(|known| known != folder);
                 created.insert(0, folder.to_owned());
             }
-            // another run made it, or removes it: the caller looks again
-            Err(e)
-                if matches!(e.kind(), io::ErrorKind::AlreadyExists | io::ErrorKind::NotFound)
-                    && folder.parent().is_none_or(|parent| parent.is_dir() || !parent.exists()) =>
-            {
-                return Ok(());
-            }
+            Err(e) if e.kind() == io::ErrorKind::AlreadyExists && folder.is_dir() => {}
             Err(e) => {
-                created.iter().for_each(|folder| drop(fs::remove_dir(folder)));
+                created.drain(..).for_each(|folder| drop(fs::remove_dir(folder)));
                 return Err(e);
             }
         }
@@ -221,6 +221,10 @@ fn unmakable(error: &dyn Fn(&str) -> Error, holder: Option<&Path>, e: io::Error)
         holder if holder == Path::new("") => Path::new("."),
         holder => holder,
     };
+    if !holder.is_dir() {
+        let cause = format!("cannot be created, since {} is not a folder", shown.display());
+        return error(&cause).remedy("name another folder with --out");
+    }
     let whose = owner(holder).map(|owner| format!(" (user {owner}'s)")).unwrap_or_default();
     let remedy = format!(
         "check the permissions and the free space of the folder {}{whose}, or name another folder with --out",

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 
-use super::owner;
+use super::{is_mount, owner};
 
 /// Begins the names of files that are being written. A run that is killed at such a moment may leave one.
 const PARTIAL: &str = ".diffraction-tmp-";
@@ -77,7 +77,9 @@ fn target(path: &Path) -> Result<Target> {
     let is_link = fs::symlink_metadata(path).is_ok_and(|found| found.is_symlink());
     if is_link && !is_trusted(path) {
         let cause = match owner(path) {
-            Some(owner) => format!("is a link of user {owner} in a folder that everybody may write to"),
+            Some(owner) => {
+                format!("is a link of user {owner} in a folder that everybody may write to")
+            }
             None => "is somebody else's link in a folder that everybody may write to".to_owned(),
         };
         return Err(error(&cause).remedy(other));
@@ -100,7 +102,8 @@ fn target(path: &Path) -> Result<Target> {
     if found.is_file() && !path.starts_with("/dev/fd") && !path.starts_with("/proc") {
         let read_only = |e: io::Error| {
             let whose = owner(path).map(|owner| format!("; it belongs to user {owner}"));
-            let remedy = format!("name another file, or make it writable{}", whose.unwrap_or_default());
+            let remedy =
+                format!("name another file, or make it writable{}", whose.unwrap_or_default());
             error("may not be written").source(e).remedy(remedy)
         };
         if found.permissions().readonly() {
@@ -108,6 +111,10 @@ fn target(path: &Path) -> Result<Target> {
         }
         OpenOptions::new().write(true).open(path).map_err(read_only)?;
         let whole = fs::canonicalize(path).map_err(read_only)?;
+        if is_mount(&whole).unwrap_or(false) {
+            return Err(error("is mounted by itself, so that no other file can take its place")
+                .remedy("mount the folder that holds it, or name another file"));
+        }
         return Ok(Target::File(whole, Some(found)));
     }
     stream(path, &found).map(Target::Stream)

@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 
 use super::folder::{Folder, Kind, slashed};
 use super::leftover::{self, BODY, LeftBehind, Mark};
-use super::stage::{Written, build, sync_folder};
+use super::stage::{Written, build, owned_like, sync_folder};
 use super::{Cancel, MANIFEST, Package};
 
 /// The folder next to the output in which this process builds, removed when dropped.
@@ -25,10 +25,11 @@ impl Drop for Beside {
 
 /// Writes a package. `None`: this output cannot be exchanged, and nothing was changed.
 ///
-/// `carried`: foreign files of the output, which get links in the new one.
+/// `same`: foreign files that the package has, too; `carried`: the others, which get links in the new output.
 pub(super) fn write(
     package: &Package,
     old: &Folder,
+    same: &[String],
     carried: &[PathBuf],
     lock: &mut FolderLock,
     cancel: &Cancel,
@@ -39,7 +40,7 @@ pub(super) fn write(
     };
     let mark = Mark {
         new: package.files().keys().cloned().collect(),
-        old: old.listed.keys().cloned().collect(),
+        old: old.listed.keys().chain(same).cloned().collect(),
         carried: names,
         ..Mark::default()
     };
@@ -59,7 +60,10 @@ pub(super) fn write(
         let made = to.parent().map_or(Ok(()), fs::create_dir_all);
         made.and_then(|()| fs::hard_link(from, to)).is_ok()
     };
-    if !carried.iter().all(is_linked) || !made_like(&root, &new) {
+    if owned_like(&root, &new, package).is_err()
+        || !carried.iter().all(is_linked)
+        || !made_like(&root, &new)
+    {
         return Ok(None);
     }
     // others who wait for the output find the new one locked, too
@@ -107,16 +111,11 @@ fn swap(new: &Path, out: &Path) -> bool {
     }
 }
 
-/// Gives the new folder the owner and the permissions of the old one. Fails if it would differ from it.
+/// Gives the new folder the permissions of the old one. Fails if it would differ from it.
 #[cfg(unix)]
 fn made_like(old: &Path, new: &Path) -> bool {
-    use std::os::unix::fs::{MetadataExt, chown};
     let like = || -> io::Result<bool> {
-        let (was, is) = (fs::metadata(old)?, fs::metadata(new)?);
-        if (was.uid(), was.gid()) != (is.uid(), is.gid()) {
-            chown(new, Some(was.uid()), Some(was.gid()))?;
-        }
-        fs::set_permissions(new, was.permissions())?;
+        fs::set_permissions(new, fs::metadata(old)?.permissions())?;
         Ok(attributes(old)? == attributes(new)?)
     };
     like().unwrap_or(false)

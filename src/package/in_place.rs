@@ -8,14 +8,14 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::disk::is_mount;
 use crate::error::{Error, Result};
 
 use super::folder::{Folder, STAGE, whose};
 use super::leftover::{self, BODY, LeftBehind, Mark, OLD_MANIFEST, is_below, remove_own};
-use super::stage::{Written, build, sync_folder};
+use super::stage::{Written, build, owned_like, sync_folder};
 use super::{Cancel, MANIFEST, Package};
 
 /// Completes what a killed run began in an output, and removes what it did not complete. Returns what cannot be removed.
@@ -24,13 +24,16 @@ pub(super) fn recover(root: &Path) -> Result<Vec<LeftBehind>> {
     for stage in &stages {
         if let Some(mark) = Mark::read(stage).filter(|mark| mark.moving) {
             finish(root, stage, &mark).map_err(|e| {
-                Error::new(format!("output {}", root.display()), "cannot be completed after an aborted run")
-                    .source(e)
-                    .remedy(format!("check its permissions{}", whose(stage)))
+                Error::new(
+                    format!("output {}", root.display()),
+                    "cannot be completed after an aborted run",
+                )
+                .source(e)
+                .remedy(format!("check its permissions{}", whose(stage)))
             })?;
         }
     }
-    let is_there = |stage: &std::path::PathBuf| fs::symlink_metadata(stage).is_ok();
+    let is_there = |stage: &PathBuf| fs::symlink_metadata(stage).is_ok();
     Ok(leftover::sweep(stages.into_iter().filter(is_there).collect()))
 }
 
@@ -47,6 +50,8 @@ pub(super) fn write(package: &Package, old: &Folder, cancel: &Cancel) -> Result<
     };
     let (stage, mut mark) = leftover::create(&root.join(STAGE), mark).map_err(unwritable)?;
     let done = build(package, &stage.join(BODY), root, cancel).and_then(|written| {
+        // what belongs to whom is no reason to stop here
+        let _ = owned_like(root, &stage.join(BODY), package);
         cancel.unless(root, || {
             mark.moving = true;
             mark.write(&stage).map_err(unwritable)?;
@@ -140,7 +145,9 @@ fn finish(root: &Path, stage: &Path, mark: &Mark) -> io::Result<()> {
                 }
             }
         }
-        mark.new.iter().filter_map(|path| root.join(path).parent().map(Path::to_owned))
+        mark.new
+            .iter()
+            .filter_map(|path| root.join(path).parent().map(Path::to_owned))
             .collect::<BTreeSet<_>>()
             .iter()
             .for_each(|folder| sync_folder(folder));

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::fs;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +18,8 @@ const MARK: &str = "diffraction.json";
 /// The mark before it is complete.
 const HALF_MARK: &str = "diffraction.json.new";
 /// What the mark says of itself.
-const LEFT_BY: &str = "diffraction-shaders builds a package here; if no run does, the next one removes the folder";
+const LEFT_BY: &str =
+    "diffraction-shaders builds a package here; if no run does, the next one removes the folder";
 /// Ends the name of a folder that gets its mark, or has lost it.
 const BARE: &str = ".diffraction";
 /// The package, inside of such a folder.
@@ -56,7 +57,7 @@ pub struct LeftBehind {
 impl fmt::Display for LeftBehind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let LeftBehind { path, owner, cause } = self;
-        write!(f, "{}: is left of an earlier run and cannot be removed: {cause}", path.display())?;
+        write!(f, "{}: is left of a run and cannot be removed: {cause}", path.display())?;
         match owner {
             Some(owner) => write!(f, "; it belongs to user {owner} (remove it yourself)"),
             None => write!(f, " (remove it yourself)"),
@@ -66,7 +67,8 @@ impl fmt::Display for LeftBehind {
 
 impl LeftBehind {
     pub(super) fn new(path: &Path, cause: &io::Error) -> LeftBehind {
-        LeftBehind { path: path.to_owned(), owner: owner(path), cause: cause.to_string() }
+        let obstacle = first_of_others(path).unwrap_or_else(|| path.to_owned());
+        LeftBehind { path: path.to_owned(), owner: owner(&obstacle), cause: cause.to_string() }
     }
 }
 
@@ -75,9 +77,12 @@ impl Mark {
     pub(super) fn read(folder: &Path) -> Option<Mark> {
         let bytes = read_regular(&folder.join(MARK)).ok()?;
         let mark: Mark = serde_json::from_slice(&bytes).ok()?;
-        let is_plain = |path: &String| super::is_plain(path);
+        // foreign names may have signs that names of ours do not have
+        let is_within = |path: &String| {
+            Path::new(path).components().all(|part| matches!(part, Component::Normal(_)))
+        };
         let paths = || mark.new.iter().chain(&mark.old).chain(&mark.carried);
-        (mark.left_by == LEFT_BY && paths().all(is_plain)).then_some(mark)
+        (mark.left_by == LEFT_BY && paths().all(is_within)).then_some(mark)
     }
 
     /// Writes the mark of a folder, whole.
@@ -100,7 +105,8 @@ pub(super) fn create(base: &Path, mut mark: Mark) -> io::Result<(PathBuf, Mark)>
         };
         let bare = suffixed(&path, BARE);
         let is_free = fs::symlink_metadata(&path).is_err();
-        match if is_free { fs::create_dir(&bare) } else { Err(io::ErrorKind::AlreadyExists.into()) } {
+        match if is_free { fs::create_dir(&bare) } else { Err(io::ErrorKind::AlreadyExists.into()) }
+        {
             Ok(()) => break (path, bare),
             Err(e) if e.kind() == io::ErrorKind::AlreadyExists && number < 1000 => number += 1,
             Err(e) => return Err(e),
@@ -189,9 +195,8 @@ pub(super) fn find(place: &Path, prefix: &str, is_numbered: bool) -> Vec<PathBuf
 /// nothing of anybody else's.
 fn is_ours(path: &Path) -> bool {
     let is_bare = path.as_os_str().to_string_lossy().ends_with(BARE);
-    let is_part = |entry: fs::DirEntry| {
-        [BODY, HALF_MARK, MARK].iter().any(|name| entry.file_name() == *name)
-    };
+    let is_part =
+        |entry: fs::DirEntry| [BODY, HALF_MARK, MARK].iter().any(|name| entry.file_name() == *name);
     match is_bare {
         true => fs::read_dir(path).is_ok_and(|mut all| all.all(|entry| entry.is_ok_and(is_part))),
         false => Mark::read(path).is_some(),
@@ -265,6 +270,16 @@ fn first_file(folder: &Path) -> Option<PathBuf> {
         Ok(kind) if kind.is_dir() => first_file(&entry.path()),
         _ => Some(entry.path()),
     }
+}
+
+/// The first file or folder, from the outside in, that this user does not own.
+fn first_of_others(path: &Path) -> Option<PathBuf> {
+    if !touchable(path) {
+        return Some(path.to_owned());
+    }
+    let is_folder = fs::symlink_metadata(path).is_ok_and(|found| found.is_dir());
+    let entries = if is_folder { fs::read_dir(path).ok() } else { None };
+    entries?.flatten().find_map(|entry| first_of_others(&entry.path()))
 }
 
 #[cfg(unix)]

@@ -19,7 +19,12 @@ pub(super) struct Written {
 }
 
 /// Writes all files of a package below a folder, and passes them to the disk.
-pub(super) fn build(package: &Package, into: &Path, out: &Path, cancel: &Cancel) -> Result<Written> {
+pub(super) fn build(
+    package: &Package,
+    into: &Path,
+    out: &Path,
+    cancel: &Cancel,
+) -> Result<Written> {
     let mut written = Written::default();
     let mut folders = BTreeSet::from([into.to_owned()]);
     let fail = |path: &str, e: io::Error| {
@@ -46,6 +51,25 @@ pub(super) fn build(package: &Package, into: &Path, out: &Path, cancel: &Cancel)
     })?;
     folders.iter().for_each(|folder| sync_folder(folder));
     Ok(written)
+}
+
+/// Gives what was built the owner of the output, if that is another user: root leaves outputs to whom they belong. Fails if
+/// it cannot.
+#[cfg(unix)]
+pub(super) fn owned_like(out: &Path, built: &Path, package: &Package) -> io::Result<()> {
+    use std::os::unix::fs::{MetadataExt, lchown};
+    let (was, is) = (fs::metadata(out)?, fs::metadata(built)?);
+    if (was.uid(), was.gid()) == (is.uid(), is.gid()) {
+        return Ok(());
+    }
+    let above = |path: &String| Path::new(path).ancestors().map(Path::to_owned).collect::<Vec<_>>();
+    let all: BTreeSet<_> = package.files().keys().flat_map(above).collect();
+    all.iter().try_for_each(|path| lchown(built.join(path), Some(was.uid()), Some(was.gid())))
+}
+
+#[cfg(not(unix))]
+pub(super) fn owned_like(_out: &Path, _built: &Path, _package: &Package) -> io::Result<()> {
+    Ok(())
 }
 
 /// Errors are ignored: a file system that cannot sync folders still renames them in order.

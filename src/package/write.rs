@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 
 use super::folder::{self, Folder, Foreign, Kind, slashed};
 use super::leftover::{self, LeftBehind};
-use super::{Cancel, Content, Equality, MANIFEST, Package, equality, exchange, in_place};
+use super::{Cancel, Content, Equality, Package, equality, exchange, in_place};
 
 /// Result of a write.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -50,11 +50,10 @@ impl Output {
         cancel: &Cancel,
         waiting: &dyn Fn(&str),
     ) -> Result<Output> {
-        // before it waits for something that it would refuse, and before anything is made
-        folder::open(out, generated_by)?;
         let root = crate::disk::resolve(out)?;
         if root.file_name().is_none() {
-            let error = Error::new(format!("output {}", root.display()), "is the root of the file system");
+            let error =
+                Error::new(format!("output {}", root.display()), "is the root of the file system");
             return Err(error.remedy("name a folder below it with --out"));
         }
         let lock = FolderLock::take(out, Access::Write, waiting)?;
@@ -74,14 +73,14 @@ impl Output {
         let old = folder::open(&root, package.generated_by())?;
         let old = old.unwrap_or_else(|| Folder { root: root.clone(), ..Folder::default() });
         let inventory = old.inventory()?;
-        let carried = carried(package, &old, &inventory.foreign)?;
+        let Kept { carried, same } = kept(package, &old, &inventory.foreign)?;
         let can_exchange = !inventory.has_folders
             && inventory.foreign.iter().all(|foreign| foreign.kind == Kind::File)
             && is_mount(&root).is_ok_and(|is| !is)
             && !is_stood_in(&root);
         let mut report = WriteReport { left_behind: self.left_behind, ..WriteReport::default() };
         let exchanged = match can_exchange {
-            true => exchange::write(package, &old, &carried, &mut self.lock, &cancel)?,
+            true => exchange::write(package, &old, &same, &carried, &mut self.lock, &cancel)?,
             false => None,
         };
         report.exchanged = exchanged.is_some();
@@ -113,7 +112,9 @@ pub fn write_unless(package: &Package, out: &Path, cancel: &Cancel) -> Result<Wr
 }
 
 /// Whether `out` may be written by the command that `generated_by` names; an error with the reason if not. Writes nothing.
-pub fn is_free(out: &Path, generated_by: &str) -> Result<()> {
+/// While another process writes there, calls `waiting` once with a line to show, and waits.
+pub fn is_free(out: &Path, generated_by: &str, waiting: &dyn Fn(&str)) -> Result<()> {
+    let _lock = FolderLock::take(out, Access::Read, waiting)?;
     folder::open(out, generated_by).map(|_| ())
 }
 
@@ -139,19 +140,32 @@ fn is_stood_in(root: &Path) -> bool {
     here.is_ok_and(|here| here.starts_with(root))
 }
 
-/// The foreign files to keep. It is an error if one is in the way.
-fn carried(package: &Package, old: &Folder, foreign: &[Foreign]) -> Result<Vec<PathBuf>> {
-    let mut carried = Vec::new();
+/// What becomes of foreign files.
+#[derive(Default)]
+struct Kept {
+    /// Those that stay.
+    carried: Vec<PathBuf>,
+    /// Those that are files of the package, to the byte.
+    same: Vec<String>,
+}
+
+/// What becomes of foreign files. It is an error if one is in the way.
+fn kept(package: &Package, old: &Folder, foreign: &[Foreign]) -> Result<Kept> {
+    let mut kept = Kept::default();
     for Foreign { path, kind } in foreign {
         let at = old.root.join(path);
         let conflict = || {
             let what = match kind {
                 Kind::File => "foreign file",
                 Kind::EmptyFolder | Kind::ClosedFolder => "foreign folder",
-                Kind::Mount => "mounted",
+                Kind::Mount => "mount",
+            };
+            let remedy = match kind {
+                Kind::Mount => "unmount it, or name another folder with --out",
+                _ => "move it out of the output folder",
             };
             Error::new(format!("{what} {}", at.display()), "is in the way of a generated file")
-                .remedy("move it out of the output folder")
+                .remedy(remedy)
         };
         let name = slashed(path);
         let is_generated =
@@ -162,24 +176,26 @@ fn carried(package: &Package, old: &Folder, foreign: &[Foreign]) -> Result<Vec<P
         let fresh = name.as_ref().and_then(|name| package.files().get(name));
         let below = name.as_ref().map(|name| format!("{name}/"));
         let next = below.as_ref().and_then(|below| package.files().range(below.clone()..).next());
-        let holds = next.zip(below.as_ref()).is_some_and(|((path, _), below)| path.starts_with(below));
+        let holds =
+            next.zip(below.as_ref()).is_some_and(|((path, _), below)| path.starts_with(below));
         match (fresh, kind) {
             (Some(file), Kind::File) => {
                 let fresh = Some(file).filter(|file| !matches!(file.content, Content::Kept(_)));
-                let is_same = fresh.and_then(|file| file.content.read().ok()).is_some_and(|fresh| {
-                    let disk = crate::disk::read_regular(&at);
-                    disk.is_ok_and(|disk| equality::same(Equality::Bytes, &fresh, &disk))
-                });
+                let is_same =
+                    fresh.and_then(|file| file.content.read().ok()).is_some_and(|fresh| {
+                        let disk = crate::disk::read_regular(&at);
+                        disk.is_ok_and(|disk| equality::same(Equality::Bytes, &fresh, &disk))
+                    });
                 if !is_same {
                     return Err(conflict());
                 }
+                kept.same.extend(name);
             }
             (Some(_), _) => return Err(conflict()),
             (None, Kind::EmptyFolder) if holds => {}
             (None, _) if holds => return Err(conflict()),
-            (None, _) => carried.push(path.clone()),
+            (None, _) => kept.carried.push(path.clone()),
         }
     }
-    debug_assert!(!carried.iter().any(|path| path == Path::new(MANIFEST)));
-    Ok(carried)
+    Ok(kept)
 }

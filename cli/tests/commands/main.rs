@@ -7,5 +7,6 @@ mod committed;
 mod explain;
 mod inspect;
 mod list;
+mod outputs;
 mod program;
 mod surfaces;

@@ -5,6 +5,7 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail};
 use diffraction_cli::console::Console;
+use diffraction_shaders::disk::{Access, FolderLock};
 
 use crate::process::{on_path, tools_folder};
 
@@ -40,6 +41,9 @@ impl Item {
             bail!("--setup needs Python 3.11 or later; apt-get install python3-venv");
         };
         let folder = self.folder();
+        // a second command waits, and then finds it installed
+        let waiting = |text: &str| console.note(text);
+        let _lock = FolderLock::take(&folder, Access::Write, &waiting)?;
         let place = tempfile::tempdir().context("a temporary folder cannot be created")?;
         let list = place.path().join("list.txt");
         std::fs::write(&list, self.list).context("the list of packages cannot be written")?;

@@ -90,9 +90,12 @@ impl<'a> Cache<'a> {
 
     /// Removes unfinished files of killed runs. They are at least an hour old; no file takes that long to write.
     pub(super) fn sweep(&self) {
-        let Some(entries) = self.folder.and_then(|folder| fs::read_dir(folder).ok()) else { return };
+        let Some(entries) = self.folder.and_then(|folder| fs::read_dir(folder).ok()) else {
+            return;
+        };
         for path in entries.flatten().map(|entry| entry.path()) {
-            let is_partial = path.file_name().is_some_and(|name| is_partial(&name.to_string_lossy()));
+            let is_partial =
+                path.file_name().is_some_and(|name| is_partial(&name.to_string_lossy()));
             let found = fs::symlink_metadata(&path);
             let age = found.and_then(|m| m.modified()).map(|at| at.elapsed());
             if is_partial && matches!(age, Ok(Ok(age)) if age >= STALE) {
@@ -192,32 +195,121 @@ mod tests {
         assert_eq!(names.map(|name| folder.path().join(name).exists()), [false, true, true]);
     }
 
-    /// Whatever happens to the files of an entry, it is computed again, and what it holds then is right.
+    /// Whatever happens to the files of an entry: it is computed again, and what it holds then is right.
+    #[cfg(unix)]
     #[test]
     fn damaged_files_are_made_anew() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        use std::process::Command;
+
+        use crate::hash::sha256;
+
         let folder = tempfile::tempdir().expect("folder");
         let cache = Cache::new(Some(folder.path()));
-        let bytes = || Ok(vec![7; 5000]);
-        let of = |content: Content| content.read().expect("readable").into_owned();
-        let never = || panic!("it is whole");
-        let numbers = || Ok(vec![1.5, -2.0]);
-        let (table, hash) = (folder.path().join("table.bin"), folder.path().join("table.sha256"));
-        let damages: [&dyn Fn(); 4] = [
-            &|| {
-                let mut damaged = fs::read(&table).expect("readable");
-                damaged[4321] ^= 4;
-                fs::write(&table, damaged).expect("writes");
-            },
-            &|| fs::write(&hash, sha256(b"other")).expect("writes"),
-            &|| fs::remove_file(&hash).expect("removes"),
-            &|| fs::write(&table, [7; 4999]).expect("writes"),
+        let at = |name: &str| folder.path().join(name);
+        let (table, hash, other) = (at("table.bin"), at("table.sha256"), at("other.bin"));
+        let write = |path: &Path, bytes: &[u8]| fs::write(path, bytes).expect("writes");
+        let edit = |path: &Path, edit: &dyn Fn(&mut Vec<u8>)| {
+            let mut bytes = fs::read(path).expect("readable");
+            edit(&mut bytes);
+            write(path, &bytes);
+        };
+        let gone = |path: &Path| fs::remove_file(path).expect("removes");
+        let swap = |a: &Path, b: &Path| {
+            let between = at("between");
+            let moves = [(a, between.as_path()), (b, a), (between.as_path(), b)];
+            moves.into_iter().for_each(|(from, to)| fs::rename(from, to).expect("renames"));
+        };
+        let pipe = |path: &Path| {
+            gone(path);
+            assert!(Command::new("mkfifo").arg(path).status().expect("mkfifo runs").success());
+        };
+        let link = |to: &Path, path: &Path| {
+            gone(path);
+            symlink(to, path).expect("links");
+        };
+        let damages: Vec<(&str, Box<dyn Fn() + '_>)> = vec![
+            ("a bit flipped", Box::new(|| edit(&table, &|bytes| bytes[4321] ^= 4))),
+            ("its first bit flipped", Box::new(|| edit(&table, &|bytes| bytes[0] ^= 128))),
+            ("its last bit flipped", Box::new(|| edit(&table, &|bytes| bytes[4999] ^= 1))),
+            ("cut by one byte", Box::new(|| edit(&table, &|bytes| bytes.truncate(4999)))),
+            ("cut to half", Box::new(|| edit(&table, &|bytes| bytes.truncate(2500)))),
+            ("empty", Box::new(|| write(&table, b""))),
+            ("longer by one byte", Box::new(|| edit(&table, &|bytes| bytes.push(7)))),
+            ("zeros", Box::new(|| write(&table, &[0; 5000]))),
+            ("two bytes swapped", Box::new(|| edit(&table, &|bytes| bytes.swap(0, 1)))),
+            ("exchanged with another table", Box::new(|| swap(&table, &other))),
+            (
+                "exchanged with another table and its hash",
+                Box::new(|| {
+                    swap(&table, &other);
+                    swap(&hash, &at("other.sha256"));
+                }),
+            ),
+            ("a link to another table", Box::new(|| link(&other, &table))),
+            ("a link to itself", Box::new(|| link(&table, &table))),
+            ("a link that leads nowhere", Box::new(|| link(&at("absent"), &table))),
+            ("a pipe", Box::new(|| pipe(&table))),
+            (
+                "an empty folder",
+                Box::new(|| {
+                    gone(&table);
+                    fs::create_dir(&table).expect("a folder");
+                }),
+            ),
+            ("gone", Box::new(|| gone(&table))),
+            (
+                "read-only and damaged",
+                Box::new(|| {
+                    edit(&table, &|bytes| bytes[9] ^= 1);
+                    let mode = fs::Permissions::from_mode(0o444);
+                    fs::set_permissions(&table, mode).expect("sets");
+                }),
+            ),
+            (
+                "of a mode that lets nobody read",
+                Box::new(|| {
+                    edit(&table, &|bytes| bytes[9] ^= 1);
+                    fs::set_permissions(&table, fs::Permissions::from_mode(0)).expect("sets");
+                }),
+            ),
+            ("a hash of something else", Box::new(|| write(&hash, sha256(b"other").as_bytes()))),
+            ("a hash with no name", Box::new(|| edit(&hash, &|bytes| bytes.truncate(64)))),
+            ("a hash in capitals", Box::new(|| edit(&hash, &|b| b[..64].make_ascii_uppercase()))),
+            ("a hash that is empty", Box::new(|| write(&hash, b""))),
+            ("a hash that is no text", Box::new(|| write(&hash, &[255; 80]))),
+            ("a hash that is a pipe", Box::new(|| pipe(&hash))),
+            ("no hash", Box::new(|| gone(&hash))),
         ];
-        for damage in damages {
+        let original = |i: usize| (i * i % 251) as u8;
+        let bytes = || Ok((0..5000).map(original).collect());
+        let others = || Ok((0..5000).map(|i| !original(i)).collect());
+        let of = |content: Content| content.read().expect("readable").into_owned();
+        let expected: Vec<u8> = bytes().expect("made");
+        for (name, damage) in &damages {
             cache.content("table", 5000, bytes).expect("made");
-            assert_eq!(of(cache.content("table", 5000, never).expect("whole")), [7; 5000]);
+            cache.content("other", 5000, others).expect("made");
+            let kept = cache.content("table", 5000, || panic!("{name}: before, it is whole"));
+            assert_eq!(of(kept.expect("whole")), expected);
             damage();
-            assert_eq!(of(cache.content("table", 5000, bytes).expect("made anew")), [7; 5000]);
+            let mut is_made = false;
+            let again = cache.content("table", 5000, || {
+                is_made = true;
+                bytes()
+            });
+            assert_eq!(of(again.expect("made anew")), expected, "{name}");
+            assert!(is_made, "{name}: was taken for whole");
+            let stored = cache.content("table", 5000, || panic!("{name}: is not stored again"));
+            assert_eq!(of(stored.expect("whole")), expected, "{name}");
         }
+        assert!(cache.trouble().is_none(), "{:?}", cache.trouble());
+    }
+
+    #[test]
+    fn damaged_numbers_are_made_anew() {
+        let folder = tempfile::tempdir().expect("folder");
+        let cache = Cache::new(Some(folder.path()));
+        let numbers = || Ok(vec![1.5, -2.0]);
         cache.numbers("probes", 2, numbers).expect("made");
         assert_eq!(cache.numbers("probes", 2, || panic!("whole")).expect("whole"), [1.5, -2.0]);
         let file = folder.path().join("probes.bin");
@@ -225,5 +317,25 @@ mod tests {
         damaged[6] ^= 1;
         fs::write(&file, damaged).expect("writes");
         assert_eq!(cache.numbers("probes", 2, numbers).expect("made anew"), [1.5, -2.0]);
+    }
+
+    /// A cache that takes nothing costs time only, and says so.
+    #[test]
+    fn without_a_place_for_files_the_content_is_the_same() {
+        let folder = tempfile::tempdir().expect("folder");
+        let file = folder.path().join("file");
+        fs::write(&file, "not a folder").expect("writes");
+        let within = file.join("cache");
+        for place in [None, Some(within.as_path())] {
+            let cache = Cache::new(place);
+            let content = cache.content("table", 3, || Ok(vec![1, 2, 3])).expect("made");
+            if cfg!(unix) {
+                assert!(matches!(content, Content::Spilled(_)), "{content:?}");
+            }
+            assert_eq!(*content.read().expect("reads"), [1, 2, 3]);
+            assert_eq!(cache.numbers("n", 1, || Ok(vec![0.5])).expect("made"), [0.5]);
+            assert_eq!(cache.trouble().is_some(), place.is_some());
+        }
+        assert_eq!(fs::read(&file).expect("reads"), b"not a folder");
     }
 }
