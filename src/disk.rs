@@ -12,4 +12,4 @@ pub use lock::{Access, FolderLock, resolve};
 pub use mount::{is_mount, remove_tree};
 pub use owner::{owner, touchable};
 pub use spill::{Spill, Spilled};
-pub use whole::{open_regular, read_regular, write_whole};
+pub use whole::{clear, open_regular, read_regular, write_whole};

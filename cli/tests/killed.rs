@@ -206,6 +206,8 @@ fn two_runs_at_once_killed_at_any_moment_leave_a_whole_package() {
         }
         let held = || {
             let mut output = place.output();
+            // what a killed run was building, which no package lists
+            output.retain(|path, _| !path.to_string_lossy().contains("/.diffraction-new"));
             assert_eq!(output.remove(&foreign).is_some(), is_in_place);
             let found = [("old.toml", &place.old), ("new.toml", &place.new)];
             found.into_iter().find(|(_, files)| **files == output).map(|(plan, _)| plan)

@@ -35,6 +35,17 @@ pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// Takes away what is no file and in the place of one of ours: a link, a pipe, an empty folder, a file that is read-only. If
+/// that fails, the file cannot be written.
+pub fn clear(path: &Path) {
+    let Ok(found) = fs::symlink_metadata(path) else { return };
+    if found.is_dir() {
+        let _ = fs::remove_dir(path);
+    } else if !found.is_file() || found.permissions().readonly() {
+        let _ = fs::remove_file(path);
+    }
+}
+
 /// Writes a file completely or not at all: it is written under no name or another one, and takes its name at the end.
 ///
 /// A link is followed and stays. A pipe that is being read, a terminal and `/dev/null` are written to as they are. It is an
@@ -344,11 +355,9 @@ mod tests {
         assert!(made.success());
         assert!(refusal(&pipe).contains("nobody reads"));
         assert!(open_regular(&pipe).is_err(), "and nobody waits for a writer");
-        let reader = std::process::Command::new("cat")
-            .arg(&pipe)
-            .stdout(std::process::Stdio::piped())
-            .spawn()
-            .expect("cat runs");
+        let copy = fs::File::create(place.path().join("copy")).expect("creates");
+        let mut reader =
+            std::process::Command::new("cat").arg(&pipe).stdout(copy).spawn().expect("cat runs");
         let bytes = vec![7; 300_000];
         let mut written = write_whole(&pipe, &bytes);
         for _ in 0..500 {
@@ -360,6 +369,7 @@ mod tests {
             written = write_whole(&pipe, &bytes);
         }
         written.expect("writes");
-        assert_eq!(reader.wait_with_output().expect("ends").stdout, bytes);
+        assert!(reader.wait().expect("ends").success());
+        assert_eq!(fs::read(place.path().join("copy")).expect("reads"), bytes);
     }
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::disk::{read_regular, resolve, write_whole};
+use crate::disk::{clear, read_regular, resolve, write_whole};
 use crate::error::{Error, Result};
 use crate::hash::sha256;
 
@@ -55,6 +55,7 @@ impl Stamp {
         let text = serde_json::to_vec(self).map_err(|e| error().source(e))?;
         let folder = file.parent().map_or(Ok(()), fs::create_dir_all);
         folder.map_err(|e| error().source(e))?;
+        clear(file);
         write_whole(file, &text)
     }
 

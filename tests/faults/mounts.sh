@@ -158,6 +158,7 @@ right "exit code 0" as_user "$program" generate --no-cache --plan two.toml --out
 sed 's/^/      /' said
 right "the message says whose the leftover is" says 'belongs to user root'
 right "the package is the new one" is_clean --plan two.toml --out home/out
+rm -r home/out.tmp-77
 "$program" generate --no-cache --plan one.toml --out home/out 2> said
 echo "   an output of the user, written by root:"; shown home/out 4
 right "root leaves all of it to its owner" [ -z "$(find home/out ! -uid $user)" ]

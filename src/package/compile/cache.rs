@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::time::Duration;
 
-use crate::disk::{Spill, open_regular, read_regular, write_whole};
+use crate::disk::{Spill, clear, open_regular, read_regular, write_whole};
 use crate::error::{Error, Result};
 use crate::hash::{sha256, sha256_of};
 use crate::package::Content;
@@ -119,7 +119,7 @@ impl<'a> Cache<'a> {
         let stored = folder.and_then(|()| {
             let (beside, line) = (hash_file(file), hash_line(file, &sha256(bytes)));
             for (path, bytes) in [(beside.as_path(), line.as_bytes()), (file, bytes)] {
-                free(path);
+                clear(path);
                 write_whole(path, bytes)?;
             }
             Ok(())
@@ -137,17 +137,6 @@ impl<'a> Cache<'a> {
 /// Whether a name is that of a file of the cache before it is complete: of this version or of earlier ones.
 fn is_partial(name: &str) -> bool {
     name.starts_with(".diffraction-tmp-") || name.ends_with(".partial")
-}
-
-/// Takes away what is no file of the cache and in the place of one: a link, a pipe, an empty folder, a file that is
-/// read-only. If that fails, the file is not stored.
-fn free(path: &Path) {
-    let Ok(found) = fs::symlink_metadata(path) else { return };
-    if found.is_dir() {
-        let _ = fs::remove_dir(path);
-    } else if !found.is_file() || found.permissions().readonly() {
-        let _ = fs::remove_file(path);
-    }
 }
 
 /// The hash of a file, if it has that length and still has the content that it was written with.

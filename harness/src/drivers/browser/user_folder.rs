@@ -4,6 +4,7 @@ use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use diffraction_shaders::disk::remove_tree;
 use diffraction_shaders::error::Result;
 use tempfile::TempDir;
 
@@ -29,7 +30,7 @@ impl UserFolder {
     pub(super) fn new() -> Result<UserFolder> {
         abandoned(&std::env::temp_dir()).iter().for_each(|folder| {
             // another process may do the same
-            let _ = fs::remove_dir_all(folder);
+            let _ = remove_tree(folder);
         });
         let made = tempfile::Builder::new().prefix(PREFIX).tempdir().and_then(|folder| {
             let lock = File::create(folder.path().join(LOCK))?;
