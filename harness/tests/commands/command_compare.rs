@@ -127,9 +127,11 @@ fn two_runs_into_one_folder_lose_nothing() {
     both(&["--resume"]);
     let all = records(&folder, "records.jsonl");
     assert_eq!(all.len(), 6, "three of each variant: {all:?}");
-    // without it, the second begins anew, and what the first has written is beside it
+    // without it, the first begins anew, and the second keeps what the first has written
     both(&[]);
     let (new, old) = (records(&folder, "records.jsonl"), records(&folder, "records.old.jsonl"));
-    assert_eq!((new.len(), old.len()), (3, 3));
-    assert_ne!(new[0]["variant"], old[0]["variant"]);
+    assert_eq!((new.len(), old.len()), (6, 6));
+    assert_ne!(new[0]["variant"], new[5]["variant"]);
+    let alone = compare(&folder, &["--route", "twin", "--variant", "full*"]);
+    assert_eq!((code(&alone), records(&folder, "records.jsonl").len()), (0, 3), "as ever");
 }

@@ -1,5 +1,7 @@
 //! The command itself.
 
+use std::cell::Cell;
+
 use anyhow::Result;
 use diffraction_cli::Outcome;
 use diffraction_cli::args::Exposure;
@@ -26,15 +28,24 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     }
     // before anything is written: a named route may be missing
     let (routes, missing) = open(&args.route)?;
-    let mine = |record: &Record| {
-        matches!(record, Record::Compare(_) | Record::Control(_) | Record::Gap(_))
+    let has_waited = Cell::new(false);
+    let waiting = |text: &str| {
+        has_waited.set(true);
+        console.note(text);
     };
-    let waiting = |text: &str| console.note(text);
-    let (log, known) = match args.resume {
+    let mine = |record: &Record| match record {
+        // the results of a run that was there at the same time are wanted, too
+        _ if has_waited.get() => false,
         // missing routes are tried again: they may be there now
-        true => Log::begin(&args.out, &waiting, |record| matches!(record, Record::Gap(_)))?,
-        false => Log::begin(&args.out, &waiting, mine)?,
+        Record::Gap(_) => true,
+        Record::Compare(_) | Record::Control(_) => !args.resume,
+        _ => false,
     };
+    let (log, known) = Log::begin(&args.out, &waiting, mine)?;
+    if has_waited.get() {
+        console
+            .note("the results of the other run stay; what it has compared is not compared again");
+    }
     interrupt::install()?;
     let mut recorder = Recorder::new(&args.out, log, known, args.json, console);
     missing.into_iter().try_for_each(|gap| recorder.record(Record::Gap(gap)))?;
