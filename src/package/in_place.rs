@@ -84,7 +84,7 @@ fn can_move(root: &Path, mark: &Mark) -> Result<()> {
         if !found.is_ok_and(|found| found.is_dir()) {
             return Err(error("is in the way of generated files: it is not a folder").remedy(way));
         }
-        if &folder != root && is_mount(&folder).unwrap_or(true) {
+        if folder != *root && is_mount(&folder).unwrap_or(true) {
             let cause = "is in the way of generated files: something else is mounted there";
             return Err(error(cause).remedy("unmount it, or name another folder with --out"));
         }
