@@ -355,7 +355,7 @@ mod tests {
         assert!(made.success());
         assert!(refusal(&pipe).contains("nobody reads"));
         assert!(open_regular(&pipe).is_err(), "and nobody waits for a writer");
-        let copy = fs::File::create(place.path().join("copy")).expect("creates");
+        let copy = File::create(place.path().join("copy")).expect("creates");
         let mut reader =
             std::process::Command::new("cat").arg(&pipe).stdout(copy).spawn().expect("cat runs");
         let bytes = vec![7; 300_000];
