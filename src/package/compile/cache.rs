@@ -217,7 +217,8 @@ mod tests {
             gone(path);
             symlink(to, path).expect("links");
         };
-        let damages: Vec<(&str, Box<dyn Fn() + '_>)> = vec![
+        type Damage<'a> = Box<dyn Fn() + 'a>;
+        let damages: Vec<(&str, Damage<'_>)> = vec![
             ("a bit flipped", Box::new(|| edit(&table, &|bytes| bytes[4321] ^= 4))),
             ("its first bit flipped", Box::new(|| edit(&table, &|bytes| bytes[0] ^= 128))),
             ("its last bit flipped", Box::new(|| edit(&table, &|bytes| bytes[4999] ^= 1))),
@@ -259,7 +260,7 @@ mod tests {
                 "of a mode that lets nobody read",
                 Box::new(|| {
                     edit(&table, &|bytes| bytes[9] ^= 1);
-                    fs::set_permissions(&table, fs::Permissions::from_mode(0)).expect("sets");
+                    fs::set_permissions(&table, fs::Permissions::from_mode(0o000)).expect("sets");
                 }),
             ),
             ("a hash of something else", Box::new(|| write(&hash, sha256(b"other").as_bytes()))),
