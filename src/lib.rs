@@ -78,6 +78,7 @@
 pub mod error;
 pub mod diagnostic;
 pub mod hash;
+pub mod disk;
 pub mod random;
 pub mod defines;
 pub mod plan;

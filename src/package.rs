@@ -4,20 +4,24 @@
 //! is never changed.
 
 pub mod bindings;
+mod cancel;
 mod check;
+mod content;
 mod equality;
+mod exchange;
 pub mod compile;
 mod folder;
+mod in_place;
+mod leftover;
 pub mod manifest;
 pub mod probe;
 pub mod readme;
+mod stage;
 mod stamp;
 mod write;
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -26,13 +30,14 @@ use crate::encode::json;
 use crate::error::{Error, Result};
 use crate::hash::sha256;
 use crate::plan::{Container, TableFormat};
-use crate::tables::Table;
 use crate::tables::container::Shape;
 
+pub use cancel::Cancel;
 pub use check::{Report, check};
-pub use folder::temporary_folder;
+pub use content::Content;
+pub use leftover::LeftBehind;
 pub use stamp::Stamp;
-pub use write::{Cancel, WriteReport, write, write_unless};
+pub use write::{Output, WriteReport, is_free, write, write_unless};
 
 /// First line of every generated text file, as a comment, and the key `generated_by` of every generated JSON file.
 pub use crate::shader::template::GENERATED as GENERATED_BY;
@@ -78,62 +83,6 @@ pub enum Equality {
     },
 }
 
-/// What a file holds.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Content {
-    /// Freshly generated, in memory.
-    Bytes(Vec<u8>),
-    /// Freshly generated, in a file outside the output folder that stays until the package is written or checked.
-    Stored(PathBuf),
-    /// Taken over unchanged from the output folder (a partial rebuild).
-    Kept(PathBuf),
-}
-
-impl Content {
-    /// All of it.
-    pub fn read(&self) -> Result<Cow<'_, [u8]>> {
-        match self {
-            Content::Bytes(bytes) => Ok(Cow::Borrowed(bytes)),
-            Content::Stored(path) | Content::Kept(path) => {
-                std::fs::read(path).map(Cow::Owned).map_err(|e| unreadable(path, e))
-            }
-        }
-    }
-
-    /// A table with the (rounded) numbers of these bytes. They are read in parts, since as numbers they take more space.
-    fn table(&self, shape: Table) -> Result<Table> {
-        /// A multiple of every texel's size.
-        const PART: u64 = 1 << 20;
-        let (Content::Stored(path) | Content::Kept(path)) = self else {
-            return Ok(shape.with_bytes(&self.read()?));
-        };
-        let mut texels = Vec::with_capacity(shape.texel_count() * shape.format.channels());
-        let mut file = std::fs::File::open(path).map_err(|e| unreadable(path, e))?;
-        loop {
-            let mut part = Vec::with_capacity(PART as usize);
-            (&mut file).take(PART).read_to_end(&mut part).map_err(|e| unreadable(path, e))?;
-            if part.is_empty() {
-                return Ok(Table { texels, ..shape });
-            }
-            texels.extend(shape.format.decode(&part));
-        }
-    }
-
-    /// Its size in bytes.
-    pub fn byte_count(&self) -> Result<u64> {
-        match self {
-            Content::Bytes(bytes) => Ok(bytes.len() as u64),
-            Content::Stored(path) | Content::Kept(path) => {
-                std::fs::metadata(path).map(|found| found.len()).map_err(|e| unreadable(path, e))
-            }
-        }
-    }
-}
-
-fn unreadable(path: &Path, error: std::io::Error) -> Error {
-    Error::new(path.display(), "cannot be read").source(error)
-}
-
 /// One file of a package.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PackageFile {
@@ -147,6 +96,8 @@ pub struct PackageFile {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Package {
     files: BTreeMap<String, PackageFile>,
+    /// The command that it is of, once it is sealed.
+    generated_by: Option<String>,
     notes: Vec<String>,
     gaps: Vec<Gap>,
 }
@@ -165,7 +116,8 @@ pub struct Gap {
 impl Gap {
     /// The gaps that the manifest of a package states.
     fn of_package(folder: &Path) -> Result<Vec<Gap>> {
-        Ok(folder::open(folder)?.map_or_else(Vec::new, |folder| folder.gaps))
+        let found = folder::open(folder, GENERATED_BY)?.map(whole).transpose()?;
+        Ok(found.map_or_else(Vec::new, |folder| folder.gaps))
     }
 }
 
@@ -227,14 +179,15 @@ impl Package {
     pub fn bytes(&self, path: &str) -> Option<&[u8]> {
         match &self.files.get(path)?.content {
             Content::Bytes(bytes) => Some(bytes),
-            Content::Stored(_) | Content::Kept(_) => None,
+            Content::Stored { .. } | Content::Spilled(_) | Content::Kept(_) => None,
         }
     }
 
     /// Takes over from an output folder the files that its manifest lists, that this package lacks and that `keep`
     /// asks for: what a partial rebuild leaves alone. Returns their paths.
     pub fn overlay(&mut self, out: &Path, keep: impl Fn(&str) -> bool) -> Result<Vec<String>> {
-        let Some(old) = folder::open(out)? else { return Ok(Vec::new()) };
+        let Some(old) = folder::open(out, self.generated_by())? else { return Ok(Vec::new()) };
+        let old = whole(old)?;
         let mut kept = Vec::new();
         for (path, listed) in old.listed {
             let file = old.root.join(&path);
@@ -253,8 +206,13 @@ impl Package {
         self.seal_as(GENERATED_BY, index)
     }
 
-    /// Like [`Package::seal`], for a folder of another command, which `generated_by` names.
-    pub fn seal_as(&mut self, generated_by: &str, index: BTreeMap<String, Value>) -> Result<()> {
+    /// Like [`Package::seal`], for a folder of another command, which `generated_by` names. Both this and `schema_version`,
+    /// which is added if it is not given, are the mark by which a later run knows that the folder is ours.
+    pub fn seal_as(
+        &mut self,
+        generated_by: &str,
+        mut index: BTreeMap<String, Value>,
+    ) -> Result<()> {
         #[derive(Serialize)]
         struct Manifest<'a> {
             generated_by: &'a str,
@@ -266,6 +224,8 @@ impl Package {
         if let Some(key) = ["generated_by", "files"].iter().find(|key| index.contains_key(**key)) {
             return Err(error(&format!("key \"{key}\" is taken")));
         }
+        index.entry("schema_version".to_owned()).or_insert_with(|| manifest::SCHEMA_VERSION.into());
+        self.generated_by = Some(generated_by.to_owned());
         let mut files = BTreeMap::new();
         for (path, file) in &self.files {
             files.insert(path.as_str(), listed(file)?);
@@ -276,6 +236,11 @@ impl Package {
             json(MANIFEST, &manifest)?,
             Equality::Json { tolerance: JSON_TOLERANCE },
         )
+    }
+
+    /// The command that it is of: `generate`, unless it is sealed for another.
+    fn generated_by(&self) -> &str {
+        self.generated_by.as_deref().unwrap_or(GENERATED_BY)
     }
 
     /// Removes the files that `keep` does not ask for.
@@ -303,6 +268,18 @@ impl Package {
         }
         self.files.insert(path.to_owned(), file);
         Ok(())
+    }
+}
+
+/// A folder that holds one package, not parts of two.
+fn whole(folder: folder::Folder) -> Result<folder::Folder> {
+    match folder.is_between() {
+        false => Ok(folder),
+        true => Err(Error::new(
+            folder.root.display(),
+            "is a package of which a killed run wrote a part",
+        )
+        .remedy("run generate on it, which completes it")),
     }
 }
 

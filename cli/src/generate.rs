@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::{Context, Result};
+use diffraction_shaders::disk::{Access, FolderLock};
 use diffraction_shaders::error::shell_path;
 use diffraction_shaders::package::compile::{Compiler, Step};
-use diffraction_shaders::package::{self, Package, Report, Stamp};
+use diffraction_shaders::package::{self, GENERATED_BY, Output, Package, Report, Stamp};
 use diffraction_shaders::plan::{Plan, Target, Variant};
 
 use crate::Outcome;
@@ -22,7 +23,8 @@ const EXAMPLE: &str = "Examples:
   cargo xtask generate --check
   cargo xtask generate --plan plan.toml --out generated --variant 'full-*' --target wgsl,spirv
 
-Foreign files in the folder are kept. Exit code 1: --check found differences.";
+Foreign files in the folder are kept. While another run writes to the folder, this one waits for it. What a killed run left, the
+next one completes or removes. Exit code 1: --check found differences.";
 
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = EXAMPLE)]
@@ -49,7 +51,7 @@ pub(crate) struct Args {
     jobs: Option<usize>,
     #[command(flatten)]
     memory: MemoryArgs,
-    /// Do not use the cache of finished tables.
+    /// Do not use the cache of finished tables. They are kept in the folder of temporary files instead (TMPDIR), without a name.
     #[arg(long)]
     no_cache: bool,
 }
@@ -69,8 +71,8 @@ pub(crate) struct Selection {
     pub(crate) targets: Vec<Target>,
     /// Whether the selection is the whole plan. Otherwise the package is laid over the folder's content.
     pub(crate) is_whole: bool,
-    /// Folder of the tables until they are written: the cache, or a folder of this run.
-    pub(crate) cache: PathBuf,
+    /// Folder of the cache, if there is to be one.
+    pub(crate) cache: Option<PathBuf>,
     /// Bytes of memory that may be taken.
     pub(crate) memory: u64,
     /// Hash of this program, if a folder that already has the package may be left unchanged.
@@ -91,15 +93,16 @@ fn build(
     let mut compiler = Compiler::new(plan)
         .variants(&selection.variants)
         .targets(&selection.targets)
-        .cache(&selection.cache)
         .memory_budget(selection.memory);
+    if let Some(cache) = &selection.cache {
+        compiler = compiler.cache(cache);
+    }
     if !selection.is_whole {
         compiler = compiler.rest_from(out);
     }
-    let program = selection.program.as_deref();
-    let expected = match program {
-        Some(program) => Expected::new(&compiler, plan, &selection.cache, out, program)?,
-        None => None,
+    let expected = match (&selection.program, &selection.cache) {
+        (Some(program), Some(cache)) => Expected::new(&compiler, plan, cache, out, program)?,
+        _ => None,
     };
     if let Some(stamp) = expected.as_ref().and_then(|expected| expected.unchanged(out)) {
         stamp.notes.iter().for_each(|note| console.note(note));
@@ -120,6 +123,11 @@ fn build(
             let sum = baked.fetch_add(columns, Ordering::Relaxed) + columns;
             bar.set_message(format!("baking {label}, {} %", 100 * sum / of.max(1)));
         }
+        Step::NotCached(error) => bar.suspend(|| {
+            console.note(&format!(
+                "the cache takes nothing, so the next run will be as slow: {error}"
+            ));
+        }),
     };
     let package = compiler.progress(&show).compile();
     bar.finish_and_clear();
@@ -140,21 +148,21 @@ fn run_with(
     build: impl FnOnce(&Plan, &Selection, &Path) -> Result<Option<Package>> + Send,
 ) -> Result<Outcome> {
     interrupt::full_disk_is_an_error()?;
-    let program = unchanged::program();
-    let spilled = match (&program, args.no_cache) {
-        (Some(_), false) => None,
-        _ => Some(unchanged::spill(caches).context("a folder for tables cannot be created")?),
-    };
-    let cache = match (&spilled, &program) {
-        (None, Some(program)) => unchanged::cache(caches, program),
-        (spilled, _) => spilled.as_ref().map_or_else(PathBuf::new, |s| s.path().to_owned()),
-    };
-    let cancel = interrupt::install(&args.out)?;
+    let cancel = interrupt::install()?;
     let plan = args.plan.read(console)?;
+    let program = unchanged::program();
+    let cache = program.as_deref().filter(|_| !args.no_cache);
+    let cache = cache.map(|program| unchanged::cache(caches, program));
     let mut selection = select(args, &plan, cache)?;
-    if selection.is_whole && spilled.is_none() && !args.check {
+    if selection.is_whole && !args.check {
         selection.program = program;
     }
+    // before anything of the folder is read, so that what is found there stays until the end
+    let waiting = |text: &str| console.note(text);
+    let (reading, output) = match args.check {
+        true => (Some(FolderLock::take(&args.out, Access::Read, &waiting)?), None),
+        false => (None, Some(Output::open(&args.out, GENERATED_BY, &cancel, &waiting)?)),
+    };
     let threads = args.jobs.unwrap_or(0);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -163,21 +171,17 @@ fn run_with(
     let Some(package) = pool.install(|| build(&plan, &selection, &args.out))? else {
         return Ok(Outcome::Done);
     };
-    if args.check {
+    let Some(output) = output else {
         let report = package::check(&package, &args.out)?;
+        drop(reading);
         console.data(&spoken(&stale_text(&report, args)))?;
         return Ok(if report.is_stale() { Outcome::Findings } else { Outcome::Done });
-    }
-    let written = match package::write_unless(&package, &args.out, &cancel) {
+    };
+    let written = match output.write(&package) {
         Err(_) if cancel.is_cancelled() => interrupt::exit(),
         other => other?,
     };
-    if let Some(folder) = &written.left_behind {
-        console.note(&format!(
-            "{} could not be removed entirely; the next run tries again",
-            folder.display()
-        ));
-    }
+    written.left_behind.iter().for_each(|left| console.note(&left.to_string()));
     let mib = written.bytes as f64 / f64::from(1 << 20);
     let (out, files) = (args.out.display(), written.files);
     console.note(&format!("{out}: {files} files, {mib:.1} MiB"));
@@ -188,7 +192,7 @@ fn run_with(
     Ok(Outcome::Done)
 }
 
-fn select(args: &Args, plan: &Plan, cache: PathBuf) -> Result<Selection> {
+fn select(args: &Args, plan: &Plan, cache: Option<PathBuf>) -> Result<Selection> {
     let targets: Vec<Target> =
         args.target.iter().map(|word| Target::parse(word)).collect::<Result<_, _>>()?;
     Ok(Selection {

@@ -5,12 +5,9 @@ mod text;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use diffraction_shaders::encode;
-use diffraction_shaders::input::read_file;
-use diffraction_shaders::package::{
-    self, Equality, JSON_TOLERANCE, MANIFEST, MAX_MANIFEST_BYTES, Package,
-};
+use diffraction_shaders::package::{self, Equality, JSON_TOLERANCE, Output, Package};
 use diffraction_shaders::plan::SurfaceSpec;
 use diffraction_shaders::survey::{Survey, height_picture, spectrum_picture, survey};
 use serde_json::{Value, json};
@@ -18,6 +15,7 @@ use serde_json::{Value, json};
 use crate::Outcome;
 use crate::args::SurfaceArgs;
 use crate::console::Console;
+use crate::interrupt;
 use crate::list;
 
 const EXAMPLE: &str = "Examples:
@@ -47,7 +45,9 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let plan = args.surface.plan.read(console)?;
     let spec = plan.surface(&args.surface.surface)?;
     let out = args.out.clone().unwrap_or_else(|| Path::new("inspect").join(&spec.name));
-    check_ours(&out)?;
+    // before the work; the folder may belong to somebody else, or to another command
+    let waiting = |text: &str| console.note(text);
+    package::is_free(&out, GENERATED_BY, &waiting)?;
     let (found, field) = survey(&plan, spec)?;
     found.notes.iter().for_each(|note| console.note(&format!("surface {}: {note}", spec.name)));
     let files = FILES.map(|file| out.join(file));
@@ -60,7 +60,13 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let compare = Equality::Json { tolerance: JSON_TOLERANCE };
     folder.insert(facts, format!("{object:#}\n"), compare)?;
     folder.seal_as(GENERATED_BY, BTreeMap::from([("surface".to_owned(), json!(spec.name))]))?;
-    package::write(&folder, &out)?;
+    let cancel = interrupt::install()?;
+    let output = Output::open(&out, GENERATED_BY, &cancel, &waiting)?;
+    let report = match output.write(&folder) {
+        Err(_) if cancel.is_cancelled() => interrupt::exit(),
+        other => other?,
+    };
+    report.left_behind.iter().for_each(|left| console.note(&left.to_string()));
 
     let written: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
     let text = if args.json {
@@ -72,21 +78,6 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     };
     console.data(&text)?;
     Ok(Outcome::Done)
-}
-
-/// Refuses a folder that another command wrote. The writer refuses folders that no command wrote.
-fn check_ours(out: &Path) -> Result<()> {
-    let manifest = read_file(&out.join(MANIFEST), MAX_MANIFEST_BYTES).ok();
-    let manifest = manifest.and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok());
-    match manifest.as_ref().and_then(|manifest| manifest["generated_by"].as_str()) {
-        Some(other) if other != GENERATED_BY => {
-            bail!(
-                "output {}: was written by another command (choose another folder with --out)",
-                out.display()
-            )
-        }
-        _ => Ok(()),
-    }
 }
 
 fn object(spec: &SurfaceSpec, found: &Survey) -> Result<Value> {

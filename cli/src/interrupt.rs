@@ -9,7 +9,7 @@ use std::sync::{Arc, LazyLock, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 use anyhow::{Context, Result};
-use diffraction_shaders::package::{Cancel, temporary_folder};
+use diffraction_shaders::package::Cancel;
 use tempfile::TempDir;
 
 /// Exit code of an interrupted command, as shells have it.
@@ -17,6 +17,9 @@ const INTERRUPTED: i32 = 130;
 
 /// How long a command that asked for [`flag`] may take to end in order.
 const GRACE: Duration = Duration::from_millis(350);
+
+/// How long a write may take to notice that it is cancelled and to remove what it made.
+const SETTLE: Duration = Duration::from_secs(10);
 
 type Action = Box<dyn FnOnce() + Send>;
 
@@ -111,22 +114,16 @@ impl TemporaryFolder {
     }
 }
 
-/// On an interrupt or a termination: cancels the write, and removes the temporary folder beside `out`.
-pub fn install(out: &Path) -> Result<Cancel> {
+/// On an interrupt or a termination: cancels, and waits until the write under way has removed what it made.
+pub fn install() -> Result<Cancel> {
     if let Some(cancel) = CANCEL.get() {
         return Ok(cancel.clone());
     }
     let cancel = CANCEL.get_or_init(Cancel::new);
-    let (stopped, temporary) = (cancel.clone(), temporary_folder(out)?);
+    let stopped = cancel.clone();
     let action = before_exit(move || {
         stopped.cancel();
-        // the writer may be in the middle of a file, and begin another before it sees the flag
-        for _ in 0..50 {
-            if !temporary.exists() || fs::remove_dir_all(&temporary).is_ok() {
-                break;
-            }
-            std::thread::sleep(Duration::from_millis(10));
-        }
+        stopped.settle(SETTLE);
     });
     // to the end of the process
     std::mem::forget(action);

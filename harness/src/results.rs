@@ -8,6 +8,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{Seek, SeekFrom, Write};
 use std::path::Path;
 
+use diffraction_shaders::disk::{Access, FolderLock, owner, write_whole};
 use diffraction_shaders::encode;
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::input::read_file;
@@ -256,52 +257,79 @@ pub struct Testbench {
 /// Maximum size of a file of records: a million results.
 const MAX_BYTES: u64 = 1 << 30;
 
-/// A file of records, open for appending.
+/// A file of records, open for appending. No other run writes to its folder meanwhile.
 #[derive(Debug)]
 pub struct Log {
     file: File,
     path: String,
+    _lock: FolderLock,
 }
 
 impl Log {
     /// Begins a run with results of some kinds, selected by `mine`. Earlier results of these kinds are removed from the file; the
     /// whole old file is kept as [`OLD`] beside it. Returns the log and the remaining results.
-    pub fn begin(folder: &Path, mine: impl Fn(&Record) -> bool) -> Result<(Log, Vec<Record>)> {
-        Log::without(folder, mine, true)
+    ///
+    /// While another run writes to the folder, calls `waiting` once with a line to show, and waits.
+    pub fn begin(
+        folder: &Path,
+        waiting: &dyn Fn(&str),
+        mine: impl Fn(&Record) -> bool,
+    ) -> Result<(Log, Vec<Record>)> {
+        Log::without(folder, waiting, mine, true)
     }
 
-    /// Goes on with a run that was cut short, without the results that it has to measure again. Keeps no copy of the file.
-    pub fn go_on(folder: &Path, again: impl Fn(&Record) -> bool) -> Result<(Log, Vec<Record>)> {
-        Log::without(folder, again, false)
+    /// Goes on with a run that was cut short, without the results that it has to measure again. Keeps no copy of the file. Waits
+    /// like [`Log::begin`].
+    pub fn go_on(
+        folder: &Path,
+        waiting: &dyn Fn(&str),
+        again: impl Fn(&Record) -> bool,
+    ) -> Result<(Log, Vec<Record>)> {
+        Log::without(folder, waiting, again, false)
     }
 
     fn without(
         folder: &Path,
+        waiting: &dyn Fn(&str),
         mine: impl Fn(&Record) -> bool,
         copy: bool,
     ) -> Result<(Log, Vec<Record>)> {
+        let lock = FolderLock::take(folder, Access::Write, waiting)?;
         let path = folder.join(FILE);
-        let fail = |e: std::io::Error| Error::new(path.display(), e);
-        std::fs::create_dir_all(folder).map_err(fail)?;
-        let mut records = if path.exists() { read(&path)? } else { Vec::new() };
+        let mut records = match std::fs::symlink_metadata(&path) {
+            Ok(_) => read(&path)?,
+            Err(_) => Vec::new(),
+        };
         if records.iter().any(&mine) {
             if copy {
-                std::fs::copy(&path, folder.join(OLD)).map_err(fail)?;
+                let old = read_file(&path, MAX_BYTES).map_err(|e| Error::new(path.display(), e))?;
+                write_whole(&folder.join(OLD), &old)?;
             }
             records.retain(|record| !mine(record));
-            let partial = folder.join(format!("{FILE}.tmp-{}", std::process::id()));
             let text: String = records.iter().map(line).collect::<Result<_>>()?;
-            std::fs::write(&partial, text).map_err(fail)?;
-            std::fs::rename(&partial, &path).map_err(fail)?;
+            write_whole(&path, text.as_bytes())?;
         }
-        Ok((Log::open(&path)?, records))
+        Ok((Log::locked(&path, lock)?, records))
     }
 
-    /// Opens or creates the file. An incomplete last line is removed.
-    pub fn open(path: &Path) -> Result<Log> {
+    /// Opens or creates the file of a folder. An incomplete last line is removed. Waits like [`Log::begin`].
+    pub fn open(folder: &Path, waiting: &dyn Fn(&str)) -> Result<Log> {
+        let lock = FolderLock::take(folder, Access::Write, waiting)?;
+        Log::locked(&folder.join(FILE), lock)
+    }
+
+    fn locked(path: &Path, lock: FolderLock) -> Result<Log> {
         let shown = path.display().to_string();
-        let fail = |e: std::io::Error| Error::new(&shown, e);
-        // first, since a pipe or a device has no end
+        let fail = |e: std::io::Error| {
+            let whose = owner(path).map(|owner| format!("; it belongs to user {owner}"));
+            let remedy = format!("check its permissions{}", whose.unwrap_or_default());
+            Error::new(&shown, "cannot be written").source(e).remedy(remedy)
+        };
+        // a pipe without a reader would never open
+        if std::fs::metadata(path).is_ok_and(|found| !found.is_file()) {
+            let error = Error::new(&shown, "is not a regular file");
+            return Err(error.remedy("name another folder with --out"));
+        }
         let bytes = match path.exists() {
             true => read_file(path, MAX_BYTES).map_err(fail)?,
             false => Vec::new(),
@@ -313,7 +341,7 @@ impl Log {
             file.set_len(whole as u64).map_err(fail)?;
             file.seek(SeekFrom::End(0)).map_err(fail)?;
         }
-        Ok(Log { file, path: shown })
+        Ok(Log { file, path: shown, _lock: lock })
     }
 
     /// Appends one line and passes it to the system at once.
@@ -361,23 +389,28 @@ mod tests {
     fn a_line_cut_short_is_dropped_and_the_rest_stays() {
         let folder = tempfile::tempdir().expect("folder");
         let path = folder.path().join(FILE);
-        Log::open(&path).and_then(|mut log| log.append(&gap("one"))).expect("writes");
+        Log::open(folder.path(), &|_| ())
+            .and_then(|mut log| log.append(&gap("one")))
+            .expect("writes");
         let cut = &line(&gap("two")).expect("finite")[..20];
         let mut file = OpenOptions::new().append(true).open(&path).expect("opens");
         file.write_all(cut.as_bytes()).expect("writes");
         assert_eq!(read(&path).expect("reads"), [gap("one")]);
-        Log::open(&path).and_then(|mut log| log.append(&gap("three"))).expect("writes");
+        Log::open(folder.path(), &|_| ())
+            .and_then(|mut log| log.append(&gap("three")))
+            .expect("writes");
         assert_eq!(read(&path).expect("reads"), [gap("one"), gap("three")]);
     }
 
     #[test]
     fn a_new_run_replaces_its_own_kind_and_keeps_the_old_file() {
         let folder = tempfile::tempdir().expect("folder");
-        let (mut log, none) = Log::begin(folder.path(), |_| true).expect("begins");
+        let (mut log, none) = Log::begin(folder.path(), &|_| (), |_| true).expect("begins");
         assert_eq!(none, []);
         log.append(&gap("mine")).and_then(|()| log.append(&gap("other"))).expect("writes");
+        drop(log);
         let mine = |record: &Record| matches!(record, Record::Gap(gap) if gap.reason == "mine");
-        let (_, left) = Log::begin(folder.path(), mine).expect("begins");
+        let (_, left) = Log::begin(folder.path(), &|_| (), mine).expect("begins");
         assert_eq!(left, [gap("other")]);
         assert_eq!(read(&folder.path().join(FILE)).expect("reads"), left);
         let old = read(&folder.path().join(OLD)).expect("reads");

@@ -1,11 +1,14 @@
 //! Comparison of a package with a folder, without writing.
 
-use std::fs::{self, File};
-use std::io::{self, BufRead, BufReader};
+use std::io;
 use std::path::Path;
 
+use crate::disk::{Access, FolderLock, open_regular, read_regular};
 use crate::error::{Error, Result};
 
+use crate::hash::sha256_of;
+
+use super::folder::Kind;
 use super::{Content, MANIFEST, Package, equality, folder};
 
 /// How a folder differs from a package. Paths are relative, sorted.
@@ -31,8 +34,10 @@ impl Report {
 }
 
 /// Compares a package with a folder. In an absent folder every file is missing; a folder that is not a package is an error.
+/// Waits while another process writes there, so that it sees one package. This process must not hold the folder itself.
 pub fn check(package: &Package, out: &Path) -> Result<Report> {
-    let Some(old) = folder::open(out)? else {
+    let _lock = FolderLock::take(out, Access::Read, &|_| ())?;
+    let Some(old) = folder::open(out, package.generated_by())? else {
         let missing = package.files().keys().cloned().collect();
         return Ok(Report { missing, ..Report::default() });
     };
@@ -52,9 +57,9 @@ pub fn check(package: &Package, out: &Path) -> Result<Report> {
         let is_same = match &file.content {
             Content::Kept(_) => true,
             // the bytes are nearly always the same, and this comparison does not load the whole file
-            Content::Stored(path) if same_bytes(path, &on_disk).map_err(unreadable)? => true,
+            content if has_bytes(content.known_sha256(), &on_disk).map_err(unreadable)? => true,
             content => {
-                let disk = fs::read(&on_disk).map_err(unreadable)?;
+                let disk = read_regular(&on_disk).map_err(unreadable)?;
                 let fresh = content.read()?;
                 let is_same = equality::same(file.compare, &fresh, &disk);
                 has_other_ends = !is_same && without_returns(&disk) == *fresh;
@@ -73,10 +78,11 @@ pub fn check(package: &Package, out: &Path) -> Result<Report> {
     };
     report.orphan = old.listed.keys().filter(gone).cloned().collect();
     // Foreign files at a path that the package needs were reported above.
-    let foreign = old.foreign()?.into_iter().filter_map(|path| {
+    let foreign = old.inventory()?.foreign.into_iter().filter_map(|foreign| {
+        let path = foreign.path;
         let shown = folder::slashed(&path).unwrap_or_else(|| path.display().to_string());
-        let is_folder = old.root.join(&path).symlink_metadata().is_ok_and(|found| found.is_dir());
-        (!is_folder && !package.files().contains_key(&shown)).then_some(shown)
+        let is_shown = foreign.kind != Kind::EmptyFolder && !package.files().contains_key(&shown);
+        is_shown.then_some(shown)
     });
     report.foreign = foreign.collect();
     Ok(report)
@@ -88,23 +94,8 @@ fn without_returns(bytes: &[u8]) -> Vec<u8> {
     bytes.iter().enumerate().filter(is_kept).map(|(_, byte)| *byte).collect()
 }
 
-/// Whether two files hold the same bytes.
-fn same_bytes(a: &Path, b: &Path) -> io::Result<bool> {
-    let (a, b) = (File::open(a)?, File::open(b)?);
-    if a.metadata()?.len() != b.metadata()?.len() {
-        return Ok(false);
-    }
-    let [mut a, mut b] = [a, b].map(|file| BufReader::with_capacity(1 << 16, file));
-    loop {
-        let (x, y) = (a.fill_buf()?, b.fill_buf()?);
-        let count = x.len().min(y.len());
-        if x[..count] != y[..count] || x.is_empty() != y.is_empty() {
-            return Ok(false);
-        }
-        if count == 0 {
-            return Ok(true);
-        }
-        a.consume(count);
-        b.consume(count);
-    }
+/// Whether a file has the hash that is known of its content.
+fn has_bytes(sha256: Option<&str>, file: &Path) -> io::Result<bool> {
+    let Some(sha256) = sha256 else { return Ok(false) };
+    Ok(sha256_of(open_regular(file)?)? == sha256)
 }

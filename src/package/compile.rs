@@ -91,7 +91,8 @@ impl<'a> Compiler<'a> {
     }
 
     /// Keeps finished tables in this folder and takes them from there. Their names are hashes of what they are made from, and
-    /// their content is verified.
+    /// their content is verified. Where the folder cannot be written to, and without a cache, large tables are in a file without
+    /// a name, in the folder of temporary files, as long as the package is.
     #[must_use]
     pub fn cache(self, folder: &'a Path) -> Compiler<'a> {
         Compiler { cache: Some(folder), ..self }
@@ -134,6 +135,9 @@ impl<'a> Compiler<'a> {
     pub fn compile(&self) -> Result<Package, Diagnostics> {
         self.with_work(|work| {
             let mut package = generate(work, self.progress)?;
+            if let Some(error) = work.cache.trouble() {
+                (self.progress)(Step::NotCached(error));
+            }
             let mut listed = work.variants.to_vec();
             let mut gaps = package.gaps.clone();
             if let Some(folder) = self.rest {
@@ -171,13 +175,14 @@ impl<'a> Compiler<'a> {
             true => Err(Error::new("compilation", "was cancelled")),
             false => Ok(()),
         };
+        let cache = Cache::new(self.cache);
         run(&Work {
             surfaces: self.surfaces()?,
             variants: self.variants.unwrap_or(&self.plan.variants),
             targets: &targets,
             containers: &self.plan.containers,
             sources: &self.templates,
-            cache: self.cache,
+            cache: &cache,
             keep: &keep,
             memory: self.memory,
             go_on: &go_on,
@@ -215,7 +220,7 @@ fn generate(
     progress: &(dyn Fn(Step<'_>) + Sync),
 ) -> Result<Package, Vec<Diagnostic>> {
     let surfaces = load(work)?;
-    Cache(work.cache).sweep();
+    work.cache.sweep();
     let mut gaps: Vec<Gap> = Vec::new();
     let mut pairs = Vec::new();
     for surface in &surfaces {

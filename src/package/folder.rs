@@ -1,19 +1,25 @@
 //! An output folder: whether it is a package, which files its manifest lists, which files are foreign.
 
-use std::collections::BTreeMap;
-use std::ffi::OsString;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use crate::disk::{is_mount, owner, resolve};
 use crate::error::{Error, Result};
 use crate::input::read_file;
 
-use super::{Gap, Listed, MANIFEST, MAX_MANIFEST_BYTES, is_plain};
+use super::leftover::{self, Mark};
+use super::manifest::SCHEMA_VERSION;
+use super::{GENERATED_BY, Gap, Listed, MANIFEST, MAX_MANIFEST_BYTES, is_plain};
+
+/// Begins the names of folders in which a package is built inside of the output.
+pub(super) const STAGE: &str = ".diffraction-new";
 
 /// An output folder that exists.
+#[derive(Debug, Default)]
 pub(super) struct Folder {
     /// Path without symbolic links.
     pub(super) root: PathBuf,
@@ -23,15 +29,42 @@ pub(super) struct Folder {
     pub(super) gaps: Vec<Gap>,
     /// Whether it has a package's manifest.
     pub(super) has_manifest: bool,
+    /// Files of both packages, where a run was killed while one took the place of the other.
+    pub(super) between: BTreeSet<String>,
 }
 
-/// The folder next to `out` in which this process builds: `OUT.tmp-PID`.
-pub fn temporary_folder(out: &Path) -> Result<PathBuf> {
-    sibling(&resolve(out)?, &format!(".tmp-{}", std::process::id()))
+/// Something in an output folder that is not part of the package.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Foreign {
+    /// Relative to the root.
+    pub(super) path: PathBuf,
+    pub(super) kind: Kind,
 }
 
-/// Opens an output folder. Returns `None` if it is absent. It is an error if the folder is not empty and not a package.
-pub(super) fn open(out: &Path) -> Result<Option<Folder>> {
+/// What it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Kind {
+    /// A file, a link, a pipe.
+    File,
+    EmptyFolder,
+    /// A folder that this user may not read.
+    ClosedFolder,
+    /// Something is mounted there. What it holds is not looked at.
+    Mount,
+}
+
+/// All that is foreign.
+#[derive(Debug, Default)]
+pub(super) struct Inventory {
+    /// Sorted.
+    pub(super) foreign: Vec<Foreign>,
+    /// Whether there are folders that hold no file of the package.
+    pub(super) has_folders: bool,
+}
+
+/// Opens an output folder. Returns `None` if it is absent. It is an error if the folder is not empty and not a package of the
+/// command that `generated_by` names.
+pub(super) fn open(out: &Path, generated_by: &str) -> Result<Option<Folder>> {
     let root = resolve(out)?;
     let error = |cause: &str| Error::new(format!("output {}", out.display()), cause);
     match fs::metadata(&root) {
@@ -43,110 +76,156 @@ pub(super) fn open(out: &Path) -> Result<Option<Folder>> {
         Ok(_) => {}
     }
     let unreadable = |e| error("cannot be read").source(e).remedy("check its permissions");
+    let stages = leftover::find(&root, STAGE, false);
+    if let Some(mark) = stages.iter().filter_map(|stage| Mark::read(stage)).find(|m| m.moving) {
+        let between = mark.new.into_iter().chain(mark.old).chain([MANIFEST.to_owned()]).collect();
+        return Ok(Some(Folder { root, between, ..Folder::default() }));
+    }
+    let is_stage = |entry: &fs::DirEntry| stages.contains(&entry.path());
     let mut entries = fs::read_dir(&root).map_err(unreadable)?;
-    if entries.next().is_none() {
-        return Ok(Some(Folder {
-            root,
-            listed: BTreeMap::new(),
-            gaps: Vec::new(),
-            has_manifest: false,
-        }));
+    if entries.all(|entry| entry.is_ok_and(|entry| is_stage(&entry))) {
+        return Ok(Some(Folder { root, ..Folder::default() }));
     }
-    let manifest = read_file(&root.join(MANIFEST), MAX_MANIFEST_BYTES).ok();
-    let manifest = manifest.and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok());
-    let manifest = manifest.filter(|value| value.get("generated_by").is_some_and(Value::is_string));
-    let Some(manifest) = manifest else {
+    let manifest =
+        manifest(&root, generated_by).map_err(|(cause, remedy)| error(&cause).remedy(remedy))?;
+    let gaps = manifest.value.get("gaps").cloned();
+    let gaps = gaps.and_then(|gaps| serde_json::from_value(gaps).ok()).unwrap_or_default();
+    let (listed, has_manifest) = (manifest.listed, true);
+    Ok(Some(Folder { root, listed, gaps, has_manifest, between: BTreeSet::new() }))
+}
+
+struct Manifest {
+    value: Value,
+    listed: BTreeMap<String, Listed>,
+}
+
+/// The manifest of a package that a command wrote; or why it is none, and what to do.
+///
+/// Many programs write a `manifest.json`. It counts as ours if it names the command word for word, a version of the
+/// schema that this program knows, and files in the form that this program gives them.
+fn manifest(root: &Path, generated_by: &str) -> Result<Manifest, (String, String)> {
+    let other = || "name another folder with --out, or empty this one yourself".to_owned();
+    let none = || {
         let cause =
-            format!("is neither empty nor a package: it has files, but no {MANIFEST} of a package");
-        return Err(
-            error(&cause).remedy("name another folder with --out, or empty this one yourself")
-        );
+            "is neither empty nor a package: it has files, but no manifest.json of a package";
+        (cause.to_owned(), other())
     };
-    let gaps = manifest.get("gaps").cloned().and_then(|gaps| serde_json::from_value(gaps).ok());
-    let files = manifest.get("files").and_then(Value::as_object);
-    let mut listed = BTreeMap::new();
-    for (path, value) in files.into_iter().flatten().filter(|(path, _)| is_plain(path)) {
-        if let Ok(file) = serde_json::from_value(value.clone()) {
-            listed.insert(path.clone(), file);
-        }
+    let bytes = read_file(&root.join(MANIFEST), MAX_MANIFEST_BYTES).map_err(|_| none())?;
+    let value: Value = serde_json::from_slice(&bytes).map_err(|_| none())?;
+    let by = value.get("generated_by").and_then(Value::as_str).ok_or_else(none)?;
+    if by != generated_by {
+        let is_ours =
+            by.starts_with("@generated by `cargo xtask ") && by.ends_with("`; do not edit");
+        let cause = "was written by another command".to_owned();
+        return Err(if is_ours {
+            (cause, "choose another folder with --out".to_owned())
+        } else {
+            none()
+        });
     }
-    Ok(Some(Folder { root, listed, gaps: gaps.unwrap_or_default(), has_manifest: true }))
+    match value.get("schema_version") {
+        // folders of surveys had none at first
+        None if by != GENERATED_BY => {}
+        Some(version) if version.as_u64().is_some_and(|v| v > u64::from(SCHEMA_VERSION)) => {
+            let cause = "was written by a newer version of this program".to_owned();
+            return Err((cause, "use that version, or name another folder with --out".to_owned()));
+        }
+        Some(version) if version.as_u64().is_some_and(|v| v > 0) => {}
+        _ => return Err(none()),
+    }
+    let files = value.get("files").and_then(Value::as_object).ok_or_else(none)?;
+    let mut listed = BTreeMap::new();
+    for (path, about) in files {
+        if !is_plain(path) {
+            let cause = format!(
+                "has a {MANIFEST} that lists {path:?}, which is no file of this folder; so this program did not write it"
+            );
+            return Err((cause, other()));
+        }
+        let about = serde_json::from_value(about.clone()).map_err(|_| none())?;
+        listed.insert(path.clone(), about);
+    }
+    Ok(Manifest { value, listed })
 }
 
 impl Folder {
-    /// Files, links and empty folders that the manifest does not list: paths relative to the root, sorted.
-    pub(super) fn foreign(&self) -> Result<Vec<PathBuf>> {
-        let mut found = Vec::new();
-        self.walk(Path::new(""), &mut found).map_err(|e| {
+    /// Whether a run was killed while one package took the place of another.
+    pub(super) fn is_between(&self) -> bool {
+        !self.between.is_empty()
+    }
+
+    /// Foreign files, links, mounts and empty folders.
+    pub(super) fn inventory(&self) -> Result<Inventory> {
+        let all = self.listed.keys().chain(&self.between);
+        let own: BTreeSet<PathBuf> =
+            all.flat_map(|path| Path::new(path).ancestors().skip(1).map(Path::to_owned)).collect();
+        let stages = leftover::find(&self.root, STAGE, false);
+        let mut found = Inventory::default();
+        self.walk(Path::new(""), &own, &stages, &mut found).map_err(|e| {
             Error::new(self.root.display(), "cannot be listed")
                 .source(e)
                 .remedy("check its permissions")
         })?;
-        found.sort();
+        found.foreign.sort();
         Ok(found)
     }
 
     /// Whether a path relative to the root is part of the package.
     fn owns(&self, path: &Path) -> bool {
         let Some(path) = slashed(path) else { return false };
-        (path == MANIFEST && self.has_manifest) || self.listed.contains_key(&path)
+        (path == MANIFEST && self.has_manifest)
+            || self.listed.contains_key(&path)
+            || self.between.contains(&path)
     }
 
-    fn walk(&self, relative: &Path, found: &mut Vec<PathBuf>) -> io::Result<()> {
+    fn walk(
+        &self,
+        relative: &Path,
+        own: &BTreeSet<PathBuf>,
+        stages: &[PathBuf],
+        found: &mut Inventory,
+    ) -> io::Result<()> {
         let mut is_empty = true;
-        for entry in fs::read_dir(self.root.join(relative))? {
+        let entries = match fs::read_dir(self.root.join(relative)) {
+            Err(e) if e.kind() == io::ErrorKind::PermissionDenied && !own.contains(relative) => {
+                let (path, kind) = (relative.to_owned(), Kind::ClosedFolder);
+                found.foreign.push(Foreign { path, kind });
+                return Ok(());
+            }
+            entries => entries?,
+        };
+        for entry in entries {
             let entry = entry?;
+            if stages.contains(&entry.path()) {
+                continue;
+            }
             is_empty = false;
             let path = relative.join(entry.file_name());
-            if entry.file_type()?.is_dir() {
-                self.walk(&path, found)?;
+            let is_folder = entry.file_type()?.is_dir();
+            found.has_folders |= is_folder && !own.contains(&path);
+            // what cannot be looked at is left alone
+            if is_mount(&entry.path()).unwrap_or(true) {
+                found.foreign.push(Foreign { path, kind: Kind::Mount });
+            } else if is_folder {
+                self.walk(&path, own, stages, found)?;
             } else if !self.owns(&path) {
-                found.push(path);
+                found.foreign.push(Foreign { path, kind: Kind::File });
             }
         }
         if is_empty && relative != Path::new("") {
-            found.push(relative.to_owned());
+            found.foreign.push(Foreign { path: relative.to_owned(), kind: Kind::EmptyFolder });
         }
         Ok(())
     }
+}
+
+/// Words about the owner of a folder, to end a remedy.
+pub(super) fn whose(path: &Path) -> String {
+    owner(path).map(|owner| format!("; it belongs to user {owner}")).unwrap_or_default()
 }
 
 /// A relative path with `/`; `None` if it is not valid Unicode.
 pub(super) fn slashed(path: &Path) -> Option<String> {
     let parts: Option<Vec<&str>> = path.iter().map(|part| part.to_str()).collect();
     Some(parts?.join("/"))
-}
-
-/// The path of `out` without symbolic links, whether the folder exists or not.
-pub(super) fn resolve(out: &Path) -> Result<PathBuf> {
-    let error = |cause: &str| Error::new(format!("output {}", out.display()), cause);
-    if let Ok(root) = fs::canonicalize(out) {
-        return Ok(root);
-    }
-    if fs::symlink_metadata(out).is_ok() {
-        let cause = "is a symbolic link to a folder that does not exist";
-        return Err(error(cause).remedy("remove the link, or name another folder with --out"));
-    }
-    let Some(name) = out.file_name() else {
-        return Err(error("is not the path of a folder").remedy("name a folder with --out"));
-    };
-    let parent = match out.parent() {
-        Some(parent) if parent != Path::new("") => parent,
-        _ => Path::new("."),
-    };
-    let parent = fs::canonicalize(parent).unwrap_or_else(|_| parent.to_owned());
-    Ok(parent.join(name))
-}
-
-/// `ROOT` with a suffix added to its name.
-pub(super) fn sibling(root: &Path, suffix: &str) -> Result<PathBuf> {
-    let Some(name) = root.file_name() else {
-        let error =
-            Error::new(format!("output {}", root.display()), "is the root of the file system")
-                .remedy("name a folder below it with --out");
-        return Err(error);
-    };
-    let mut name = OsString::from(name);
-    name.push(suffix);
-    Ok(root.with_file_name(name))
 }

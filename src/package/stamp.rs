@@ -7,11 +7,12 @@ use std::path::Path;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::disk::{clear, read_regular, resolve, write_whole};
 use crate::error::{Error, Result};
 use crate::hash::sha256;
 use crate::input::read_file;
 
-use super::{MAX_MANIFEST_BYTES, Package, folder, write};
+use super::{MAX_MANIFEST_BYTES, Package, write};
 
 /// Hashes of everything that a package was made from, and of the bytes of every file in it. It is kept outside the
 /// package, on the machine that made it, because numbers may differ in their last digits between processors.
@@ -54,15 +55,17 @@ impl Stamp {
         };
         let text = serde_json::to_vec(self).map_err(|e| error().source(e))?;
         let folder = file.parent().map_or(Ok(()), fs::create_dir_all);
-        folder.and_then(|()| fs::write(file, text)).map_err(|e| error().source(e))
+        folder.map_err(|e| error().source(e))?;
+        clear(file);
+        write_whole(file, &text)
     }
 
     /// Whether a folder has every file exactly as written, and no leftovers of aborted runs. Foreign files do not
     /// count. Time: one hash of every file, on all cores.
     pub fn holds(&self, out: &Path) -> bool {
-        let Ok(root) = folder::resolve(out) else { return false };
+        let Ok(root) = resolve(out) else { return false };
         let is_same = |(path, expected): (&String, &String)| {
-            read_file(&root.join(path), u64::MAX - 1).is_ok_and(|bytes| sha256(&bytes) == *expected)
+            read_regular(&root.join(path)).is_ok_and(|bytes| sha256(&bytes) == *expected)
         };
         write::is_tidy(&root)
             && !self.files.is_empty()

@@ -8,5 +8,6 @@ mod support;
 mod bindings;
 mod compiler;
 mod determinism;
+mod outputs;
 mod package;
 mod schemas;

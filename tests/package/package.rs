@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
+use diffraction_shaders::hash::sha256;
 use diffraction_shaders::package::{
     self, Cancel, Content, Equality, JSON_TOLERANCE, Package, Report, Stamp,
 };
 use diffraction_shaders::plan::TableFormat;
 
-fn package(files: &[(&str, &str)]) -> Package {
+pub fn package(files: &[(&str, &str)]) -> Package {
     let mut package = Package::new();
     for (path, text) in files {
         let compare = if path.ends_with(".json") {
@@ -25,12 +26,12 @@ fn package(files: &[(&str, &str)]) -> Package {
     package
 }
 
-fn text(path: PathBuf) -> String {
+pub fn text(path: PathBuf) -> String {
     fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
 /// Everything beside the output that should not be there.
-fn leftovers(out: &Path) -> Vec<String> {
+pub fn leftovers(out: &Path) -> Vec<String> {
     let name = |entry: fs::DirEntry| entry.file_name().to_string_lossy().into_owned();
     let entries = fs::read_dir(out.parent().unwrap()).unwrap().map(|entry| name(entry.unwrap()));
     entries.filter(|name| name.starts_with("out.")).collect()
@@ -44,7 +45,7 @@ fn what_is_written_checks_clean_and_stale_files_go() {
     assert_eq!(package::check(&first, &out).unwrap().missing.len(), 4);
     assert!(!out.parent().unwrap().exists(), "a check writes nothing");
     let report = package::write(&first, &out).unwrap();
-    assert_eq!((report.files, report.carried.len(), report.left_behind), (4, 0, None));
+    assert_eq!((report.files, report.carried.len(), report.left_behind), (4, 0, vec![]));
     assert_eq!(package::check(&first, &out).unwrap(), Report::default());
 
     let second =
@@ -136,7 +137,7 @@ fn a_partial_rebuild_keeps_the_rest() {
     let mut part = Package::new();
     part.insert("a/x", "2", Equality::Bytes).unwrap();
     assert_eq!(part.overlay(&out, |path| !path.starts_with("b/")).unwrap(), ["c/x.json"]);
-    part.seal(BTreeMap::new()).unwrap();
+    part.seal(BTreeMap::from([("other".to_owned(), 1.into())])).unwrap();
     package::write(&part, &out).unwrap();
     assert_eq!((text(out.join("a/x")), text(out.join("c/x.json"))), ("2".into(), "[1.0]".into()));
     assert!(!out.join("b/x").exists());
@@ -157,22 +158,6 @@ fn paths_that_leave_the_folder_or_clash_are_refused() {
         assert!(package.insert(path, "x", Equality::Bytes).is_err(), "{path:?}");
     }
     assert!(package.seal(BTreeMap::from([("files".to_owned(), 1.into())])).is_err());
-}
-
-#[test]
-fn temporary_folders_of_the_dead_go_and_those_of_others_stay() {
-    let base = tempfile::tempdir().unwrap();
-    let out = base.path().join("out");
-    for name in ["out.tmp-1", "out.tmp-999999", "out.tmp-mine", "other.tmp-7"] {
-        fs::create_dir(base.path().join(name)).unwrap();
-        fs::write(base.path().join(name).join("half"), "half").unwrap();
-    }
-    fs::write(base.path().join("out.tmp-5"), "a file, not a folder").unwrap();
-    package::write(&package(&[("x", "x")]), &out).unwrap();
-    let mut left = leftovers(&out);
-    left.sort();
-    assert_eq!(left, ["out.tmp-5", "out.tmp-mine"]);
-    assert!(base.path().join("other.tmp-7/half").exists());
 }
 
 #[test]
@@ -286,7 +271,8 @@ fn stored_files_are_written_and_checked_like_those_in_memory() {
     fs::write(&stored, &bytes).unwrap();
     let compare = Equality::Table { format: TableFormat::F32, tolerance: 1e-6, layer: 0 };
     let mut fresh = Package::new();
-    fresh.insert_content("table.bin", Content::Stored(stored.clone()), compare).unwrap();
+    let content = Content::Stored { file: stored.clone(), sha256: sha256(&bytes) };
+    fresh.insert_content("table.bin", content, compare).unwrap();
     fresh.seal(BTreeMap::new()).unwrap();
     assert_eq!(fresh.bytes("table.bin"), None);
     package::write(&fresh, &out).unwrap();
@@ -301,6 +287,12 @@ fn stored_files_are_written_and_checked_like_those_in_memory() {
     assert_eq!(fs::read(&stored).unwrap(), bytes, "an edit of the output reaches nothing else");
     fs::write(out.join("table.bin"), &bytes[4..]).unwrap();
     assert!(package::check(&fresh, &out).unwrap().is_stale());
+    // one that changes before it is copied is not what was hashed
+    fs::write(&stored, &bytes[4..]).unwrap();
+    let error = package::write(&fresh, &out).unwrap_err().to_string();
+    assert!(error.contains("changed while it was used"), "{error}");
+    assert!(fs::read(out.join("table.bin")).unwrap() == bytes[4..], "the output stays");
+    assert!(leftovers(&out).is_empty());
 }
 
 #[test]
@@ -330,5 +322,7 @@ fn a_stamp_holds_until_any_file_is_edited_or_gone() {
         assert!(stamp.holds(&out));
     }
     fs::create_dir(base.path().join("out.tmp-4711")).unwrap();
+    assert!(stamp.holds(&out), "a folder of somebody else");
+    fs::create_dir(base.path().join("out.tmp-4711.diffraction")).unwrap();
     assert!(!stamp.holds(&out), "there is something to tidy up");
 }

@@ -10,5 +10,6 @@ mod inspect;
 mod lights;
 mod list;
 mod memory;
+mod outputs;
 mod program;
 mod surfaces;

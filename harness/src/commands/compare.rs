@@ -22,7 +22,7 @@ const EXAMPLE: &str = "Examples:
 A route is a way from a variant to its colours: twin (the variant's algorithm in 64 bits, always there), vulkan, gl, spirv,
 hlsl (these four on every adapter, or with KIND:SUBSTRING on one), glsl450, glsl-es300, webgpu, webgl2. Slow routes
 (SwiftShader, webgpu, webgl2) take only the variants of --subset. A negative control is a shader made wrong
-on purpose, which the comparison must catch.
+on purpose, which the comparison must catch. A run that waits for another one on the same folder keeps the results of that one.
 
 Exit code 1: something is outside its tolerance, a negative control was not caught, or a route failed.";
 

@@ -14,6 +14,7 @@ use diffraction_cli::Outcome;
 use diffraction_cli::console::Console;
 use diffraction_cli::files::write_whole;
 use diffraction_cli::interrupt::TemporaryFolder;
+use diffraction_shaders::disk::{Access, FolderLock};
 use diffraction_shaders::error::Error;
 use diffraction_shaders::{Plan, input};
 
@@ -69,6 +70,9 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         return Ok(Outcome::Done);
     }
     let python = python::find()?;
+    let waiting = |text: &str| console.note(text);
+    let take = |folder: &PathBuf| FolderLock::take(folder, Access::Write, &waiting);
+    let _lock = args.out.as_ref().map(take).transpose()?;
     let mut taken = BTreeMap::new();
     let (mut blocks, mut failed) = (Vec::new(), 0);
     for file in &args.files {

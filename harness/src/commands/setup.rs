@@ -6,6 +6,7 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, Result, bail};
 use diffraction_cli::console::Console;
 use diffraction_cli::interrupt::TemporaryFolder;
+use diffraction_shaders::disk::{Access, FolderLock};
 
 use crate::process::{on_path, to_its_end, tools_folder};
 
@@ -41,6 +42,9 @@ impl Item {
             bail!("--setup needs Python 3.11 or later; apt-get install python3-venv");
         };
         let folder = self.folder();
+        // a second command waits, and then finds it installed
+        let waiting = |text: &str| console.note(text);
+        let _lock = FolderLock::take(&folder, Access::Write, &waiting)?;
         let place = TemporaryFolder::new().context("a temporary folder cannot be created")?;
         let list = place.path().join("list.txt");
         std::fs::write(&list, self.list).context("the list of packages cannot be written")?;

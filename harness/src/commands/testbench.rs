@@ -41,7 +41,7 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     surface.notes.iter().for_each(|note| console.note(note));
     let protocol = protocol(args, spec, &surface)?;
     let crops = crops(args, spec, &surface)?;
-    let mut log = log(args)?;
+    let mut log = log(args, console)?;
     let bar = progress::bar(tasks.len() * crops.len(), "measuring");
     let mut results = Vec::new();
     for task in &tasks {
@@ -101,11 +101,12 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
 }
 
 /// Opens the file of records under `--out`.
-fn log(args: &Args) -> Result<Option<Log>> {
+fn log(args: &Args, console: &Console) -> Result<Option<Log>> {
     let Some(folder) = &args.out else { return Ok(None) };
+    let log = Log::open(folder, &|text| console.note(text))?;
     let pictures = folder.join(PICTURES);
     fs::create_dir_all(&pictures).with_context(|| pictures.display().to_string())?;
-    Ok(Some(Log::open(&folder.join(results::FILE))?))
+    Ok(Some(log))
 }
 
 /// Appends a result at once, so that an interrupt loses no results.

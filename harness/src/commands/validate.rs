@@ -10,6 +10,7 @@ use anyhow::{Result, bail};
 
 use diffraction_cli::Outcome;
 use diffraction_cli::console::Console;
+use diffraction_shaders::disk::{Access, FolderLock};
 
 const EXAMPLE: &str = "Examples:
   cargo xtask validate
@@ -53,6 +54,8 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         super::setup::DXC.install(console)?;
     }
     let tools = tools(Duration::from_secs_f64(args.time_limit));
+    let waiting = |text: &str| console.note(text);
+    let _lock = FolderLock::take(&args.folder, Access::Read, &waiting)?;
     let report = validate(&args.folder, &tools, &args.require)?;
     console.data(&table(&report))?;
     if report.tools.iter().all(|tool| tool.files + tool.skipped == 0) {

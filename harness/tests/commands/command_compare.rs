@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -105,4 +105,33 @@ fn what_cannot_be_compared_is_exit_2_and_says_why() {
         assert!(message(&output).contains(wanted), "{arguments:?}: {}", message(&output));
     }
     assert!(!Path::new(&folder.path().join("out/records.jsonl")).exists());
+}
+
+/// The second waits for the first, with a word, and then goes on from what is there.
+#[test]
+fn two_runs_into_one_folder_lose_nothing() {
+    let folder = folder(PLAN);
+    let both = |more: &[&str]| {
+        let children = ["full*", "adaptive*"].map(|variant| {
+            let mut command = Command::new(env!("CARGO_BIN_EXE_diffraction-harness"));
+            command.current_dir(folder.path()).args(["compare", "--route", "twin", "--size", "16"]);
+            command.args(["--out", "out", "--variant", variant]).args(more);
+            command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+        });
+        let outputs = children.map(|child| child.wait_with_output().unwrap());
+        outputs.iter().for_each(|output| assert_eq!(code(output), 0, "{}", message(output)));
+        let waits =
+            |output: &&Output| message(output).contains("is in use by another run; waiting");
+        assert_eq!(outputs.iter().filter(waits).count(), 1, "{outputs:?}");
+    };
+    both(&["--resume"]);
+    let all = records(&folder, "records.jsonl");
+    assert_eq!(all.len(), 6, "three of each variant: {all:?}");
+    // without it, the first begins anew, and the second keeps what the first has written
+    both(&[]);
+    let (new, old) = (records(&folder, "records.jsonl"), records(&folder, "records.old.jsonl"));
+    assert_eq!((new.len(), old.len()), (6, 6));
+    assert_ne!(new[0]["variant"], new[5]["variant"]);
+    let alone = compare(&folder, &["--route", "twin", "--variant", "full*"]);
+    assert_eq!((code(&alone), records(&folder, "records.jsonl").len()), (0, 3), "as ever");
 }

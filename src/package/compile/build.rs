@@ -21,7 +21,6 @@ use crate::variant::{
     probe_error,
 };
 
-use super::cache::Cache;
 use super::identity;
 use super::work::{Loaded, Work};
 
@@ -167,7 +166,7 @@ impl Built<'_> {
         };
         let make = || spec.bytes_with(self.surface.field, &done);
         let content = if spec.is_expensive() {
-            Cache(work.cache).content(id, table.byte_count(), make)?
+            work.cache.content(id, table.byte_count(), make)?
         } else {
             Content::Bytes(make()?)
         };
@@ -204,7 +203,7 @@ impl Built<'_> {
         last: &mut Last,
     ) -> Result<(Vec<ExactProbe>, Vec<[f64; 3]>), Error> {
         let Built { surface, variant, form, .. } = self;
-        let (function, cache) = (&DIRECTIONAL, Cache(work.cache));
+        let (function, cache) = (&DIRECTIONAL, work.cache);
         let (optics, rotate_deg) = (&variant.optics, surface.rotate_deg());
         let id = identity::exact_id(function, surface.input.identity(), optics);
         let mut known = surface.exact.lock().unwrap_or_else(PoisonError::into_inner);

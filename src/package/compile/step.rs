@@ -1,5 +1,7 @@
 //! Progress of a long run.
 
+use crate::error::Error;
+
 /// Progress that [`super::Compiler::compile`] reports.
 #[derive(Clone, Copy, Debug)]
 pub enum Step<'a> {
@@ -14,4 +16,6 @@ pub enum Step<'a> {
         /// Number of all columns.
         of: usize,
     },
+    /// The cache could not take something, and why. The package is complete all the same. Reported once, at the end.
+    NotCached(&'a Error),
 }

@@ -1,7 +1,6 @@
 //! What a package is made of: surfaces, variants on them, and the gaps.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::sync::Mutex;
 
 use crate::diagnostic::Diagnostic;
@@ -31,8 +30,8 @@ pub(super) struct Work<'a> {
     pub(super) containers: &'a [Container],
     /// Templates.
     pub(super) sources: &'a Sources,
-    /// Folder for finished tables, content-addressed; `None`: compute all.
-    pub(super) cache: Option<&'a Path>,
+    /// Finished tables.
+    pub(super) cache: &'a Cache<'a>,
     /// Which files are left as they are in the output folder: by path and target.
     pub(super) keep: &'a (dyn Fn(&str, Target) -> bool + Sync),
     /// Bytes of memory that may be taken.
@@ -155,7 +154,7 @@ fn energies(
         (work.go_on)()?;
         let id = identity::energy_id(input.identity(), optics);
         if !energies.contains_key(&id) {
-            let numbers = Cache(work.cache).numbers(&id, 12, || {
+            let numbers = work.cache.numbers(&id, 12, || {
                 let orders = OrderSum::new(field, input.spec().rotate_deg, optics)?;
                 Ok(orders.white_sky().concat())
             })?;

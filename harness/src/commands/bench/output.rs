@@ -49,11 +49,7 @@ impl<'a> Output<'a> {
     /// Opens the files to write and reads the results to compare with, before anything is measured.
     pub(super) fn open(args: &'a Args, console: &'a Console) -> Result<Output<'a>> {
         let log = match &args.out {
-            Some(folder) => {
-                std::fs::create_dir_all(folder)
-                    .with_context(|| format!("--out {}: cannot be created", folder.display()))?;
-                Some(Log::open(&folder.join(results::FILE))?)
-            }
+            Some(folder) => Some(Log::open(folder, &|text| console.note(text))?),
             None => None,
         };
         let before = match &args.compare_to {

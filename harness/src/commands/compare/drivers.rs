@@ -1,5 +1,7 @@
 //! The command itself.
 
+use std::cell::Cell;
+
 use anyhow::Result;
 use diffraction_cli::Outcome;
 use diffraction_cli::args::Exposure;
@@ -28,8 +30,10 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     }
     // before anything is written: a named route may be missing
     let (routes, missing) = open(&args.route)?;
-    let mine = |record: &Record| {
-        matches!(record, Record::Compare(_) | Record::Control(_) | Record::Gap(_))
+    let has_waited = Cell::new(false);
+    let waiting = |text: &str| {
+        has_waited.set(true);
+        console.note(text);
     };
     let crashes = &watched::child::history().crashes;
     let cut_short = |record: &Record| match record {
@@ -42,13 +46,23 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         }),
         _ => false,
     };
-    let (log, known) = match args.resume {
-        _ if !crashes.is_empty() => Log::go_on(&args.out, cut_short)?,
+    let mine = |record: &Record| match record {
+        // the results of a run that was there at the same time are wanted, too
+        _ if has_waited.get() => false,
         // missing routes are tried again: they may be there now
-        true => Log::begin(&args.out, |record| matches!(record, Record::Gap(_)))?,
-        false => Log::begin(&args.out, mine)?,
+        Record::Gap(_) => true,
+        Record::Compare(_) | Record::Control(_) => !args.resume,
+        _ => false,
     };
-    interrupt::install(&args.out)?;
+    let (log, known) = match crashes.is_empty() {
+        true => Log::begin(&args.out, &waiting, mine)?,
+        false => Log::go_on(&args.out, &waiting, cut_short)?,
+    };
+    if has_waited.get() {
+        console
+            .note("the results of the other run stay; what it has compared is not compared again");
+    }
+    interrupt::install()?;
     let mut recorder = Recorder::new(&args.out, log, known, args.json, console);
     for crash in crashes {
         let Place { route, surface, variant, .. } = crash.place.clone();

@@ -75,7 +75,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let results = results(&run, args, &gpu, &plan, &spec, &surface.field, console)?;
     let records = settle(&run, &results);
     if let Some(folder) = &args.out {
-        keep(folder, &records)?;
+        keep(folder, &records, console)?;
     }
     let shown = match args.json {
         true => {
@@ -205,7 +205,7 @@ fn affordable(
 }
 
 /// Writes the records in place of those of an earlier run of the same search, and draws the front.
-fn keep(folder: &Path, records: &[Tune]) -> Result<()> {
+fn keep(folder: &Path, records: &[Tune], console: &Console) -> Result<()> {
     let Some(first) = records.first() else { return Ok(()) };
     let same = |record: &Record| match record {
         Record::Tune(tune) => {
@@ -218,7 +218,7 @@ fn keep(folder: &Path, records: &[Tune]) -> Result<()> {
         }
         _ => false,
     };
-    let (mut log, _) = Log::begin(folder, same)?;
+    let (mut log, _) = Log::begin(folder, &|text| console.note(text), same)?;
     records.iter().try_for_each(|record| log.append(&Record::Tune(record.clone())))?;
     if let Some(picture) = front_picture(records) {
         let name = format!("tune-{}-{}-de{}.svg", first.surface, first.backend, first.budget_de);
