@@ -56,9 +56,8 @@ fn records_baselines_and_meshes_are_regular_files() {
             format!("compare --route twin --size 8 --resume --out {out}"),
             format!("bench --out {out} --compare-to before --seconds 0"),
             format!("testbench --surface a --variant exact --out {out}"),
-            format!("scene --surface a --mesh {name}.gltf"),
-            format!("scene --surface a --mesh {name}.obj"),
-            format!("import {name}"),
+            format!("scene --surface a --out p.png --mesh {name}.gltf"),
+            format!("scene --surface a --out p.png --mesh {name}.obj"),
         ] {
             let (code, text) = said(folder, &line);
             assert_eq!(code, Some(2), "{line}: {text}");

@@ -13,6 +13,7 @@ mod command_testbench;
 mod command_tune;
 mod command_validate;
 mod crashes;
+mod endless;
 mod interrupted;
 mod program;
 
