@@ -220,7 +220,7 @@ impl Order<'_> {
             ((x0 - lambda_um * length) / rho0).clamp(-1.0, 1.0).asin().clamp(-FRAC_PI_2, FRAC_PI_2)
         };
         let [first, last] = [angle(range_um[1]), angle(range_um[0])];
-        if !(last > first) {
+        if last <= first {
             return DVec3::ZERO;
         }
         let margin = |psi: f64| emitter.margin(direction(psi));

@@ -1,6 +1,7 @@
 //! What a package is made of: surfaces, variants on them, and the gaps.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::sync::Mutex;
 
 use crate::diagnostic::Diagnostic;
@@ -153,14 +154,13 @@ fn energies(
     for (Variant { optics, .. }, _) in variants {
         (work.go_on)()?;
         let id = identity::energy_id(input.identity(), optics);
-        if !energies.contains_key(&id) {
-            let numbers = work.cache.numbers(&id, 12, || {
-                let orders = OrderSum::new(field, input.spec().rotate_deg, optics)?;
-                Ok(orders.white_sky().concat())
-            })?;
-            let colour = |view: usize| std::array::from_fn(|c| numbers[3 * view + c]);
-            energies.insert(id, Energy { white_sky: std::array::from_fn(colour) });
-        }
+        let Entry::Vacant(place) = energies.entry(id) else { continue };
+        let numbers = work.cache.numbers(place.key(), 12, || {
+            let orders = OrderSum::new(field, input.spec().rotate_deg, optics)?;
+            Ok(orders.white_sky().concat())
+        })?;
+        let colour = |view: usize| std::array::from_fn(|c| numbers[3 * view + c]);
+        place.insert(Energy { white_sky: std::array::from_fn(colour) });
     }
     Ok(energies)
 }
