@@ -30,7 +30,6 @@ const float PATCH_WIDTH_UM = 2.5;
 const float REFRACTIVE_INDEX = 1.5;
 const int WAVELENGTH_COUNT = 81;
 const float WAVELENGTH_MIN_UM = 0.38;
-const int WHOLE_LAYERS = 8;
 const int WINDOW_RADIUS = 1;
 
 uniform highp sampler2D _group_0_binding_2_fs;
@@ -101,57 +100,31 @@ vec2 window_sharpness(float lambda_um_1) {
 
 vec2 bin_amplitude(ivec2 bin, float tau) {
     vec4 sum = vec4(0.0);
-    int layer = 4;
+    int layer = 9;
     ivec2 texel_1 = (bin + ivec2(15, 3));
     float tau_squared = (tau * tau);
-    if (false) {
-        vec4 _e16 = texelFetch(_group_0_binding_1_fs, ivec3(texel_1, 10), 0);
-        sum = _e16;
-    }
-    if (true) {
-        vec4 _e18 = sum;
-        vec4 _e22 = texelFetch(_group_0_binding_1_fs, ivec3(texel_1, 9), 0);
-        sum = ((_e18 * tau_squared) + _e22);
-    }
-    if (true) {
-        vec4 _e26 = sum;
-        vec4 _e30 = texelFetch(_group_0_binding_1_fs, ivec3(texel_1, WHOLE_LAYERS), 0);
-        sum = ((_e26 * tau_squared) + _e30);
-    }
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            int _e70 = layer;
-            layer = (_e70 - 4);
+            int _e22 = layer;
+            layer = (_e22 - 1);
         }
         loop_init = false;
-        int _e33 = layer;
-        if ((_e33 >= 0)) {
+        int _e12 = layer;
+        if ((_e12 >= 0)) {
         } else {
             break;
         }
         {
-            vec4 _e36 = sum;
-            int _e37 = layer;
-            vec4 _e42 = texelFetch(_group_0_binding_1_fs, ivec3(texel_1, (_e37 + 3)), 0);
-            sum = ((_e36 * tau_squared) + _e42);
-            vec4 _e45 = sum;
-            int _e46 = layer;
-            vec4 _e51 = texelFetch(_group_0_binding_1_fs, ivec3(texel_1, (_e46 + 2)), 0);
-            sum = ((_e45 * tau_squared) + _e51);
-            vec4 _e54 = sum;
-            int _e55 = layer;
-            vec4 _e60 = texelFetch(_group_0_binding_1_fs, ivec3(texel_1, (_e55 + 1)), 0);
-            sum = ((_e54 * tau_squared) + _e60);
-            vec4 _e63 = sum;
-            int _e64 = layer;
-            vec4 _e67 = texelFetch(_group_0_binding_1_fs, ivec3(texel_1, _e64), 0);
-            sum = ((_e63 * tau_squared) + _e67);
+            vec4 _e15 = sum;
+            int _e16 = layer;
+            vec4 _e19 = texelFetch(_group_0_binding_1_fs, ivec3(texel_1, _e16), 0);
+            sum = ((_e15 * tau_squared) + _e19);
         }
     }
-    vec4 _e73 = sum;
-    vec4 _e74 = sum;
-    return (_e73.xy + (tau * _e74.zw));
+    vec4 _e25 = sum;
+    vec4 _e26 = sum;
+    return (_e25.xy + (tau * _e26.zw));
 }
 
 float window(vec2 offset, vec2 sharpness) {

@@ -24,7 +24,6 @@ const float PATCH_WIDTH_UM = 2.5;
 const float REFRACTIVE_INDEX = 1.5;
 const int WAVELENGTH_COUNT = 81;
 const float WAVELENGTH_MIN_UM = 0.38;
-const int WHOLE_LAYERS = 8;
 const int WINDOW_RADIUS = 1;
 
 layout(location = 0) smooth out vec2 _vs2fs_location0;

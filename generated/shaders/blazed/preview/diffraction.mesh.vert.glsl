@@ -34,7 +34,6 @@ const float PATCH_WIDTH_UM = 2.5;
 const float REFRACTIVE_INDEX = 1.5;
 const int WAVELENGTH_COUNT = 41;
 const float WAVELENGTH_MIN_UM = 0.38;
-const int WHOLE_LAYERS = 4;
 const int WINDOW_RADIUS = 1;
 
 layout(std140, binding = 8) uniform MeshParams_block_0Vertex { MeshParams _group_0_binding_8_vs; };

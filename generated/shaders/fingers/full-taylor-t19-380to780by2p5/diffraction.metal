@@ -49,7 +49,6 @@ constant float PATCH_WIDTH_UM = 12.1;
 constant float REFRACTIVE_INDEX = 1.5;
 constant int WAVELENGTH_COUNT = 161;
 constant float WAVELENGTH_MIN_UM = 0.38;
-constant int WHOLE_LAYERS = 8;
 constant int WINDOW_RADIUS = 1;
 
 float fresnel_ratio(
@@ -126,57 +125,31 @@ metal::float2 bin_amplitude(
     metal::texture2d_array<float, metal::access::sample> terms
 ) {
     metal::float4 sum = metal::float4(0.0);
-    int layer = 4;
+    int layer = 9;
     metal::int2 texel_1 = as_type<metal::int2>(as_type<metal::uint2>(bin) + as_type<metal::uint2>(metal::int2(66, 66)));
     float tau_squared = tau * tau;
-    if (false) {
-        metal::float4 _e16 = terms.read(metal::uint2(texel_1), 10, 0);
-        sum = _e16;
-    }
-    if (true) {
-        metal::float4 _e18 = sum;
-        metal::float4 _e22 = terms.read(metal::uint2(texel_1), 9, 0);
-        sum = (_e18 * tau_squared) + _e22;
-    }
-    if (true) {
-        metal::float4 _e26 = sum;
-        metal::float4 _e30 = terms.read(metal::uint2(texel_1), WHOLE_LAYERS, 0);
-        sum = (_e26 * tau_squared) + _e30;
-    }
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            int _e70 = layer;
-            layer = as_type<int>(as_type<uint>(_e70) - as_type<uint>(4));
+            int _e22 = layer;
+            layer = as_type<int>(as_type<uint>(_e22) - as_type<uint>(1));
         }
         loop_init = false;
-        int _e33 = layer;
-        if (_e33 >= 0) {
+        int _e12 = layer;
+        if (_e12 >= 0) {
         } else {
             break;
         }
         {
-            metal::float4 _e36 = sum;
-            int _e37 = layer;
-            metal::float4 _e42 = terms.read(metal::uint2(texel_1), as_type<int>(as_type<uint>(_e37) + as_type<uint>(3)), 0);
-            sum = (_e36 * tau_squared) + _e42;
-            metal::float4 _e45 = sum;
-            int _e46 = layer;
-            metal::float4 _e51 = terms.read(metal::uint2(texel_1), as_type<int>(as_type<uint>(_e46) + as_type<uint>(2)), 0);
-            sum = (_e45 * tau_squared) + _e51;
-            metal::float4 _e54 = sum;
-            int _e55 = layer;
-            metal::float4 _e60 = terms.read(metal::uint2(texel_1), as_type<int>(as_type<uint>(_e55) + as_type<uint>(1)), 0);
-            sum = (_e54 * tau_squared) + _e60;
-            metal::float4 _e63 = sum;
-            int _e64 = layer;
-            metal::float4 _e67 = terms.read(metal::uint2(texel_1), _e64, 0);
-            sum = (_e63 * tau_squared) + _e67;
+            metal::float4 _e15 = sum;
+            int _e16 = layer;
+            metal::float4 _e19 = terms.read(metal::uint2(texel_1), _e16, 0);
+            sum = (_e15 * tau_squared) + _e19;
         }
     }
-    metal::float4 _e73 = sum;
-    metal::float4 _e74 = sum;
-    return _e73.xy + (tau * _e74.zw);
+    metal::float4 _e25 = sum;
+    metal::float4 _e26 = sum;
+    return _e25.xy + (tau * _e26.zw);
 }
 
 float window(

@@ -19,7 +19,6 @@ static const float PATCH_WIDTH_UM = 12.1;
 static const float REFRACTIVE_INDEX = 1.5;
 static const int WAVELENGTH_COUNT = int(81);
 static const float WAVELENGTH_MIN_UM = 0.38;
-static const int WHOLE_LAYERS = int(8);
 static const int WINDOW_RADIUS = int(1);
 
 Texture2D<float4> spectrum;
@@ -88,58 +87,32 @@ float2 window_sharpness(float lambda_um_1)
 float2 bin_amplitude(int2 bin, float tau)
 {
     float4 sum = (0.0).xxxx;
-    int layer = int(4);
+    int layer = int(9);
 
     int2 texel = asint(asuint(bin) + asuint(int2(int(66), int(66))));
     float tau_squared = (tau * tau);
-    if (false) {
-        float4 _e16 = terms.Load(int4(texel, int(10), int(0)));
-        sum = _e16;
-    }
-    if (true) {
-        float4 _e18 = sum;
-        float4 _e22 = terms.Load(int4(texel, int(9), int(0)));
-        sum = ((_e18 * tau_squared) + _e22);
-    }
-    if (true) {
-        float4 _e26 = sum;
-        float4 _e30 = terms.Load(int4(texel, WHOLE_LAYERS, int(0)));
-        sum = ((_e26 * tau_squared) + _e30);
-    }
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            int _e70 = layer;
-            layer = asint(asuint(_e70) - asuint(int(4)));
+            int _e22 = layer;
+            layer = asint(asuint(_e22) - asuint(int(1)));
         }
         loop_init = false;
-        int _e33 = layer;
-        if ((_e33 >= int(0))) {
+        int _e12 = layer;
+        if ((_e12 >= int(0))) {
         } else {
             break;
         }
         {
-            float4 _e36 = sum;
-            int _e37 = layer;
-            float4 _e42 = terms.Load(int4(texel, asint(asuint(_e37) + asuint(int(3))), int(0)));
-            sum = ((_e36 * tau_squared) + _e42);
-            float4 _e45 = sum;
-            int _e46 = layer;
-            float4 _e51 = terms.Load(int4(texel, asint(asuint(_e46) + asuint(int(2))), int(0)));
-            sum = ((_e45 * tau_squared) + _e51);
-            float4 _e54 = sum;
-            int _e55 = layer;
-            float4 _e60 = terms.Load(int4(texel, asint(asuint(_e55) + asuint(int(1))), int(0)));
-            sum = ((_e54 * tau_squared) + _e60);
-            float4 _e63 = sum;
-            int _e64 = layer;
-            float4 _e67 = terms.Load(int4(texel, _e64, int(0)));
-            sum = ((_e63 * tau_squared) + _e67);
+            float4 _e15 = sum;
+            int _e16 = layer;
+            float4 _e19 = terms.Load(int4(texel, _e16, int(0)));
+            sum = ((_e15 * tau_squared) + _e19);
         }
     }
-    float4 _e73 = sum;
-    float4 _e74 = sum;
-    return (_e73.xy + (tau * _e74.zw));
+    float4 _e25 = sum;
+    float4 _e26 = sum;
+    return (_e25.xy + (tau * _e26.zw));
 }
 
 float window(float2 offset, float2 sharpness)

@@ -27,7 +27,6 @@ const float PATCH_WIDTH_UM = 12.1;
 const float REFRACTIVE_INDEX = 1.5;
 const int WAVELENGTH_COUNT = 41;
 const float WAVELENGTH_MIN_UM = 0.38;
-const int WHOLE_LAYERS = 4;
 const int WINDOW_RADIUS = 1;
 
 smooth out vec2 _vs2fs_location0;

@@ -17,7 +17,6 @@ const PATCH_WIDTH_UM: f32 = 12.0; // width of the patch that tiles the plane, al
 const REFRACTIVE_INDEX: f32 = 1.5; // refractive index of the material, relative to air
 const WAVELENGTH_COUNT: i32 = 161; // number of wavelengths in the sum
 const WAVELENGTH_MIN_UM: f32 = 0.38; // shortest wavelength, µm
-const WHOLE_LAYERS: i32 = 8; // number of layers in whole groups of four
 const WINDOW_RADIUS: i32 = 1; // number of bins to each side of the nearest one
 
 // The gain, the factor in front of the interference term (Stam 1999, eqs. 7 and 11), with Schlick's reflectance and the
@@ -93,22 +92,10 @@ fn series_argument(w: f32, lambda_um: f32) -> f32 {
 // The complex amplitude of a bin: the sum of τ^n times term n, by Horner's rule.
 fn bin_amplitude(bin: vec2i, tau: f32) -> vec2f {
     let texel = bin + vec2i(CENTRE_COLUMN, CENTRE_ROW);
-    // even and odd powers side by side; four layers in a step, since some drivers limit the steps of all loops
+    // even and odd powers side by side
     let tau_squared = tau * tau;
     var sum = vec4f(0.0);
-    if (WHOLE_LAYERS + 2 < LAYER_COUNT) {
-        sum = textureLoad(terms, texel, WHOLE_LAYERS + 2, 0);
-    }
-    if (WHOLE_LAYERS + 1 < LAYER_COUNT) {
-        sum = sum * tau_squared + textureLoad(terms, texel, WHOLE_LAYERS + 1, 0);
-    }
-    if (WHOLE_LAYERS < LAYER_COUNT) {
-        sum = sum * tau_squared + textureLoad(terms, texel, WHOLE_LAYERS, 0);
-    }
-    for (var layer = WHOLE_LAYERS - 4; layer >= 0; layer -= 4) {
-        sum = sum * tau_squared + textureLoad(terms, texel, layer + 3, 0);
-        sum = sum * tau_squared + textureLoad(terms, texel, layer + 2, 0);
-        sum = sum * tau_squared + textureLoad(terms, texel, layer + 1, 0);
+    for (var layer = LAYER_COUNT - 1; layer >= 0; layer--) {
         sum = sum * tau_squared + textureLoad(terms, texel, layer, 0);
     }
     return sum.xy + tau * sum.zw;
