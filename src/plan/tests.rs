@@ -57,6 +57,7 @@ fn others(key: &str) -> &'static [&'static str] {
         "bake_error" => &["2"],
         "bake_mib" => &["0.3"],
         "coherence_um" => &["4"],
+        "source_diameter_deg" => &["5"],
         "refractive_index" => &["1.7"],
         "illuminant" => &["\"A\""],
         "hoist" | "shadowing" | "accept_error" => &["true", "false"],

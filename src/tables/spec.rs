@@ -43,7 +43,7 @@ pub enum TableSpec {
     Rotation(RotationSpec),
 }
 
-/// See [`terms_table`].
+/// See [`terms_table`](super::terms_table).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TermsSpec {
     /// Identity of the heights.

@@ -132,8 +132,9 @@ fn what_has_no_meaning_is_refused() {
 #[test]
 fn a_map_under_lights_is_drawn() {
     let place = Place::new();
+    place.put("bulb.toml", &SUN.replace("0.53", "10"));
     let done =
-        place.run("render --surface cd --lights sun.toml --size 64 --exposure 1 --out a.png");
+        place.run("render --surface cd --lights bulb.toml --size 64 --exposure 1 --out a.png");
     assert_eq!(done.status.code(), Some(0), "{}", said(&done));
     let picture = image::open(place.0.path().join("a.png")).unwrap().to_rgb8();
     let lit = picture.pixels().filter(|p| p.0.iter().any(|c| *c > 40)).count();

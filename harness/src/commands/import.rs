@@ -108,9 +108,8 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
 /// The file that a file becomes.
 fn place(args: &Args, file: &Path) -> Result<PathBuf> {
     if !file.is_file() {
-        bail!(
-            Error::new(file.display(), "is not a regular file").remedy("give the path of a file")
-        );
+        let cause = if file.exists() { "is not a regular file" } else { "does not exist" };
+        bail!(Error::new(file.display(), cause).remedy("give the path of a file"));
     }
     let mut name = stem(file);
     if let Some(channel) = &args.channel {

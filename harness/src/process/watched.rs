@@ -4,7 +4,7 @@
 //! which goes on without the route that crashed. Both talk over the child's standard input, a pair of sockets:
 //!
 //! * the parent's first line is a [`History`]: what crashed, and what earlier children kept;
-//! * each line of the child is a [`Told`];
+//! * each line of the child is a `Told`;
 //! * the end of the stream tells the child that its parent is gone or was interrupted.
 
 use std::fmt;

@@ -84,7 +84,7 @@ fn a_wrong_shader_does_not_pass() {
     let faults = [
         ("full", "window(place - bin, sharpness)", "0.9 * window(place - bin, sharpness)"),
         ("gain", "turn.x * path.x + turn.y * path.y", "turn.x * path.x - turn.y * path.y"),
-        ("bins", "LAYER_COUNT - 1; layer", "LAYER_COUNT - 2; layer"),
+        ("bins", "sum.xy + tau * sum.zw", "sum.xy - tau * sum.zw"),
     ];
     for (template, right, wrong) in faults {
         let mut prepared = sound.clone();

@@ -62,7 +62,7 @@ fn wrong_texts_fail_their_probes_or_are_not_compiled() {
             "terms [[texture(7)]]",
             "texture(7) in the text, 1 in the manifest",
         ),
-        ("int layer = 0;", "int layer = 4;", "reads outside of a texture"),
+        ("int layer = 6;", "int layer = 7;", "reads outside of a texture"),
         ("using metal::uint;", "using metal::uint;\n#include <cstdlib>", "the text is not run"),
     ] {
         assert!(good.contains(right), "{right}");

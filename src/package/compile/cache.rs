@@ -17,6 +17,9 @@ use crate::package::Content;
 /// Age at which what killed runs left half-written counts as abandoned.
 const STALE: Duration = Duration::from_secs(3600);
 
+/// Size up to which a table without a cache stays in memory, bytes.
+const SMALL: usize = 1 << 20;
+
 /// What is kept of finished tables, and where.
 #[derive(Debug, Default)]
 pub(super) struct Cache<'a> {
@@ -56,6 +59,9 @@ impl<'a> Cache<'a> {
             && self.store(&file, &bytes)
         {
             return Ok(Content::Stored { file, sha256: sha256(&bytes) });
+        }
+        if bytes.len() <= SMALL {
+            return Ok(Content::Bytes(bytes));
         }
         // without room for temporary files, memory is left
         Ok(self.spill.keep(&bytes).map_or_else(|_| Content::Bytes(bytes), Content::Spilled))
@@ -318,11 +324,14 @@ mod tests {
         let within = file.join("cache");
         for place in [None, Some(within.as_path())] {
             let cache = Cache::new(place);
-            let content = cache.content("table", 3, || Ok(vec![1, 2, 3])).expect("made");
+            let content = cache.content("small", 3, || Ok(vec![1, 2, 3])).expect("made");
+            assert_eq!(content, Content::Bytes(vec![1, 2, 3]));
+            let large: Vec<u8> = (0..SMALL + 3).map(|i| i as u8).collect();
+            let content = cache.content("table", large.len(), || Ok(large.clone())).expect("made");
             if cfg!(unix) {
-                assert!(matches!(content, Content::Spilled(_)), "{content:?}");
+                assert!(matches!(content, Content::Spilled(_)), "not spilled");
             }
-            assert_eq!(*content.read().expect("reads"), [1, 2, 3]);
+            assert!(*content.read().expect("reads") == large);
             assert_eq!(cache.numbers("n", 1, || Ok(vec![0.5])).expect("made"), [0.5]);
             assert_eq!(cache.trouble().is_some(), place.is_some());
         }
