@@ -1,6 +1,7 @@
 //! Finds, runs and stops programs of this machine.
 
 mod glslang;
+mod guard;
 mod output;
 mod tools;
 pub mod watched;
@@ -16,6 +17,7 @@ use std::{
 use diffraction_cli::interrupt::{BeforeExit, before_exit};
 
 pub use glslang::{GLSLANG, GLSLANG_PACKAGE, hlsl_options, hlsl_to_spirv};
+pub use guard::Guard;
 pub use output::KEPT;
 pub use tools::tools_folder;
 

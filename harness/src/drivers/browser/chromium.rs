@@ -10,7 +10,7 @@ use diffraction_shaders::error::{Error, Result};
 
 use diffraction_cli::interrupt::BeforeExit;
 
-use crate::process::ended_with_us;
+use crate::process::{Guard, ended_with_us};
 
 use super::failure::failure;
 use super::user_folder::UserFolder;
@@ -56,6 +56,7 @@ pub(super) struct Chromium {
     child: Child,
     profile: UserFolder,
     _ended: BeforeExit,
+    _guard: Guard,
 }
 
 impl Chromium {
@@ -66,8 +67,8 @@ impl Chromium {
         for candidate in program.as_ref().map_or(usual.as_slice(), std::slice::from_ref) {
             match spawn(candidate, flags, address, profile.path()) {
                 Ok(child) => {
-                    let ended = ended_with_us(&child);
-                    return Ok(Chromium { child, profile, _ended: ended });
+                    let (ended, guard) = (ended_with_us(&child), Guard::of(&child));
+                    return Ok(Chromium { child, profile, _ended: ended, _guard: guard });
                 }
                 Err(e) if e.kind() == io::ErrorKind::NotFound => {}
                 Err(e) => {
