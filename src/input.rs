@@ -4,13 +4,14 @@
 //! if the file changes meanwhile. Later modules receive the bytes; no other module opens an input.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, Read};
 use std::path::Path;
 use std::sync::OnceLock;
 
 use serde_json::json;
 
+use crate::disk::open_regular;
 use crate::error::{Error, Result};
 use crate::hash::{of_value, sha256};
 use crate::light::Lights;
@@ -66,7 +67,7 @@ pub fn read_file(path: &Path, max: u64) -> io::Result<Vec<u8>> {
         return Err(above(found.len()));
     }
     let mut bytes = Vec::with_capacity(found.len() as usize);
-    File::open(path)?.take(max + 1).read_to_end(&mut bytes)?;
+    open_regular(path)?.take(max + 1).read_to_end(&mut bytes)?;
     match bytes.len() as u64 > max {
         true => Err(above(bytes.len() as u64)),
         false => Ok(bytes),

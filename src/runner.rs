@@ -14,7 +14,7 @@ use crate::surface::HeightField;
 use crate::variant::Form;
 
 pub use cpu::{Exact, TwinRunner};
-pub use lit::{check_scaling, exact_scale, radiance_with, variant_scale};
+pub use lit::{check_scaling, radiance_with, variant_scale};
 
 /// What is evaluated: a variant on a surface.
 #[derive(Clone, Copy, Debug)]

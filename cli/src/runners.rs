@@ -5,11 +5,10 @@ use diffraction_shaders::field::orders::OrderSum;
 use diffraction_shaders::field::reference::{Reference, Span};
 use diffraction_shaders::input;
 use diffraction_shaders::light::{Cap, Light, Lights};
-use diffraction_shaders::optics::REFERENCE_NM;
+use diffraction_shaders::optics::{REFERENCE_NM, diffuser_scale};
 use diffraction_shaders::plan::{Plan, SurfaceSource, SurfaceSpec, Variant};
 use diffraction_shaders::runner::{
-    Exact, Placement, Progress, Runner, TwinRunner, check_scaling, exact_scale, radiance_with,
-    variant_scale,
+    Exact, Placement, Progress, Runner, TwinRunner, check_scaling, radiance_with, variant_scale,
 };
 use diffraction_shaders::surface::{self, Surface};
 use glam::DVec3;
@@ -136,7 +135,7 @@ impl Job {
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>> {
         let scale = match args.runner {
-            Kind::Exact => exact_scale(&self.variant.optics),
+            Kind::Exact => diffuser_scale(&self.variant.optics),
             _ => variant_scale(self.placement())?,
         };
         Ok(radiance_with(runner, scale, lights, views, progress)?)

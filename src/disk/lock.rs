@@ -1,6 +1,6 @@
 //! One process at a time writes to a folder.
 //!
-//! The lock is on the folder itself, so there is no file of it that could be left behind, and the system releases it when
+//! The lock is on the folder itself, so it leaves no file behind, and the system releases it when
 //! the process ends, however it ends. An absent folder is made first, and removed again if nothing comes into it. Where
 //! folders cannot be locked (some network file systems; Windows), a file beside the folder is.
 

@@ -35,7 +35,7 @@ pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Takes away what is no file and in the place of one of ours: a link, a pipe, an empty folder, a file that is read-only. If
+/// Removes what stands where one of our files must go: a link, a pipe, an empty folder, a read-only file. If
 /// that fails, the file cannot be written.
 pub fn clear(path: &Path) {
     let Ok(found) = fs::symlink_metadata(path) else { return };

@@ -104,7 +104,7 @@ impl<'a> Compiler<'a> {
         Compiler { progress, ..self }
     }
 
-    /// Refuses variants that would take more than so many bytes of memory, before any of them is built. Default: no limit.
+    /// Refuses variants that would take more memory than this, in bytes, before any of them is built. Default: no limit.
     #[must_use]
     pub fn memory_budget(self, bytes: u64) -> Compiler<'a> {
         Compiler { memory: bytes, ..self }

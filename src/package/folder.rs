@@ -138,7 +138,7 @@ fn manifest(root: &Path, generated_by: &str) -> Result<Manifest, (String, String
     for (path, about) in files {
         if !is_plain(path) {
             let cause = format!(
-                "has a {MANIFEST} that lists {path:?}, which is no file of this folder; so this program did not write it"
+                "has a {MANIFEST} that lists {path:?}, a path outside of this folder; so this program did not write it"
             );
             return Err((cause, other()));
         }

@@ -7,7 +7,6 @@ use glam::DVec3;
 use crate::error::{Error, Result};
 use crate::field::reference::Directions;
 use crate::light::Lights;
-use crate::optics;
 use crate::plan::{CoherenceScaling, Optics};
 use crate::variant::Form;
 
@@ -59,12 +58,7 @@ pub fn radiance_with(
     Ok(sum)
 }
 
-/// The `scale` of [`radiance_with`] for the exact reference.
-pub fn exact_scale(optics: &Optics) -> f64 {
-    optics::diffuser_scale(optics)
-}
-
-/// The `scale` of [`radiance_with`] for a variant. It is an error if the unit of its result is arbitrary.
+/// The `scale` of [`radiance_with`] for a variant; for the exact reference it is [`diffuser_scale`](crate::optics::diffuser_scale). It is an error if the unit of its result is arbitrary.
 pub fn variant_scale(Placement { height, variant, .. }: Placement<'_>) -> Result<f64> {
     Form::new(variant, height)?.diffuser_scale(&variant.optics).ok_or_else(|| {
         Error::new(&variant.name, "the unit of its result is arbitrary, so it has no radiance")

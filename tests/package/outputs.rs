@@ -211,7 +211,7 @@ fn a_manifest_of_another_program_or_command_is_no_package() {
     refused(&with("files", json!({ "mine.txt": {} })), none);
     for path in ["../victim", "../../x", "/etc/passwd", "a/../../victim", "", "a//b", "c:x", "a\\b"]
     {
-        refused(&with("files", json!({ path: listed })), "which is no file of this folder");
+        refused(&with("files", json!({ path: listed })), "a path outside of this folder");
     }
     refused(&json!([]), none);
     // and a package of this command is taken as such: what it lists is replaced

@@ -72,7 +72,7 @@ fn pipes_devices_and_endless_files_are_refused_wherever_a_file_is_read() {
             assert_eq!(code, Some(2), "{line}: {text}");
             assert!(text.contains(&subject), "{line}: {text}");
         }
-        // an output folder whose manifest is no file
+        // an output folder whose manifest leads there
         let out = format!("out-{name}");
         fs::create_dir(folder.join(&out)).unwrap();
         symlink(folder.join(name), folder.join(&out).join("manifest.json")).unwrap();

@@ -249,7 +249,7 @@ fn a_picture_goes_where_it_can_and_nowhere_else() {
     );
 }
 
-/// Damages every file of a real cache in turn; none of it comes into a package, and none stops a run.
+/// Damages every file of a real cache in turn. No damage gets into a package or stops a run.
 #[test]
 fn a_damaged_cache_gives_the_same_package() {
     let folder = folder();

@@ -4,7 +4,7 @@
 //! which goes on without the route that crashed. Both talk over the child's standard input, a pair of sockets:
 //!
 //! * the parent's first line is a [`History`]: what crashed, and what earlier children kept;
-//! * each line of the child is a `Told`;
+//! * each line of the child is a `Message`;
 //! * the end of the stream tells the child that its parent is gone or was interrupted.
 
 use std::fmt;
@@ -90,7 +90,7 @@ impl History {
 /// What a child says.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-enum Told {
+enum Message {
     /// What it does from now on.
     Place(Place),
     /// What a later child needs.
@@ -101,7 +101,7 @@ enum Told {
 pub mod child {
     use std::sync::OnceLock;
 
-    use super::{History, Place, Told};
+    use super::{History, Message, Place};
 
     static HISTORY: OnceLock<History> = OnceLock::new();
 
@@ -112,16 +112,16 @@ pub mod child {
 
     /// Says what is done from now on. Call it before a driver is entered.
     pub fn enter(place: Place) {
-        tell(&Told::Place(place));
+        send(&Message::Place(place));
     }
 
     /// Hands something over to the child that goes on if this one crashes.
     pub fn keep(value: serde_json::Value) {
-        tell(&Told::Keep(value));
+        send(&Message::Keep(value));
     }
 
     #[cfg(not(unix))]
-    fn tell(_: &Told) {}
+    fn send(_: &Message) {}
 
     #[cfg(unix)]
     use std::{
@@ -154,10 +154,10 @@ pub mod child {
     }
 
     #[cfg(unix)]
-    fn tell(told: &Told) {
+    fn send(message: &Message) {
         let mut parent = PARENT.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(stream) = parent.as_mut()
-            && let Ok(line) = serde_json::to_string(told)
+            && let Ok(line) = serde_json::to_string(message)
         {
             // without a parent nobody needs to know
             let _ = stream.write_all((line + "\n").as_bytes());
@@ -181,7 +181,7 @@ mod unix {
     use diffraction_cli::interrupt::before_exit;
     use rustix::process::{Pid, Signal, kill_process};
 
-    use super::{Crash, History, Place, Told};
+    use super::{Crash, History, Message, Place};
 
     /// How long an interrupted child may take to end in order.
     const LAST_WORDS: Duration = Duration::from_millis(700);
@@ -256,8 +256,8 @@ mod unix {
         for line in BufReader::new(lines).lines() {
             let Ok(line) = line else { break };
             match serde_json::from_str(&line) {
-                Ok(Told::Place(now)) => place = now,
-                Ok(Told::Keep(value)) => kept.push(value),
+                Ok(Message::Place(now)) => place = now,
+                Ok(Message::Keep(value)) => kept.push(value),
                 // cut short by the end
                 Err(_) => {}
             }

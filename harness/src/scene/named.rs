@@ -1,6 +1,6 @@
 //! A mesh's file, and the files that it names: buffers, materials, pictures.
 //!
-//! A mesh comes from anywhere, so its names must not reach beyond its own folder, and no file of it may be without end.
+//! A mesh comes from anywhere, so its names must not reach beyond its own folder, and none of its files may be endless.
 
 use std::fs;
 use std::io;
