@@ -278,6 +278,18 @@ pub enum Sampling {
     Filter,
 }
 
+/// A kind of light that a shader has a function for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LightFunction {
+    /// A single direction.
+    Direction,
+    /// A cap of the sphere.
+    Disc,
+    /// A spherical polygon.
+    Polygon,
+}
+
 /// A number, or `auto`: the tool chooses it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Auto<T> {

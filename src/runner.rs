@@ -14,7 +14,7 @@ use crate::surface::HeightField;
 use crate::variant::Form;
 
 pub use cpu::{Exact, TwinRunner};
-pub use lit::{check_scaling, radiance_with, variant_scale};
+pub use lit::{check_scaling, lit_by, missing, radiance_with, variant_scale};
 
 /// What is evaluated: a variant on a surface.
 #[derive(Clone, Copy, Debug)]
@@ -52,16 +52,13 @@ pub trait Runner {
     fn response(&self, directions: &[Directions], lambda_nm: f64) -> Result<Vec<f64>>;
 
     /// Tristimulus values of the radiance towards viewers under one light with a size, relative to a white of radiance
-    /// 1. It is an error if the runner has no function for such a light.
+    /// 1. It is an error if the variant has no function for such a light.
     fn under(
         &self,
         light: &Light,
-        _views: &[DVec3],
-        _progress: Progress<'_>,
-    ) -> Result<Vec<[f64; 3]>> {
-        let cause = format!("has no function for a light of kind {:?}", light.kind());
-        Err(Error::new(self.route(), cause).remedy("use --runner exact"))
-    }
+        views: &[DVec3],
+        progress: Progress<'_>,
+    ) -> Result<Vec<[f64; 3]>>;
 
     /// A BRDF map, drawn by an entry point of its own if there is one.
     fn brdf_map(&self, light: DVec3, size: usize) -> Result<BrdfMap> {

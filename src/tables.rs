@@ -9,6 +9,7 @@ mod corridor;
 mod lobes;
 mod meaning;
 mod number;
+pub mod orders;
 mod period;
 mod scale;
 mod series;
@@ -218,14 +219,14 @@ pub fn bilinear(table: &Table, place: [f64; 2], layer: usize) -> [f64; 4] {
     mix(rows[0], rows[1], part[1])
 }
 
-/// Binding of the term table.
+/// Binding of the largest table: of terms, colours or efficiencies.
 pub const TERMS: u32 = 1;
 /// Binding of the spectrum table.
 pub const SPECTRUM: u32 = 2;
 /// Binding of the probe's directions.
 pub const DIRECTIONS: u32 = 3;
 
-/// Binding of the table of coefficients.
+/// Binding of the table of coefficients, or of moments.
 pub const COEFFICIENTS: u32 = 4;
 /// Binding of the sampler.
 pub const SAMPLER: u32 = 5;

@@ -18,10 +18,14 @@ pub use bound::{
 pub use computation::{Computation, Ground};
 pub use cost::Cost;
 pub use forms::*;
-pub use functions::{DIRECTIONAL, Directional, ExactProbe, FUNCTIONS, Function, PROBES};
+pub use functions::{
+    Arguments, DIRECTIONAL, DISC, Directional, Disc, ExactProbe, FUNCTIONS, Function, RECTANGLE,
+    Rectangle, StatedError, function_of, mirrored,
+};
 pub use judge::{MAX_PHASE_ERROR, is_whole_light};
 pub use prefilter::{GRID_ERROR, NODE_ERROR, grid_error, node_level};
 pub use tolerance::{
-    ACROSS, CENTRED, MAX_PROBE_ERROR, Part, Tolerance, probe_error, probe_tolerances,
+    ACROSS, CENTRED, MAX_PROBE_ERROR, Part, Tolerance, light_tolerance, probe_error,
+    probe_tolerances,
 };
 pub use twin::{Twin, mesh};

@@ -95,9 +95,13 @@ fn corridor(path: vec3f) -> vec3f {
         }
         let share = window_share(exponent, squared, window_width(wavenumber), pace);
         let light = lobe_light(wavenumber, node, row, side, range);
+#ifdef MODE_ORDERS
+        xyz += share * efficiency(vec2i(select(bin, bin.yx, steep)), path.z / light.w) * light.xyz;
+#else
         let argument = series_argument(path.z, light.w);
         let amplitude = bin_amplitude(vec2i(select(bin, bin.yx, steep)), argument);
         xyz += share * dot(amplitude, amplitude) * light.xyz;
+#endif
     }
     // colours of narrow lobes are stored divided by the lobe's width
     let scale = select(window_width(1.0) / sqrt(squared), 1.0, broad);

@@ -2,8 +2,14 @@
 
 // Tristimulus values for listed directions, to compare a driver's results with probe.json.
 
+#ifdef LAMPS
+// Arguments of a function, in rows 5k to 5k+4 for row k of the picture, counted from the top. w of the first chooses the
+// function. 0: one direction to the light, then to the viewer. 1: a disc: its axis, then to the viewer, with the radius in
+// w. 2: a quadrilateral: a corner, then to the viewer, then the other corners. xyz: unit vectors.
+#else
 // xyz: unit vectors. Row 2k holds the directions to the light, row 2k+1 the directions to the viewer, for row k of the
 // picture, counted from the top.
+#endif
 @group(0) @binding(3) var directions: texture_2d<f32>;
 
 // X, Y, Z of a pixel, alpha 1.
@@ -12,7 +18,26 @@ fn probe(@location(0) place: vec2f) -> @location(0) vec4f {
     let pixel = pixel_of(place);
     let column = i32(pixel.x);
     let row = i32(params.size.y - 1.0 - pixel.y);
+#ifdef LAMPS
+    let first = textureLoad(directions, vec2i(column, 5 * row), 0);
+    let viewer = textureLoad(directions, vec2i(column, 5 * row + 1), 0);
+#ifdef DISC
+    if (first.w == 1.0) {
+        return vec4f(tristimulus_disc(first.xyz, viewer.w, viewer.xyz), 1.0);
+    }
+#endif
+#ifdef RECTANGLE
+    if (first.w == 2.0) {
+        let second = textureLoad(directions, vec2i(column, 5 * row + 2), 0).xyz;
+        let third = textureLoad(directions, vec2i(column, 5 * row + 3), 0).xyz;
+        let fourth = textureLoad(directions, vec2i(column, 5 * row + 4), 0).xyz;
+        return vec4f(tristimulus_rectangle(first.xyz, second, third, fourth, viewer.xyz), 1.0);
+    }
+#endif
+    return vec4f(tristimulus(first.xyz, viewer.xyz), 1.0);
+#else
     let wi = textureLoad(directions, vec2i(column, 2 * row), 0).xyz;
     let wr = textureLoad(directions, vec2i(column, 2 * row + 1), 0).xyz;
     return vec4f(tristimulus(wi, wr), 1.0);
+#endif
 }

@@ -59,6 +59,19 @@
 #ifdef MODE_GEMS
 #import gems
 #endif
+#ifdef MODE_ORDERS
+#import efficiencies
+#import adaptive
+#ifdef LAMPS
+#import lamps
+#endif
+#ifdef DISC
+#import disc
+#endif
+#ifdef RECTANGLE
+#import rectangle
+#endif
+#endif
 #import colour
 #import map
 #import probe

@@ -8,14 +8,14 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::plan::{Container, Target, Variant};
+use crate::plan::{Container, LightFunction, Target, Variant};
 use crate::shader::emit::{self, BindingName, EmittedFile, EntryPoint};
 use crate::shader::limits::{Extent, Limits, Profile, fits};
 use crate::shader::module::Module;
 use crate::shader::template::GENERATED;
 use crate::tables::Table;
 use crate::tables::container::ContainerEntry;
-use crate::variant::{Cost, DIRECTIONAL, ErrorBound, Form, Function, LobeBounds};
+use crate::variant::{Cost, DIRECTIONAL, ErrorBound, Form, Function, LobeBounds, StatedError};
 
 pub use describe::describe;
 use interface::{bindings, uniforms, vertex_inputs};
@@ -42,6 +42,9 @@ pub struct VariantManifest {
     pub input_hash: String,
     /// The contract of the core function.
     pub core: Core,
+    /// The functions of lights with a size. Empty for variants that have only the core function.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub functions: Vec<LightEntry>,
     /// Files of every target.
     pub targets: BTreeMap<Target, Vec<FileEntry>>,
     /// Resources by their names in the templates.
@@ -95,6 +98,29 @@ pub struct Core {
     pub diffuser_scale: Option<f64>,
     /// Signature of the function that returns tristimulus values instead.
     pub tristimulus_function: String,
+}
+
+/// The contract of a function of lights with a size. Frame and colour space are those of the core function.
+#[derive(Clone, Debug, Serialize)]
+pub struct LightEntry {
+    /// Name.
+    pub name: &'static str,
+    /// WGSL signature.
+    pub function: String,
+    /// Signature of the function that returns tristimulus values instead.
+    pub tristimulus_function: String,
+    /// Meaning of the arguments.
+    pub arguments: &'static str,
+    /// Meaning of the value 1.
+    pub unit: &'static str,
+    /// Whether the result is clamped. Always false.
+    pub clamped: bool,
+    /// Functions that the engine must supply.
+    pub host: Vec<&'static str>,
+    /// Cost of one lit pixel: mean over viewers under a light of usual size, maximum under the widest light.
+    pub cost: Cost,
+    /// Errors that it promises.
+    pub errors: Vec<StatedError>,
 }
 
 /// One file of a target.
@@ -289,6 +315,7 @@ pub fn manifest(subject: Described<'_>, module: &Module, files: &[EmittedFile]) 
         configuration_hash: variant.hash(),
         input_hash,
         core: core(&DIRECTIONAL, variant, form),
+        functions: light_entries(form),
         targets,
         bindings: bindings(module, &tables),
         uniforms: uniforms(module),
@@ -303,18 +330,39 @@ pub fn manifest(subject: Described<'_>, module: &Module, files: &[EmittedFile]) 
     }
 }
 
+fn light_entries(form: &Form) -> Vec<LightEntry> {
+    let functions = form.functions();
+    let lights = functions.into_iter().filter(|f| f.light() != LightFunction::Direction);
+    let entry = |function: &dyn Function| LightEntry {
+        name: function.name(),
+        function: declared(function.name(), function),
+        tristimulus_function: declared(function.tristimulus_name(), function),
+        arguments: function.arguments(),
+        unit: function.unit(form),
+        clamped: false,
+        host: Vec::new(),
+        cost: function.cost(form),
+        errors: function.errors(),
+    };
+    lights.map(entry).collect()
+}
+
+/// The WGSL declaration of a function, under its own name or that of the one with the same arguments.
+fn declared(name: &str, function: &dyn Function) -> String {
+    format!("fn {name}{}", function.signature())
+}
+
 fn core(function: &dyn Function, variant: &Variant, form: &Form) -> Core {
     let optics = &variant.optics;
-    let declared = |name: &str| format!("fn {name}{}", function.signature());
     Core {
-        function: declared(function.name()),
+        function: declared(function.name(), function),
         frame: "tangent frame: x along the tangent, y along the bitangent, z along the normal; right-handed",
         directions: function.arguments(),
         colour_space: form.colour_space(optics.colour),
-        unit: form.unit(),
+        unit: function.unit(form),
         clamped: false,
         diffuser_scale: form.diffuser_scale(optics),
-        tristimulus_function: declared(function.tristimulus_name()),
+        tristimulus_function: declared(function.tristimulus_name(), function),
     }
 }
 

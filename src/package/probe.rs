@@ -12,9 +12,11 @@ use crate::error::Result;
 use crate::field::reference::Directions;
 use crate::optics::colour::to_rgb;
 use crate::package::manifest::SCHEMA_VERSION;
-use crate::plan::Colour;
+use crate::plan::{Colour, Variant};
 use crate::shader::template::GENERATED;
-use crate::variant::{ExactProbe, Form, Function, Twin, probe_tolerances};
+use crate::variant::{
+    Arguments, ExactProbe, Form, Function, Twin, light_tolerance, probe_tolerances,
+};
 
 /// Relative tolerance of the numbers in a `probe.json` between processors.
 ///
@@ -23,71 +25,139 @@ use crate::variant::{ExactProbe, Form, Function, Twin, probe_tolerances};
 /// a thousand times as much. The tolerance is still at most a tenth of the tolerance of shaders.
 pub const TOLERANCE: f64 = 1e-6;
 
-/// The numbers of probes in storage order: nine per probe.
+/// The probes of a function.
+#[derive(Clone)]
+pub struct Probed {
+    /// The function.
+    pub function: &'static dyn Function,
+    /// Arguments with exact results.
+    pub exact: Vec<ExactProbe>,
+    /// Results of the variant's algorithm in f64 on its packed tables.
+    pub expected: Vec<[f64; 3]>,
+}
+
+impl Probed {
+    /// The exact results.
+    pub fn exact_xyz(&self) -> Vec<[f64; 3]> {
+        self.exact.iter().map(|probe| probe.xyz).collect()
+    }
+}
+
+/// Numbers of a probe of a function in storage: arguments and exact result.
+pub fn width(function: &dyn Function) -> usize {
+    Arguments::width(function.light()) + 3
+}
+
+/// The numbers of probes in storage order.
 pub fn to_numbers(probes: &[ExactProbe]) -> Vec<f64> {
-    let numbers = |e: &ExactProbe| [e.directions.wi.to_array(), e.directions.wr.to_array(), e.xyz];
-    probes.iter().flat_map(numbers).flatten().collect()
+    let numbers = |e: &ExactProbe| [e.arguments.to_numbers(), e.xyz.to_vec()].concat();
+    probes.iter().flat_map(numbers).collect()
 }
 
 /// The inverse of [`to_numbers`].
-pub fn from_numbers(numbers: &[f64]) -> Vec<ExactProbe> {
-    let (probes, _) = numbers.as_chunks::<9>();
-    let probe = |&[a, b, c, d, e, f, x, y, z]: &[f64; 9]| ExactProbe {
-        directions: Directions { wi: [a, b, c].into(), wr: [d, e, f].into() },
-        xyz: [x, y, z],
+pub fn from_numbers(function: &dyn Function, numbers: &[f64]) -> Vec<ExactProbe> {
+    let probe = |numbers: &[f64]| {
+        let (arguments, xyz) = numbers.split_at(numbers.len() - 3);
+        let arguments = Arguments::from_numbers(function.light(), arguments)?;
+        Some(ExactProbe { arguments, xyz: *xyz.first_chunk()? })
     };
-    probes.iter().map(probe).collect()
+    numbers.chunks_exact(width(function)).filter_map(probe).collect()
 }
 
-/// Results of a variant's algorithm in f64 (relative tristimulus values), computed on all cores.
-pub fn expected(function: &dyn Function, twin: &Twin<'_>, probes: &[ExactProbe]) -> Vec<[f64; 3]> {
-    probes.par_iter().map(|probe| function.evaluate(twin, probe.directions)).collect()
+/// Results of a variant's algorithm in f64, computed on all cores.
+pub fn expected(twin: &Twin<'_>, probes: &[ExactProbe]) -> Vec<[f64; 3]> {
+    // a form has all functions that it lists
+    let result = |probe: &ExactProbe| twin.evaluate(probe.arguments).unwrap_or([f64::NAN; 3]);
+    probes.par_iter().map(result).collect()
 }
 
 /// The text of `probe.json`. It takes negligible time.
-pub fn json(
-    surface: &str,
-    variant: &str,
-    colour: Colour,
-    form: &Form,
-    probes: &[ExactProbe],
-    expected: &[[f64; 3]],
-) -> Result<String> {
-    #[derive(Serialize)]
-    struct Xyz {
-        xyz: [f64; 3],
+pub fn json(surface: &str, variant: &Variant, form: &Form, probed: &[Probed]) -> Result<String> {
+    let place = format!("{surface} {} probe.json", variant.name);
+    let colour = variant.optics.colour;
+    let (mut probes, mut lights) = (Vec::new(), Vec::new());
+    for Probed { function, exact, expected } in probed {
+        let colours: Vec<[f64; 3]> = exact.iter().map(|probe| probe.xyz).collect();
+        let tolerances = probe_tolerances(form, &colours, expected);
+        for ((probe, &xyz), tolerance) in exact.iter().zip(expected).zip(tolerances) {
+            let (exact, expected) = (Xyz { xyz: probe.xyz }, Expected::new(xyz, colour));
+            match probe.arguments {
+                Arguments::Direction(Directions { wi, wr }) => {
+                    let (wi, wr) = (wi.to_array(), wr.to_array());
+                    probes.push(json_line(&place, &Probe { wi, wr, exact, expected, tolerance })?);
+                }
+                arguments => {
+                    let tolerance = light_tolerance(&arguments, &variant.optics, &xyz);
+                    let (mut axis, mut radius, mut corners) = (None, None, None);
+                    match arguments {
+                        Arguments::Disc { axis: to, radius_rad, .. } => {
+                            (axis, radius) = (Some(to.to_array()), Some(radius_rad));
+                        }
+                        Arguments::Rectangle { corners: to, .. } => {
+                            corners = Some(to.map(|corner| corner.to_array()));
+                        }
+                        Arguments::Direction(_) => {}
+                    }
+                    let (function, wr) = (function.name(), arguments.wr().to_array());
+                    let light =
+                        OfLight { function, axis, radius, corners, wr, exact, expected, tolerance };
+                    lights.push(json_line(&place, &light)?);
+                }
+            }
+        }
     }
-    #[derive(Serialize)]
-    struct Expected {
-        xyz: [f64; 3],
-        rgb: [f64; 3],
-    }
-    #[derive(Serialize)]
-    struct Probe {
-        wi: [f64; 3],
-        wr: [f64; 3],
-        exact: Xyz,
-        expected: Expected,
-        tolerance: f64,
-    }
-    let colours: Vec<[f64; 3]> = probes.iter().map(|probe| probe.xyz).collect();
-    let lines = probes.iter().zip(expected).zip(probe_tolerances(form, &colours, expected));
-    let lines = lines.map(|((probe, &xyz), tolerance)| {
-        let Directions { wi, wr } = probe.directions;
-        let probe = Probe {
-            wi: wi.to_array(),
-            wr: wr.to_array(),
-            exact: Xyz { xyz: probe.xyz },
-            expected: Expected { xyz, rgb: to_rgb(xyz, colour) },
-            tolerance,
-        };
-        json_line(format!("{surface} {variant} probe.json"), &probe)
-    });
-    let lines: Vec<String> = lines.collect::<Result<_>>()?;
-    let lines = lines.join(",\n    ");
+    let lines = |lines: Vec<String>| lines.join(",\n    ");
+    let lights = match lights.is_empty() {
+        true => String::new(),
+        false => format!(",\n  \"lights\": [\n    {}\n  ]", lines(lights)),
+    };
     Ok(format!(
         "{{\n  \"generated_by\": {generated_by},\n  \"schema_version\": {SCHEMA_VERSION},\n  \"surface\": \"{surface}\",\n  \
-         \"variant\": \"{variant}\",\n  \"probes\": [\n    {lines}\n  ]\n}}\n",
+         \"variant\": \"{}\",\n  \"probes\": [\n    {}\n  ]{lights}\n}}\n",
+        variant.name,
+        lines(probes),
         generated_by = serde_json::Value::from(GENERATED),
     ))
+}
+
+#[derive(Serialize)]
+struct Xyz {
+    xyz: [f64; 3],
+}
+
+#[derive(Serialize)]
+struct Expected {
+    xyz: [f64; 3],
+    rgb: [f64; 3],
+}
+
+impl Expected {
+    fn new(xyz: [f64; 3], colour: Colour) -> Expected {
+        Expected { xyz, rgb: to_rgb(xyz, colour) }
+    }
+}
+
+#[derive(Serialize)]
+struct Probe {
+    wi: [f64; 3],
+    wr: [f64; 3],
+    exact: Xyz,
+    expected: Expected,
+    tolerance: f64,
+}
+
+/// A probe of a function of lights with a size.
+#[derive(Serialize)]
+struct OfLight {
+    function: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    axis: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    radius: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    corners: Option<[[f64; 3]; 4]>,
+    wr: [f64; 3],
+    exact: Xyz,
+    expected: Expected,
+    tolerance: f64,
 }

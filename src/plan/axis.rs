@@ -16,8 +16,8 @@ pub(super) struct Axis {
     pub(super) values: &'static str,
     /// The words that the key accepts. Empty for keys that accept only numbers.
     pub(super) words: fn() -> Vec<&'static str>,
-    /// Whether an array of two numbers is one value of the key.
-    pub(super) takes_pair: bool,
+    /// For a key whose value may be an array: whether an array is one value. `None`: an array is a list of values.
+    pub(super) is_one: Option<fn(&Item) -> bool>,
     /// Reads a value into a variant.
     pub(super) read: fn(&Item, &mut Variant) -> Option<()>,
     /// Its entries in the canonical configuration. A mode may read only some of them.
@@ -95,7 +95,7 @@ macro_rules! worded {
             about: $about,
             values: "",
             words: || $crate::plan::words::names($words),
-            takes_pair: false,
+            is_one: None,
             read: |item, into| item.word($words).map(|word| into.$($field).+ = word),
             entries: &[$crate::plan::axis::entry!($key, $($field).+)],
             part: $part,
@@ -111,7 +111,7 @@ macro_rules! valued {
             about: $about,
             values: $values,
             words: Vec::new,
-            takes_pair: false,
+            is_one: None,
             read: |item, into| $read(item).map(|value| into.$($field).+ = value),
             entries: &[$crate::plan::axis::entry!($key, $($field).+)],
             part: $part,

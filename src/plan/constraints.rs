@@ -5,7 +5,8 @@ use super::mode::declared;
 use super::reads::{is_prefiltered, reads};
 use super::variant::axes;
 use super::{
-    Basis, Coherence, CoherenceScaling, Colour, Mode, Optics, TableFormat, Variant, Wavelengths,
+    Basis, Coherence, CoherenceScaling, Colour, LightFunction, Mode, Optics, TableFormat, Variant,
+    Wavelengths,
 };
 
 /// Sets every entry that a variant does not read to its documented default, except entries that [`broken`] must check.
@@ -63,6 +64,18 @@ pub(super) fn broken(variant: &Variant) -> Vec<(&'static str, String)> {
         mode == Mode::Baked && variant.wavelengths.max_nm <= variant.wavelengths.min_nm,
         "wavelengths",
         "baked integrates over a range of wavelengths; make max_nm larger than min_nm",
+    );
+    refuse(
+        mode == Mode::Orders && variant.wavelengths.max_nm <= variant.wavelengths.min_nm,
+        "wavelengths",
+        "an order shows a light with a size at a range of wavelengths; make max_nm larger than min_nm",
+    );
+    refuse(
+        mode == Mode::Orders
+            && variant.lights != [LightFunction::Direction]
+            && optics.coherence_scaling == CoherenceScaling::Fixed,
+        "coherence_scaling",
+        "lights with a size have no meaning with a coherence length that is the same for all wavelengths; use coherence_scaling = \"wavelength\" or source_diameter_deg, or lights = [\"direction\"]",
     );
     let Wavelengths { min_nm, max_nm, .. } = variant.wavelengths;
     refuse(

@@ -18,6 +18,8 @@ pub enum Mode {
     Gems,
     /// Colours from a table over `(u, v, w)`: the wavelengths are integrated beforehand.
     Baked,
+    /// The sum over the orders of a cell that has few of them, also under lights with a size.
+    Orders,
 }
 
 pub(super) const MODES: Words<Mode> = &[
@@ -26,6 +28,7 @@ pub(super) const MODES: Words<Mode> = &[
     ("adaptive", Mode::Adaptive),
     ("gems", Mode::Gems),
     ("baked", Mode::Baked),
+    ("orders", Mode::Orders),
 ];
 
 impl Mode {
@@ -120,6 +123,12 @@ const BAKED: Declared = Declared {
     refused: &[],
 };
 
+const ORDERS: Declared = Declared {
+    always: &[&["min_nm", "max_nm", "lights"], WINDOW, COLOURS],
+    sometimes: &[],
+    refused: &[],
+};
+
 const GEMS: Declared = Declared { always: &[], sometimes: &[], refused: &["colour"] };
 
 impl Declared {
@@ -136,5 +145,6 @@ pub(super) fn declared(mode: Mode) -> &'static Declared {
         Mode::Adaptive => &ADAPTIVE,
         Mode::Baked => &BAKED,
         Mode::Gems => &GEMS,
+        Mode::Orders => &ORDERS,
     }
 }

@@ -231,7 +231,7 @@ pub(super) static OPTICS: [Axis; 8] = [
         about: "angular diameter of a round source, instead of `coherence_um` (56.7 µm divided by it) and `coherence_scaling = \"wavelength\"`; the sun has 0.53",
         values: "0.006 to 180",
         words: Vec::new,
-        takes_pair: false,
+        is_one: None,
         read: |item, into| {
             into.optics.coherence_um = source_coherence_um(item)?;
             into.optics.coherence_scaling = CoherenceScaling::Wavelength;

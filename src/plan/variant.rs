@@ -6,9 +6,10 @@ use super::item::Item;
 use super::mode::MODES;
 use super::number::{exponent, number};
 use super::optics::OPTICS;
-use super::words;
+use super::words::{self, LIGHT_FUNCTIONS};
 use super::{
-    Auto, Basis, Mode, Optics, Packing, Reconstruction, Sampling, TableFormat, Wavelengths,
+    Auto, Basis, LightFunction, Mode, Optics, Packing, Reconstruction, Sampling, TableFormat,
+    Wavelengths,
 };
 
 /// One configuration of the shader, before it meets a surface.
@@ -51,6 +52,8 @@ pub struct Variant {
     pub bake_error: f64,
     /// Maximum size of the table of colours, MiB. It takes precedence over the error. Read by `baked` only.
     pub bake_mib: f64,
+    /// Kinds of light that the shader has functions for, sorted; always with [`LightFunction::Direction`]. Read by `orders` only.
+    pub lights: Vec<LightFunction>,
     /// Light and material.
     pub optics: Optics,
 }
@@ -80,6 +83,7 @@ impl Variant {
             hoist: true,
             bake_error: 0.5,
             bake_mib: 32.0,
+            lights: LIGHT_FUNCTIONS.iter().map(|(_, function)| *function).collect(),
             optics: optics.clone(),
         }
     }
@@ -105,7 +109,7 @@ pub(super) fn axes() -> impl Iterator<Item = &'static Axis> {
 }
 
 /// Keys of `[variants]` and of presets, other than those of the optics.
-pub(super) static AXES: [Axis; 15] = [
+pub(super) static AXES: [Axis; 16] = [
     worded!("mode", mode, MODES, "method, see above", Part::Always(|v| v.mode.as_str().to_owned())),
     worded!(
         "basis",
@@ -161,7 +165,7 @@ pub(super) static AXES: [Axis; 15] = [
     },
     Axis {
         words: auto,
-        takes_pair: true,
+        is_one: Some(is_pair),
         entries: &[entry!("periods", periods, |v| match v.periods {
             Some(periods) => serde_json::json!(periods),
             None => serde_json::json!("auto"),
@@ -237,6 +241,21 @@ pub(super) static AXES: [Axis; 15] = [
         "maximum size of a baked table, MiB",
         Part::Changed(|v| format!("m{}", number(v.bake_mib)))
     ),
+    Axis {
+        words: || words::names(LIGHT_FUNCTIONS),
+        is_one: Some(is_of_words),
+        ..valued!(
+            "lights",
+            lights,
+            lights,
+            "an array of these words",
+            "kinds of light that the shader has functions for; `direction` is always one of them",
+            Part::Changed(|v| {
+                let words: Vec<&str> = v.lights.iter().map(|light| light.as_str()).collect();
+                words.join("-")
+            })
+        )
+    },
 ];
 
 /// Keys of `wavelengths`.
@@ -247,6 +266,28 @@ pub(super) const STEP_NM: &str = "step_nm";
 
 /// Maximum number of wavelength samples of a variant.
 const MAX_SAMPLES: f64 = 4000.0;
+
+fn is_pair(item: &Item) -> bool {
+    item.elements("numbers")
+        .is_some_and(|items| items.len() == 2 && items.iter().all(Item::is_integer))
+}
+
+fn is_of_words(item: &Item) -> bool {
+    let elements = item.elements("words");
+    elements.is_some_and(|items| items.iter().any(|item| item.as_str().is_some()))
+}
+
+/// Words in any order. A single word counts as an array of one.
+fn lights(item: &Item) -> Option<Vec<LightFunction>> {
+    let items = if item.is_array() { item.elements("words")? } else { vec![item.clone()] };
+    let mut found = vec![LightFunction::Direction];
+    for item in items {
+        found.push(item.word(LIGHT_FUNCTIONS)?);
+    }
+    found.sort_unstable();
+    found.dedup();
+    Some(found)
+}
 
 fn is_auto(item: &Item) -> bool {
     auto().iter().any(|word| item.as_str() == Some(word))

@@ -98,7 +98,7 @@ pub(super) fn read_each(
 ) {
     for axis in axes {
         let Some(item) = table.get(axis.key) else { continue };
-        if item.is_array() && !axis.takes_pair {
+        if item.is_array() && axis.is_one.is_none() {
             item.fail("is an array", "expected one value; only [variants] accepts several");
             continue;
         }
@@ -109,7 +109,7 @@ pub(super) fn read_each(
 
 /// The values of an axis, each in a variant of its own. A single value counts as an array of one.
 fn axis_values(axis: &Axis, item: &Item) -> Vec<Variant> {
-    let whole = !item.is_array() || (axis.takes_pair && is_pair(item));
+    let whole = !item.is_array() || axis.is_one.is_some_and(|is_one| is_one(item));
     let items =
         if whole { vec![item.clone()] } else { item.elements("values").unwrap_or_default() };
     if items.is_empty() {
@@ -130,9 +130,4 @@ fn axis_values(axis: &Axis, item: &Item) -> Vec<Variant> {
         }
     }
     values
-}
-
-fn is_pair(item: &Item) -> bool {
-    item.elements("numbers")
-        .is_some_and(|items| items.len() == 2 && items.iter().all(Item::is_integer))
 }

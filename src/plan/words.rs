@@ -1,8 +1,8 @@
 //! The words of a plan, each with its meaning.
 
 use super::{
-    Basis, Coherence, CoherenceScaling, Colour, Container, Flip, Level, Packing, Reconstruction,
-    Sampling, TableFormat, Trust, VoidValue,
+    Basis, Coherence, CoherenceScaling, Colour, Container, Flip, Level, LightFunction, Packing,
+    Reconstruction, Sampling, TableFormat, Trust, VoidValue,
 };
 
 /// Words with their meanings.
@@ -30,6 +30,12 @@ pub(super) const PACKINGS: Words<Packing> =
 
 pub(super) const SAMPLINGS: Words<Sampling> =
     &[("load", Sampling::Load), ("filter", Sampling::Filter)];
+
+pub(super) const LIGHT_FUNCTIONS: Words<LightFunction> = &[
+    ("direction", LightFunction::Direction),
+    ("disc", LightFunction::Disc),
+    ("polygon", LightFunction::Polygon),
+];
 
 pub(super) const COHERENCES: Words<Coherence> =
     &[("single", Coherence::Single), ("ensemble", Coherence::Ensemble)];
@@ -89,6 +95,13 @@ impl Sampling {
     /// The word of the plan.
     pub fn as_str(self) -> &'static str {
         word_of(SAMPLINGS, self)
+    }
+}
+
+impl LightFunction {
+    /// The word of the plan.
+    pub fn as_str(self) -> &'static str {
+        word_of(LIGHT_FUNCTIONS, self)
     }
 }
 

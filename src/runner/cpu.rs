@@ -1,6 +1,7 @@
 //! Evaluation in f64 on all cores.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::field::orders::OrderSum;
@@ -9,9 +10,9 @@ use crate::light::Light;
 use crate::optics::path_difference;
 use crate::shader::specialise;
 use crate::tables::Table;
-use crate::variant::{Form, Twin};
+use crate::variant::{Arguments, Form, Twin};
 
-use super::{Placement, Progress, Runner, has_wavelengths};
+use super::{Placement, Progress, Runner, has_wavelengths, lit_by};
 
 /// The exact reference. It uses only the optics of the variant.
 pub struct Exact<'a>(pub Placement<'a>);
@@ -96,6 +97,21 @@ impl Runner for TwinRunner<'_> {
     ) -> Result<Vec<[f64; 3]>> {
         let twin = self.twin();
         Ok(evaluate_all(directions, progress, |d, (): &mut ()| twin.tristimulus(d)))
+    }
+
+    fn under(
+        &self,
+        light: &Light,
+        views: &[DVec3],
+        progress: Progress<'_>,
+    ) -> Result<Vec<[f64; 3]>> {
+        let twin = self.twin();
+        lit_by(&self.placement.variant.name, &self.form, light, views, &|calls| {
+            let result = |call: &Arguments| twin.evaluate(*call).unwrap_or([f64::NAN; 3]);
+            let results = calls.par_iter().map(result).collect();
+            progress(views.len());
+            Ok(results)
+        })
     }
 
     fn response(&self, directions: &[Directions], lambda_nm: f64) -> Result<Vec<f64>> {

@@ -6,9 +6,9 @@ use glam::DVec3;
 
 use crate::error::{Error, Result};
 use crate::field::reference::Directions;
-use crate::light::Lights;
+use crate::light::{Light, Lights};
 use crate::plan::{CoherenceScaling, Optics};
-use crate::variant::Form;
+use crate::variant::{Arguments, Form};
 
 use super::{Placement, Progress, Runner};
 
@@ -56,6 +56,49 @@ pub fn radiance_with(
         add(runner.under(light, views, progress)?, 1.0);
     }
     Ok(sum)
+}
+
+/// Why a form has no function for a light with a size. `None` if it has. `name`: name of the variant.
+pub fn missing(name: &str, form: &Form, light: &Light) -> Option<Error> {
+    let known = form.functions();
+    let calls = Arguments::under(light, DVec3::Z);
+    let has = |(call, _): &(Arguments, f64)| known.iter().any(|f| f.light() == call.light());
+    if !calls.is_empty() && calls.iter().all(has) {
+        return None;
+    }
+    let cause = format!("has no function for a light of kind {:?}", light.kind());
+    let remedy = match light {
+        Light::Disc { .. } | Light::Polygon { .. } => {
+            "use a variant with mode = \"orders\" and this kind in its lights, or --runner exact"
+        }
+        _ => "use --runner exact",
+    };
+    Some(Error::new(name, cause).remedy(remedy))
+}
+
+/// Radiance towards viewers under a light with a size, from calls of functions. `call`: results of calls. A polygon of more
+/// than four corners takes several. It is an error if the form has no function for the light.
+pub fn lit_by(
+    name: &str,
+    form: &Form,
+    light: &Light,
+    views: &[DVec3],
+    call: &dyn Fn(&[Arguments]) -> Result<Vec<[f64; 3]>>,
+) -> Result<Vec<[f64; 3]>> {
+    if let Some(error) = missing(name, form, light) {
+        return Err(error);
+    }
+    let parts: Vec<Vec<(Arguments, f64)>> =
+        views.iter().map(|wr| Arguments::under(light, *wr)).collect();
+    let calls: Vec<Arguments> = parts.iter().flatten().map(|(call, _)| call.rounded()).collect();
+    let results = call(&calls)?;
+    let mut results = results.into_iter();
+    let sum = |parts: &Vec<(Arguments, f64)>| {
+        let each = parts.iter().zip(results.by_ref());
+        let each = each.map(|((_, factor), xyz)| DVec3::from(xyz) * *factor);
+        each.sum::<DVec3>().to_array()
+    };
+    Ok(parts.iter().map(sum).collect())
 }
 
 /// The `scale` of [`radiance_with`] for a variant; for the exact reference it is [`diffuser_scale`](crate::optics::diffuser_scale). It is an error if the unit of its result is arbitrary.

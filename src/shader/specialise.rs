@@ -15,14 +15,17 @@ use crate::variant::{Form, Ground};
 pub const ROOT: &str = "shader";
 
 /// Flags that forms may set.
-const FLAGS: [&str; 9] = [
+const FLAGS: [&str; 12] = [
     "COHERENCE_SCALES",
+    "DISC",
     "ENSEMBLE",
     "HALF",
+    "LAMPS",
     "LONG_LOOPS",
     "MONOCHROMATIC",
     "PAIRED",
     "PREFILTERED",
+    "RECTANGLE",
     "TABULATED",
     "THESIS_LOOP",
 ];
@@ -67,7 +70,7 @@ pub fn shader(
 ) -> std::result::Result<Module, Vec<Diagnostic>> {
     let named = |all: Vec<Diagnostic>| all.into_iter().map(|d| d.variant(name)).collect::<Vec<_>>();
     let specialised = specialise(sources, ROOT, defines).map_err(named)?;
-    let contract = Contract::package(form.functions(), form.filters());
+    let contract = Contract::package(&form.functions(), form.filters());
     compile_with(&specialised, sources, name, &contract)
 }
 

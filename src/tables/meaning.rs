@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use crate::field::transform::Bins;
 use crate::plan::Packing;
 
 use super::bake::COLOUR_SCALE;
+use super::orders::{CENTRE_NM, EfficiencyAxes, UNIT_NM, moment_columns};
 use super::spec::{CoefficientsSpec, LobesSpec};
 use super::{BakedAxes, Series, TableSpec, TermScale};
 
@@ -38,6 +40,8 @@ impl TableSpec {
             TableSpec::Lobes(spec) => lobes(spec),
             TableSpec::Grating(_) => grating(),
             TableSpec::Rotation(_) => rotation(),
+            TableSpec::Efficiencies(spec) => efficiencies(&spec.axes),
+            TableSpec::Moments(spec) => moments(spec.range_nm),
         };
         let scale = match self {
             TableSpec::Colours(_) => 1.0 / COLOUR_SCALE,
@@ -172,6 +176,39 @@ fn grating() -> Words {
         ("row", row("the surface's strongest period as a vector, from one groove to the next")),
     ]);
     (channels.map(str::to_owned).into(), axes)
+}
+
+fn efficiencies(axes: &EfficiencyAxes) -> Words {
+    let channels = [
+        "efficiency at the left edge of the column",
+        "its slope there, per column",
+        "efficiency at the right edge",
+        "its slope there, per column",
+    ];
+    let Bins { r_max, s_max } = axes.bins;
+    let EfficiencyAxes { columns, min_um, .. } = axes;
+    let column = format!(
+        "-w/wavelength from index to index + 1, in units of {}/{columns} per µm; cubic between the edges",
+        2.0 / min_um
+    );
+    let row = format!("order (r, s): (s + {s_max})·{} + r + {r_max}", 2 * r_max + 1);
+    let axes = BTreeMap::from([("column", column), ("row", row)]);
+    (channels.map(str::to_owned).into(), axes)
+}
+
+fn moments(range_nm: [f64; 2]) -> Words {
+    let channels = [0, 1, 2, 3].map(|p| {
+        format!(
+            "integral of t^{p} times the colour weight, t = (wavelength - {CENTRE_NM} nm)/{UNIT_NM} nm"
+        )
+    });
+    let [min_nm, max_nm] = range_nm;
+    let column = format!(
+        "integral from {min_nm} nm to {min_nm} + index·{} nm; linear between",
+        (max_nm - min_nm) / (moment_columns(range_nm) - 1) as f64
+    );
+    let axes = BTreeMap::from([("column", column), ("row", "X, Y, Z".to_owned())]);
+    (channels.to_vec(), axes)
 }
 
 fn row(first: &str) -> String {

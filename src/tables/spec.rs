@@ -14,6 +14,9 @@ use crate::surface::HeightField;
 use crate::tables::terms::Terms;
 
 use super::lobes::lobes_table;
+use super::orders::{
+    EfficiencyAxes, efficiencies_shape, efficiencies_table, moments_shape, moments_table,
+};
 use super::{
     Aim, BakedAxes, LaidExpansion, LobeGeometry, Series, Settings, Table, TermLayers, TermScale,
     bake, coefficients_shape, coefficients_table, grating_table, levels_table, rotation_table,
@@ -41,6 +44,10 @@ pub enum TableSpec {
     Grating(GratingSpec),
     /// Only the rotation.
     Rotation(RotationSpec),
+    /// Efficiencies of orders.
+    Efficiencies(EfficienciesSpec),
+    /// Moments of a spectrum.
+    Moments(MomentsSpec),
 }
 
 /// See [`terms_table`](super::terms_table).
@@ -148,6 +155,11 @@ impl SettingsSpec {
         SettingsSpec { rotate_deg, scaled: scaled.then(|| Box::new(terms.clone())) }
     }
 
+    /// The settings without terms.
+    pub fn without_terms(rotate_deg: f64) -> SettingsSpec {
+        SettingsSpec { rotate_deg, scaled: None }
+    }
+
     fn settings(&self) -> Settings {
         let scale = self.scaled.as_ref().map_or(TermScale::NONE, |terms| terms.series.scale());
         Settings { rotate_deg: self.rotate_deg, scale }
@@ -236,6 +248,25 @@ pub struct RotationSpec {
     pub rotate_deg: f64,
 }
 
+/// See [`efficiencies_table`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EfficienciesSpec {
+    /// Identity of the heights.
+    pub surface: String,
+    /// Sizes.
+    pub axes: EfficiencyAxes,
+}
+
+/// See [`moments_table`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MomentsSpec {
+    /// The light.
+    #[serde(serialize_with = "Illuminant::serialize_identity")]
+    pub illuminant: Illuminant,
+    /// Range of wavelengths, nm.
+    pub range_nm: [f64; 2],
+}
+
 impl TableSpec {
     /// The name: the name of the binding, and a hash of this value and the tool's version.
     pub fn id(&self) -> String {
@@ -266,6 +297,8 @@ impl TableSpec {
                 spectrum_shape(*columns as usize, 2 + 2 * *rows as usize)
             }
             TableSpec::Grating(_) | TableSpec::Rotation(_) => spectrum_shape(1, 2),
+            TableSpec::Efficiencies(spec) => efficiencies_shape(&spec.axes),
+            TableSpec::Moments(spec) => moments_shape(spec.range_nm),
         }
     }
 
@@ -366,6 +399,10 @@ impl TableSpec {
                 grating_table(period_um, spec.rotate_deg)
             }
             TableSpec::Rotation(spec) => rotation_table(spec.rotate_deg),
+            TableSpec::Efficiencies(spec) => efficiencies_table(height, &spec.axes),
+            TableSpec::Moments(spec) => {
+                moments_table(&Spectrum::new(&spec.illuminant)?, spec.range_nm)
+            }
         };
         table.check()?;
         Ok(table)

@@ -6,7 +6,7 @@ use crate::plan::{Colour, Optics};
 use crate::tables::{Series, TableSpec};
 
 use super::tolerance::Promise;
-use super::{Cost, ErrorBound, FUNCTIONS, Function, LobeBounds};
+use super::{Cost, DIRECTIONAL, ErrorBound, Function, LobeBounds};
 
 /// The facts about a surface that the names of its tables depend on.
 #[derive(Clone, Copy, Debug)]
@@ -33,8 +33,8 @@ pub trait Computation {
     fn promise(&self) -> Promise;
 
     /// Functions that its shader offers.
-    fn functions(&self) -> &'static [&'static dyn Function] {
-        &FUNCTIONS
+    fn functions(&self) -> Vec<&'static dyn Function> {
+        vec![&DIRECTIONAL]
     }
 
     /// A-priori bounds of its approximations. `None` if no error is claimed, or if only a comparison shows the error.

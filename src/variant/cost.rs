@@ -1,7 +1,9 @@
 //! Cost of a variant, counted without running it.
 
+use glam::DVec3;
 use serde::Serialize;
 
+use crate::optics::brdf_map::view_directions;
 use crate::tables::Series;
 
 /// Cost of one lit pixel, independent of the driver. Forms with uniform wavelengths cost the same in every direction.
@@ -71,10 +73,24 @@ pub(super) fn spectrum_bytes(columns: u64, rows: u64) -> u64 {
     4 * 4 * columns * rows
 }
 
+/// Mean and maximum of a count over the disc of viewing directions.
+pub(super) fn mean_and_worst_views(count: impl Fn(DVec3) -> u64) -> (f64, u64) {
+    let (mut sum, mut worst) = (0, 0);
+    let views = view_directions(SIDE as usize);
+    for wr in &views {
+        let found = count(*wr);
+        sum += found;
+        worst = worst.max(found);
+    }
+    (sum as f64 / views.len() as f64, worst)
+}
+
+/// Viewing directions along a side of the disc.
+const SIDE: i32 = 48;
+
 /// Cost of a direction's `(u, v)`, given by `count`: the mean over the disc of viewing directions, under a light 20°
 /// from the normal in the plane of x, and the maximum over this disc and the mirror direction.
 pub(super) fn mean_and_worst(count: impl Fn([f64; 2]) -> u64) -> (f64, u64) {
-    const SIDE: i32 = 48;
     /// sin 20°, rounded. It is a constant, so that counts are the same on every processor.
     const SIN_LIGHT: f64 = 0.342;
     let (mut sum, mut directions) = (0, 0);

@@ -5,6 +5,7 @@ mod full_prefiltered;
 mod full_window;
 mod gems;
 mod lobes;
+mod orders;
 mod pq;
 mod warped;
 
@@ -25,7 +26,8 @@ pub use baked::Baked;
 pub use full_prefiltered::FullPrefiltered;
 pub use full_window::FullWindow;
 pub use gems::Gems;
-pub use lobes::Lobes;
+pub use lobes::{LobeSum, Lobes};
+pub use orders::{MAX_ORDERS, Orders, PANEL_ARC};
 pub use pq::Pq;
 pub use warped::Warped;
 
@@ -46,6 +48,8 @@ pub enum Form {
     Baked(Baked),
     /// The order sum of GPU Gems (2004), chapter 8.
     Gems(Gems),
+    /// Sum over the orders of a cell with few of them, also under lights with a size.
+    Orders(Orders),
 }
 
 impl Form {
@@ -66,6 +70,7 @@ impl Form {
             (Mode::Adaptive, Prefiltered) => Form::Warped(Warped::new(variant, height)?),
             (Mode::Baked, _) => Form::Baked(Baked::new(variant, height)?),
             (Mode::Gems, _) => Form::Gems(Gems::new(variant, height)?),
+            (Mode::Orders, _) => Form::Orders(Orders::new(variant, height)?),
         })
     }
 
@@ -79,6 +84,7 @@ impl Form {
             Form::Warped(form) => form,
             Form::Baked(form) => form,
             Form::Gems(form) => form,
+            Form::Orders(form) => form,
         }
     }
 }

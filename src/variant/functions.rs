@@ -1,16 +1,24 @@
 //! The functions that engines can call in a shader, one file for each. A form lists its functions; text, manifest,
 //! probes and cost follow from that.
 
+mod arguments;
 mod directional;
+mod disc;
+mod lamps;
+mod rectangle;
+
+use serde::Serialize;
 
 use crate::error::Result;
-use crate::field::reference::Directions;
-use crate::plan::Optics;
+use crate::plan::{LightFunction, Optics};
 use crate::surface::HeightField;
 
-use super::{Cost, Form, Twin};
+use super::{Cost, Form};
 
-pub use directional::{DIRECTIONAL, Directional, PROBES};
+pub use arguments::Arguments;
+pub use directional::{DIRECTIONAL, Directional};
+pub use disc::{DISC, Disc};
+pub use rectangle::{RECTANGLE, Rectangle};
 
 /// A function of a shader. It has the same name in every language.
 pub trait Function: Sync {
@@ -26,8 +34,27 @@ pub trait Function: Sync {
     /// Meaning of the arguments, in words.
     fn arguments(&self) -> &'static str;
 
+    /// The kind of light that it is for.
+    fn light(&self) -> LightFunction;
+
+    /// Unit of its result, in words.
+    fn unit(&self, form: &Form) -> &'static str;
+
     /// Cost of a lit pixel that calls the function once.
     fn cost(&self, form: &Form) -> Cost;
+
+    /// Errors against exact colours that it promises. Empty if the form itself promises them.
+    fn errors(&self) -> Vec<StatedError> {
+        Vec::new()
+    }
+
+    /// The promised error of one call, as the 95th percentile of CIEDE2000 over viewers.
+    fn error(&self, _arguments: &Arguments) -> Option<f64> {
+        None
+    }
+
+    /// Number of its probes.
+    fn probe_count(&self) -> usize;
 
     /// Arguments for testing an integration, with the exact results.
     fn probes(
@@ -36,19 +63,40 @@ pub trait Function: Sync {
         rotate_deg: f64,
         optics: &Optics,
     ) -> Result<Vec<ExactProbe>>;
+}
 
-    /// Its algorithm in f64. Returns relative tristimulus values.
-    fn evaluate(&self, twin: &Twin<'_>, arguments: Directions) -> [f64; 3];
+/// An error that a function promises.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StatedError {
+    /// Under which light.
+    pub under: String,
+    /// Maximum of the 95th percentile of CIEDE2000 against the exact colours, over viewers that see light.
+    pub de2000_p95: f64,
 }
 
 /// Arguments of a probe and their exact result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExactProbe {
-    /// Directions to the light and to the viewer, with components that are exact in 32-bit floats.
-    pub directions: Directions,
-    /// Relative tristimulus values, gain included.
+    /// With components that are exact in 32-bit floats.
+    pub arguments: Arguments,
+    /// Tristimulus values in the unit of the function.
     pub xyz: [f64; 3],
 }
 
 /// All functions.
-pub static FUNCTIONS: [&dyn Function; 1] = [&DIRECTIONAL];
+pub static FUNCTIONS: [&dyn Function; 3] = [&DIRECTIONAL, &DISC, &RECTANGLE];
+
+/// The function of a kind of light.
+pub fn function_of(light: LightFunction) -> &'static dyn Function {
+    match light {
+        LightFunction::Direction => &DIRECTIONAL,
+        LightFunction::Disc => &DISC,
+        LightFunction::Polygon => &RECTANGLE,
+    }
+}
+
+/// Radiance of the light of a call, seen in a mirror of the material at normal incidence, relative to a white. Probes'
+/// tolerances are relative to it.
+pub fn mirrored(arguments: &Arguments, optics: &Optics) -> f64 {
+    lamps::mirrored(arguments, optics)
+}

@@ -4,10 +4,10 @@ use std::f64::consts::{FRAC_2_PI, TAU};
 
 use serde::{Deserialize, Serialize};
 
-use crate::plan::{Basis, TableFormat};
+use crate::plan::{Basis, Optics, TableFormat};
 use crate::tables::Series;
 
-use super::Form;
+use super::{Arguments, Form, mirrored};
 
 /// The part of the error that a comparison shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -209,6 +209,16 @@ pub fn probe_tolerances(form: &Form, exact: &[[f64; 3]], expected: &[[f64; 3]]) 
     let of_all = |all: &[[f64; 3]]| all.iter().map(largest).fold(f64::MIN_POSITIVE, f64::max);
     let max = if form.claims_truth() { of_all(exact) } else { of_all(expected) };
     expected.iter().map(|xyz| (share * max).max(own * largest(xyz).min(max))).collect()
+}
+
+/// 32-bit arithmetic of lights with a size, relative to the result: a narrow light is a small difference of wavelengths.
+const OWN_LIGHT: f64 = 2e-3;
+
+/// Maximum difference of each of X, Y and Z of a call of a function of lights with a size from `expected` in a shader of
+/// 32-bit floats: the larger of 2e-3 of the result's own maximum and of 2e-5 of what a mirror of the material shows.
+pub fn light_tolerance(arguments: &Arguments, optics: &Optics, expected: &[f64; 3]) -> f64 {
+    let largest = expected.iter().fold(0.0, |max: f64, v| max.max(v.abs()));
+    (OWN_LIGHT * largest).max(CENTRED * mirrored(arguments, optics))
 }
 
 /// Maximum root mean square of the difference between the probes' expected and exact colours, relative to that of the

@@ -7,12 +7,17 @@
 mod adaptive;
 mod baked;
 mod bins;
+mod disc;
+mod efficiencies;
 mod full;
 mod gems;
+pub(super) mod lamps;
 pub mod mesh;
 mod nodes;
+mod orders;
 mod pq;
 mod prefiltered;
+mod rectangle;
 mod series;
 mod warped;
 mod window;
@@ -21,20 +26,23 @@ use glam::DVec3;
 
 use crate::field::reference::Directions;
 use crate::plan::Optics;
-use crate::tables::{TERMS, Table, single_wavelength};
+use crate::tables::{COEFFICIENTS, SPECTRUM, Settings, TERMS, Table, TermScale, single_wavelength};
 
-use super::Form;
+use super::{Arguments, Form};
+
+pub(super) use disc::disc_cap;
+pub(super) use rectangle::rectangle_caps;
 
 /// Everything that a pixel of a variant reads, and the variant's algorithm.
 #[derive(Clone, Copy)]
 pub struct Twin<'a> {
     /// How the variant computes.
     pub form: &'a Form,
-    /// Term table or table of colours, rounded or not. Empty if the form has neither.
+    /// Table of terms, of colours or of efficiencies, rounded or not. Empty if the form has neither.
     pub terms: &'a Table,
     /// Spectrum table, rounded or not.
     pub spectrum: &'a Table,
-    /// Table of coefficients, rounded or not. Empty if the coefficients are powers.
+    /// Table of coefficients or of moments, rounded or not. Empty if the form has neither.
     pub coefficients: &'a Table,
     /// Light and material.
     pub optics: &'a Optics,
@@ -43,19 +51,19 @@ pub struct Twin<'a> {
 }
 
 impl<'a> Twin<'a> {
-    /// Finds the tables by their names.
+    /// Finds the tables by their bindings.
     pub fn new(
         form: &'a Form,
         tables: &'a [Table],
         optics: &'a Optics,
         rotate_deg: f64,
     ) -> Twin<'a> {
-        let named = |name: &str| tables.iter().find(|t| t.name == name).unwrap_or(&ABSENT);
+        let at = |binding| tables.iter().find(|t| t.binding == binding).unwrap_or(&ABSENT);
         Twin {
             form,
-            terms: tables.iter().find(|t| t.binding == TERMS).unwrap_or(&ABSENT),
-            spectrum: named("spectrum"),
-            coefficients: named("coefficients"),
+            terms: at(TERMS),
+            spectrum: at(SPECTRUM),
+            coefficients: at(COEFFICIENTS),
             optics,
             rotate_deg,
         }
@@ -71,6 +79,21 @@ impl<'a> Twin<'a> {
             Form::Warped(form) => warped::tristimulus(self, form, directions),
             Form::Baked(form) => baked::tristimulus(self, form, directions),
             Form::Gems(_) => gems::tristimulus(self, directions),
+            Form::Orders(form) => orders::tristimulus(self, form, directions),
+        }
+    }
+
+    /// Result of a call: tristimulus values in the unit of the function. `None` if the form does not have the function.
+    pub fn evaluate(&self, arguments: Arguments) -> Option<[f64; 3]> {
+        match (arguments, self.form) {
+            (Arguments::Direction(directions), _) => Some(self.tristimulus(directions)),
+            (Arguments::Disc { axis, radius_rad, wr }, Form::Orders(form)) => {
+                Some(disc::tristimulus_disc(self, form, axis, radius_rad, wr))
+            }
+            (Arguments::Rectangle { corners, wr }, Form::Orders(form)) => {
+                Some(rectangle::tristimulus_rectangle(self, form, corners, wr))
+            }
+            _ => None,
         }
     }
 
@@ -88,7 +111,12 @@ impl<'a> Twin<'a> {
             Form::Lobes(form) => {
                 let settings = form.series.settings(self.rotate_deg);
                 let spectrum = single_wavelength(1e3 * lambda_um, settings);
-                Some(adaptive::corridor(&Twin { spectrum: &spectrum, ..*self }, form, path).x)
+                Some(adaptive::of_terms(&Twin { spectrum: &spectrum, ..*self }, form, path).x)
+            }
+            Form::Orders(form) => {
+                let settings = Settings { rotate_deg: self.rotate_deg, scale: TermScale::NONE };
+                let spectrum = single_wavelength(1e3 * lambda_um, settings);
+                Some(orders::corridor(&Twin { spectrum: &spectrum, ..*self }, form, path).x)
             }
             Form::Gems(_) | Form::Baked(_) => None,
         }

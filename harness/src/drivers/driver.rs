@@ -6,10 +6,11 @@ use std::ops::Range;
 use diffraction_shaders::diagnostic::Diagnostic;
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::field::reference::Directions;
+use diffraction_shaders::light::Light;
 use diffraction_shaders::optics::brdf_map::{BrdfMap, view_direction};
 use diffraction_shaders::optics::colour::from_rgb;
 use diffraction_shaders::optics::gain;
-use diffraction_shaders::runner::{Placement, Progress, Runner, has_wavelengths};
+use diffraction_shaders::runner::{Placement, Progress, Runner, has_wavelengths, lit_by};
 use diffraction_shaders::shader::module::Module;
 use diffraction_shaders::shader::specialise;
 use diffraction_shaders::shader::template::Sources;
@@ -17,15 +18,15 @@ use diffraction_shaders::tables::{
     COEFFICIENTS, DIRECTIONS, SPECTRUM, Settings, TERMS, Table, TermScale, TexelFormat,
     single_wavelength,
 };
-use diffraction_shaders::variant::Form;
+use diffraction_shaders::variant::{Arguments, Form};
 use glam::DVec3;
 
 /// Rows of a picture that are drawn at once.
 const BAND_ROWS: u32 = 16;
 /// Directions in a row of the probe's picture.
 const PROBE_WIDTH: usize = 512;
-/// Maximum number of rows of the probe's picture. Its table of directions has twice as many, which every driver supports.
-const PROBE_ROWS: usize = 1024;
+/// Maximum number of rows of the table of directions. Every driver supports it.
+const DIRECTION_ROWS: usize = 2048;
 
 /// A table, and its binding in group 0 of the templates.
 pub type BoundTable<'a> = (u32, &'a Table);
@@ -81,11 +82,11 @@ pub struct Prepared<'a> {
     pub sources: Sources,
     /// How the variant computes.
     pub form: Form,
-    /// The term table; empty if the mode has no terms.
+    /// The table of terms, colours or efficiencies; empty if the mode has none of them.
     pub terms: Table,
     /// The spectrum table.
     pub spectrum: Table,
-    /// The table of coefficients; empty if coefficients are powers.
+    /// The table of coefficients or moments; empty if the mode has neither.
     pub coefficients: Table,
 }
 
@@ -113,6 +114,11 @@ impl<'a> Prepared<'a> {
     /// Compiles the entry point `map` with its tables. Its uniform block is [`params`].
     pub fn map_pipeline<D: Driver>(&self, driver: &D) -> Result<D::Pipeline> {
         self.pipeline(driver, "map", &self.spectrum, None)
+    }
+
+    /// Rows of arguments of each pixel of the entry point `probe`.
+    fn argument_rows(&self) -> usize {
+        if self.form.functions().len() > 1 { 5 } else { 2 }
     }
 
     /// Compiles an entry point with its tables. Only `probe` has `directions`.
@@ -169,11 +175,24 @@ pub(super) fn probe<D: Driver>(
     directions: &[Directions],
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>> {
-    let mut out = Vec::with_capacity(directions.len());
-    for block in directions.chunks(PROBE_WIDTH * PROBE_ROWS) {
-        let table = directions_table(block);
+    let calls: Vec<Arguments> = directions.iter().map(|d| Arguments::Direction(*d)).collect();
+    probe_calls(prepared, driver, spectrum, &calls, progress)
+}
+
+/// The same for calls of any functions.
+pub(super) fn probe_calls<D: Driver>(
+    prepared: &Prepared<'_>,
+    driver: &D,
+    spectrum: &Table,
+    calls: &[Arguments],
+    progress: Progress<'_>,
+) -> Result<Vec<[f64; 3]>> {
+    let mut out = Vec::with_capacity(calls.len());
+    let rows = prepared.argument_rows();
+    for block in calls.chunks(PROBE_WIDTH * (DIRECTION_ROWS / rows)) {
+        let table = directions_table(block, rows);
         let pipeline = prepared.pipeline(driver, "probe", spectrum, Some(&table))?;
-        let size = [PROBE_WIDTH as u32, (table.height / 2) as u32];
+        let size = [PROBE_WIDTH as u32, (table.height / rows) as u32];
         let picture = driver.draw(&pipeline, size, &params(DVec3::Z, size), progress)?;
         out.extend(picture.iter().take(block.len()).map(|c| [c[0], c[1], c[2]].map(f64::from)));
     }
@@ -194,6 +213,20 @@ impl<D: Driver> Runner for DriverRunner<'_, D> {
         let colours = probe(&self.prepared, &self.driver, spectrum, directions, progress)?;
         self.finite(&colours)?;
         Ok(colours)
+    }
+
+    fn under(
+        &self,
+        light: &Light,
+        views: &[DVec3],
+        progress: Progress<'_>,
+    ) -> Result<Vec<[f64; 3]>> {
+        let Prepared { placement, form, spectrum, .. } = &self.prepared;
+        lit_by(&placement.variant.name, form, light, views, &|calls| {
+            let colours = probe_calls(&self.prepared, &self.driver, spectrum, calls, progress)?;
+            self.finite(&colours)?;
+            Ok(colours)
+        })
     }
 
     /// With a single wavelength of weight 1 the shader returns `C·|P|²`. The gain is divided out in f64.
@@ -233,16 +266,23 @@ impl<D: Driver> Runner for DriverRunner<'_, D> {
     }
 }
 
-/// Rows 2k hold the directions to the light, rows 2k + 1 those to the viewer. Unused texels hold directions below the
+/// The arguments of each pixel in `rows` rows, as the template `probe` reads them. Unused texels hold directions below the
 /// horizon, which give black.
-fn directions_table(directions: &[Directions]) -> Table {
-    let rows = directions.len().div_ceil(PROBE_WIDTH);
-    let mut texels = vec![0.0; 2 * rows * PROBE_WIDTH * 4];
-    for (i, d) in directions.iter().enumerate() {
-        let row = 2 * (i / PROBE_WIDTH);
-        for (row, v) in [(row, d.wi), (row + 1, d.wr)] {
+fn directions_table(calls: &[Arguments], rows: usize) -> Table {
+    let lines = calls.len().div_ceil(PROBE_WIDTH);
+    let mut texels = vec![0.0; rows * lines * PROBE_WIDTH * 4];
+    for (i, call) in calls.iter().enumerate() {
+        let arguments: &[(DVec3, f64)] = match *call {
+            Arguments::Direction(Directions { wi, wr }) => &[(wi, 0.0), (wr, 0.0)],
+            Arguments::Disc { axis, radius_rad, wr } => &[(axis, 1.0), (wr, radius_rad)],
+            Arguments::Rectangle { corners: [a, b, c, d], wr } => {
+                &[(a, 2.0), (wr, 0.0), (b, 0.0), (c, 0.0), (d, 0.0)]
+            }
+        };
+        for (line, (vector, number)) in arguments.iter().enumerate() {
+            let row = rows * (i / PROBE_WIDTH) + line;
             let at = (row * PROBE_WIDTH + i % PROBE_WIDTH) * 4;
-            texels[at..at + 3].copy_from_slice(&v.to_array());
+            texels[at..at + 4].copy_from_slice(&vector.extend(*number).to_array());
         }
     }
     Table {
@@ -250,7 +290,7 @@ fn directions_table(directions: &[Directions]) -> Table {
         binding: DIRECTIONS,
         format: TexelFormat::Rgba32Float,
         width: PROBE_WIDTH,
-        height: 2 * rows,
+        height: rows * lines,
         layers: 0,
         filtered: false,
         texels,

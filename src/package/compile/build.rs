@@ -10,16 +10,14 @@ use crate::encode::json as json_file;
 use crate::error::Error;
 use crate::hash::{TOOL_VERSION, of_value};
 use crate::package::manifest::{Described, TableEntry, describe, manifest};
+use crate::package::probe::Probed;
 use crate::package::{Content, Equality, Gap, JSON_TOLERANCE, Package, bindings, probe};
 use crate::plan::{Mode, TableFormat, Variant};
 use crate::shader::emit::emit;
 use crate::shader::specialise;
 use crate::tables::container::encode;
 use crate::tables::{Table, TableSpec, TexelFormat};
-use crate::variant::{
-    DIRECTIONAL, ExactProbe, Form, Function, MAX_PROBE_ERROR, PROBES, Twin, is_whole_light,
-    probe_error,
-};
+use crate::variant::{Form, Function, MAX_PROBE_ERROR, Twin, is_whole_light, probe_error};
 
 use super::identity;
 use super::work::{Loaded, Work};
@@ -104,9 +102,13 @@ impl Built<'_> {
             self.insert_table(spec, id, work, package, baked)?;
         }
         let (surface, variant) = (self.surface.name(), &self.variant.name);
-        let (exact, expected) = self.probes(work, package, last)?;
-        if let (Some(reason), false) = (self.refusal(&exact, &expected)?, self.variant.accept_error)
-        {
+        let probed: Vec<Probed> = self
+            .form
+            .functions()
+            .into_iter()
+            .map(|function| self.probes(function, work, package, last))
+            .collect::<Result<_, _>>()?;
+        if let (Some(reason), false) = (self.refusal(&probed)?, self.variant.accept_error) {
             // the tables that came with it
             package.retain(|path| known.contains(path));
             let reason = Error::new(variant, reason).remedy(remedy(self.variant.mode)).to_string();
@@ -116,33 +118,31 @@ impl Built<'_> {
             package.insert(&path, bytes, compare)?;
         }
         let path = format!("shaders/{surface}/{variant}/probe.json");
-        let colour = self.variant.optics.colour;
-        let probes = probe::json(surface, variant, colour, self.form, &exact, &expected)?;
+        let probes = probe::json(surface, self.variant, self.form, &probed)?;
         package.insert(&path, probes, Equality::Json { tolerance: probe::TOLERANCE })?;
         Ok(None)
     }
 
     /// Why the probes show that the variant is not what it claims to be. `None` if they agree, or if the variant has only
     /// a part of the light of the exact colours.
-    fn refusal(
-        &self,
-        exact: &[ExactProbe],
-        expected: &[[f64; 3]],
-    ) -> Result<Option<String>, Error> {
+    fn refusal(&self, probed: &[Probed]) -> Result<Option<String>, Error> {
         if !is_whole_light(self.variant)? {
             return Ok(None);
         }
-        let exact: Vec<[f64; 3]> = exact.iter().map(|probe| probe.xyz).collect();
-        let Some(error) = probe_error(self.form, &exact, expected) else { return Ok(None) };
-        // a number that is not finite is no agreement either
-        let agrees = error <= MAX_PROBE_ERROR;
-        Ok((!agrees).then(|| {
-            format!(
-                "its colours have little to do with the exact ones: on its {} probes they differ by {error:.2} of these \
-                 (root mean square), above {MAX_PROBE_ERROR}",
-                expected.len()
-            )
-        }))
+        let error = |of: &Probed| {
+            let error = probe_error(self.form, &of.exact_xyz(), &of.expected)?;
+            // a number that is not finite is no agreement either
+            let agrees = error <= MAX_PROBE_ERROR;
+            (!agrees).then(|| {
+                format!(
+                    "its colours have little to do with the exact ones: on the {} probes of {} they differ by {error:.2} \
+                     of these (root mean square), above {MAX_PROBE_ERROR}",
+                    of.expected.len(),
+                    of.function.name()
+                )
+            })
+        };
+        Ok(probed.iter().find_map(error))
     }
 
     fn insert_table(
@@ -195,33 +195,35 @@ impl Built<'_> {
         format!("surfaces/{}/{id}.bin", self.surface.name())
     }
 
-    /// The probes with their exact colours, and the colours of the variant's algorithm on its packed tables.
+    /// The probes of a function with their exact colours, and the colours of the variant's algorithm on its packed tables.
     fn probes(
         &self,
+        function: &'static dyn Function,
         work: &Work<'_>,
         package: &Package,
         last: &mut Last,
-    ) -> Result<(Vec<ExactProbe>, Vec<[f64; 3]>), Error> {
+    ) -> Result<Probed, Error> {
         let Built { surface, variant, form, .. } = self;
-        let (function, cache) = (&DIRECTIONAL, work.cache);
+        let cache = work.cache;
         let (optics, rotate_deg) = (&variant.optics, surface.rotate_deg());
         let id = identity::exact_id(function, surface.input.identity(), optics);
         let mut known = surface.exact.lock().unwrap_or_else(PoisonError::into_inner);
         let exact = match known.get(&id) {
             Some(exact) => exact.clone(),
             None => {
-                let numbers = cache.numbers(&id, 9 * PROBES, || {
+                let count = probe::width(function) * function.probe_count();
+                let numbers = cache.numbers(&id, count, || {
                     let exact = function.probes(surface.field, rotate_deg, optics)?;
                     Ok(probe::to_numbers(&exact))
                 })?;
-                let exact = probe::from_numbers(&numbers);
+                let exact = probe::from_numbers(function, &numbers);
                 known.insert(id, exact.clone());
                 exact
             }
         };
         drop(known);
         let id = identity::expected_id(function, surface.input.identity(), variant);
-        let expected = cache.numbers(&id, 3 * PROBES, || {
+        let expected = cache.numbers(&id, 3 * function.probe_count(), || {
             let mut tables = Vec::new();
             for (spec, id) in self.tables.iter().zip(&self.ids) {
                 if spec.is_expensive() {
@@ -236,10 +238,10 @@ impl Built<'_> {
             {
                 twin.terms = terms;
             }
-            Ok(probe::expected(function, &twin, &exact).concat())
+            Ok(probe::expected(&twin, &exact).concat())
         })?;
         let (expected, _) = expected.as_chunks();
-        Ok((exact, expected.to_vec()))
+        Ok(Probed { function, exact, expected: expected.to_vec() })
     }
 
     /// Makes `last` the term table at a path.

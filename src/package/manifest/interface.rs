@@ -69,7 +69,7 @@ fn source(name: &str) -> &'static str {
     match name {
         "params" => "see `uniforms`; used by `map` and `probe` only",
         "directions" => {
-            "rgba32float; two rows for each row of the picture, with the directions to the light and to the viewer; used by `probe` only"
+            "rgba32float; rows of arguments for each row of the picture, see the comment in the text; used by `probe` only"
         }
         "mesh_params" => "see `uniforms`; used by `mesh_vert` and `mesh` only",
         "orientation_map" => {

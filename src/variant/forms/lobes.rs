@@ -12,87 +12,44 @@ use crate::variant::cost::{mean_and_worst, spectrum_bytes};
 use crate::variant::tolerance::Promise;
 use crate::variant::{Computation, Cost, ErrorBound, Ground, ISOLATED, LobeBounds, lay};
 
-/// Numbers of the form.
+/// Numbers of a sum over lobes, however the intensities of its bins are computed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lobes {
-    /// The terms.
-    pub series: Series,
+pub struct LobeSum {
+    /// Size of the patch, µm.
+    pub patch_um: [f64; 2],
     /// Positions and widths of lobes.
     pub geometry: LobeGeometry,
     /// Bounds of the loops.
     pub corridor: Corridor,
     /// The coherence window.
     pub window: Window,
-    range_nm: [f64; 2],
-    illuminant: Illuminant,
-    cost: Cost,
+    /// Range of wavelengths, nm.
+    pub range_nm: [f64; 2],
+    /// The light.
+    pub illuminant: Illuminant,
 }
 
-impl Lobes {
-    pub(in crate::variant) fn new(variant: &Variant, height: &HeightField) -> Result<Lobes> {
+impl LobeSum {
+    /// It is an error if neighbouring lobes overlap and interfere.
+    pub(super) fn new(variant: &Variant, height: &HeightField) -> Result<LobeSum> {
         let window = Window::from(&variant.optics);
         let patch_um = lay::patch_um(height);
         let geometry = LobeGeometry::new(window, &variant.wavelengths, patch_um);
         check_isolated(variant, &geometry)?;
-        let expansion = lay::expansion(variant, height)?;
-        let corridor = geometry.corridor(lay::height_range_um(height));
-        let range_nm = lay::range_nm(variant);
-        let Window { coherence_um, coherence_scaling, .. } = window;
-        let reach = Reach::Corridor { coherence_um, coherence_scaling, max_nm: range_nm[1] };
-        let bins = lay::bins(patch_um, range_nm[0], corridor.margin.map(|m| m as usize));
-        let texels = (variant.packing, variant.table);
-        let series = Series::new(expansion, reach, bins, None, patch_um, texels);
-        Ok(Lobes {
-            cost: cost(&series, &geometry, &corridor),
-            series,
+        Ok(LobeSum {
+            patch_um,
+            corridor: geometry.corridor(lay::height_range_um(height)),
             geometry,
-            corridor,
             window,
-            range_nm,
+            range_nm: lay::range_nm(variant),
             illuminant: variant.optics.illuminant.clone(),
         })
     }
-}
 
-/// Returns an error if amplitudes of neighbouring bins interfere, because the form adds intensities.
-fn check_isolated(variant: &Variant, geometry: &LobeGeometry) -> Result<()> {
-    let [x, y] = geometry.sigma_bins();
-    let widest = x.max(y);
-    if variant.optics.coherence == Coherence::Ensemble || widest <= ISOLATED {
-        return Ok(());
-    }
-    let cause =
-        format!("neighbouring lobes overlap and interfere: σf·L = {widest:.2} is above {ISOLATED}");
-    Err(Error::new(&variant.name, cause).remedy(
-        "use reconstruction = \"prefiltered\", coherence = \"ensemble\", or mode = \"full\"",
-    ))
-}
-
-fn cost(series: &Series, geometry: &LobeGeometry, corridor: &Corridor) -> Cost {
-    let evaluations = mean_and_worst(|uv| evaluations(geometry, corridor, uv));
-    // two neighbouring texels of every row of coefficients, and two of colours
-    let others = 2 * u64::from(series.coefficient_rows()) + 2;
-    let Corridor { columns, rows, .. } = *corridor;
-    let bytes = series.byte_count() + spectrum_bytes(u64::from(columns), u64::from(2 * rows + 2));
-    Cost::of_evaluations(evaluations, u64::from(series.layers()), others, bytes)
-}
-
-/// Number of evaluations: bins that the wavelengths of a direction cross.
-fn evaluations(geometry: &LobeGeometry, corridor: &Corridor, uv: [f64; 2]) -> u64 {
-    let breadth = geometry.breadth(uv, corridor.nodes);
-    if breadth < 1.0 {
-        let row = (breadth * (f64::from(corridor.rows) - 1.0) + 0.5) as u32;
-        let sides = if LobeGeometry::is_halved(row, corridor.rows) { 2 } else { 1 };
-        return sides * geometry.bins(uv).len() as u64;
-    }
-    (0..corridor.nodes).map(|node| geometry.node_bins(uv, node, corridor.nodes)).sum()
-}
-
-impl Computation for Lobes {
-    fn define(&self, wavelengths: usize, into: &mut Defines) {
-        self.series.define(into);
+    /// Constants of the template `adaptive`.
+    pub(super) fn define(&self, wavelengths: usize, into: &mut Defines) {
         super::define_window(self.window, into);
-        super::define_patch(self.series.size_um, into);
+        super::define_patch(self.patch_um, into);
         into.flag("MONOCHROMATIC", wavelengths == 1);
         into.number(
             "BROADEST",
@@ -123,23 +80,107 @@ impl Computation for Lobes {
         into.number("WAVELENGTH_MAX_UM", self.range_nm[1] * 1e-3, "longest wavelength, µm");
     }
 
+    /// The table of the colours of lobes.
+    pub(super) fn table(&self, surface: &str, settings: SettingsSpec) -> TableSpec {
+        TableSpec::Lobes(LobesSpec {
+            surface: surface.to_owned(),
+            illuminant: self.illuminant.clone(),
+            range_nm: self.range_nm,
+            coherence_scaling: self.window.coherence_scaling,
+            nodes: self.corridor.nodes,
+            narrow: [self.corridor.columns, self.corridor.rows],
+            settings,
+        })
+    }
+
+    /// Cost of evaluations that read `terms` texels of the largest table and `others` of the others. `bytes`: of all tables but
+    /// that of lobes.
+    pub(super) fn cost(&self, terms: u64, others: u64, bytes: u64) -> Cost {
+        let evaluations = mean_and_worst(|uv| evaluations(&self.geometry, &self.corridor, uv));
+        let Corridor { columns, rows, .. } = self.corridor;
+        let bytes = bytes + spectrum_bytes(u64::from(columns), u64::from(2 * rows + 2));
+        // two neighbouring texels of colours
+        Cost::of_evaluations(evaluations, terms, others + 2, bytes)
+    }
+
+    pub(super) fn bounds(&self) -> LobeBounds {
+        let [x, y] = self.geometry.sigma_bins();
+        let single = self.window.coherence == Coherence::Single;
+        LobeBounds {
+            candidates: self.corridor.candidates,
+            overlap: x.max(y),
+            overlap_limit: single.then_some(ISOLATED),
+        }
+    }
+}
+
+/// Numbers of the form.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lobes {
+    /// The sum over lobes.
+    pub sum: LobeSum,
+    /// The terms.
+    pub series: Series,
+    cost: Cost,
+}
+
+impl Lobes {
+    pub(in crate::variant) fn new(variant: &Variant, height: &HeightField) -> Result<Lobes> {
+        let sum = LobeSum::new(variant, height)?;
+        let expansion = lay::expansion(variant, height)?;
+        let LobeSum { patch_um, window, range_nm, .. } = sum;
+        let Window { coherence_um, coherence_scaling, .. } = window;
+        let reach = Reach::Corridor { coherence_um, coherence_scaling, max_nm: range_nm[1] };
+        let bins = lay::bins(patch_um, range_nm[0], sum.corridor.margin.map(|m| m as usize));
+        let texels = (variant.packing, variant.table);
+        let series = Series::new(expansion, reach, bins, None, patch_um, texels);
+        // two neighbouring texels of every row of coefficients
+        let others = 2 * u64::from(series.coefficient_rows());
+        let cost = sum.cost(u64::from(series.layers()), others, series.byte_count());
+        Ok(Lobes { sum, series, cost })
+    }
+}
+
+/// Returns an error if amplitudes of neighbouring bins interfere, because the form adds intensities.
+fn check_isolated(variant: &Variant, geometry: &LobeGeometry) -> Result<()> {
+    let [x, y] = geometry.sigma_bins();
+    let widest = x.max(y);
+    if variant.optics.coherence == Coherence::Ensemble || widest <= ISOLATED {
+        return Ok(());
+    }
+    let cause =
+        format!("neighbouring lobes overlap and interfere: σf·L = {widest:.2} is above {ISOLATED}");
+    Err(Error::new(&variant.name, cause).remedy(
+        "use reconstruction = \"prefiltered\", coherence = \"ensemble\", or mode = \"full\"",
+    ))
+}
+
+/// Number of evaluations: bins that the wavelengths of a direction cross.
+fn evaluations(geometry: &LobeGeometry, corridor: &Corridor, uv: [f64; 2]) -> u64 {
+    let breadth = geometry.breadth(uv, corridor.nodes);
+    if breadth < 1.0 {
+        let row = (breadth * (f64::from(corridor.rows) - 1.0) + 0.5) as u32;
+        let sides = if LobeGeometry::is_halved(row, corridor.rows) { 2 } else { 1 };
+        return sides * geometry.bins(uv).len() as u64;
+    }
+    (0..corridor.nodes).map(|node| geometry.node_bins(uv, node, corridor.nodes)).sum()
+}
+
+impl Computation for Lobes {
+    fn define(&self, wavelengths: usize, into: &mut Defines) {
+        self.series.define(into);
+        self.sum.define(wavelengths, into);
+    }
+
     fn tables(&self, on: Ground<'_>) -> Vec<TableSpec> {
         let terms = TermsSpec {
             surface: on.surface.to_owned(),
             series: self.series.clone(),
             filtered: false,
         };
-        let lobes = LobesSpec {
-            surface: on.surface.to_owned(),
-            illuminant: self.illuminant.clone(),
-            range_nm: self.range_nm,
-            coherence_scaling: self.window.coherence_scaling,
-            nodes: self.corridor.nodes,
-            narrow: [self.corridor.columns, self.corridor.rows],
-            settings: SettingsSpec::new(on.rotate_deg, &terms),
-        };
+        let lobes = self.sum.table(on.surface, SettingsSpec::new(on.rotate_deg, &terms));
         let coefficients = CoefficientsSpec::new(on.surface, &self.series);
-        let tables = [TableSpec::Terms(terms), TableSpec::Lobes(lobes)];
+        let tables = [TableSpec::Terms(terms), lobes];
         tables.into_iter().chain(coefficients.map(TableSpec::Coefficients)).collect()
     }
 
@@ -151,7 +192,7 @@ impl Computation for Lobes {
     /// percentile 0.3 on a grating, 0.03 on scans, 0.13 on their maps).
     fn promise(&self) -> Promise {
         let promise = Promise::of_series(&self.series, false);
-        promise.converged(&self.series, self.range_nm, (0.5, Some(0.25)))
+        promise.converged(&self.series, self.sum.range_nm, (0.5, Some(0.25)))
     }
 
     fn error_bound(&self) -> Option<ErrorBound> {
@@ -160,13 +201,7 @@ impl Computation for Lobes {
     }
 
     fn lobe_bounds(&self) -> Option<LobeBounds> {
-        let [x, y] = self.geometry.sigma_bins();
-        let single = self.window.coherence == Coherence::Single;
-        Some(LobeBounds {
-            candidates: self.corridor.candidates,
-            overlap: x.max(y),
-            overlap_limit: single.then_some(ISOLATED),
-        })
+        Some(self.sum.bounds())
     }
 
     fn series(&self) -> Option<&Series> {

@@ -7,11 +7,12 @@ use crate::field::Scratch;
 use crate::field::comparison_directions::pool;
 use crate::field::reference::{Directions, Reference};
 use crate::optics::colour_difference::{LIT, auto_exposure};
+use crate::plan::LightFunction;
 use crate::plan::Optics;
 use crate::surface::HeightField;
-use crate::variant::{Cost, Form, Twin};
+use crate::variant::{Cost, Form};
 
-use super::{ExactProbe, Function};
+use super::{Arguments, ExactProbe, Function};
 
 /// The function that every form has.
 pub static DIRECTIONAL: Directional = Directional;
@@ -20,7 +21,7 @@ pub static DIRECTIONAL: Directional = Directional;
 pub struct Directional;
 
 /// Number of probes of the function.
-pub const PROBES: usize = 64;
+const PROBES: usize = 64;
 
 impl Function for Directional {
     fn name(&self) -> &'static str {
@@ -39,8 +40,20 @@ impl Function for Directional {
         "unit vectors pointing away from the surface; wi to the light, wr to the viewer"
     }
 
+    fn light(&self) -> LightFunction {
+        LightFunction::Direction
+    }
+
+    fn unit(&self, form: &Form) -> &'static str {
+        form.unit()
+    }
+
     fn cost(&self, form: &Form) -> Cost {
         form.cost()
+    }
+
+    fn probe_count(&self) -> usize {
+        PROBES
     }
 
     fn probes(
@@ -50,10 +63,6 @@ impl Function for Directional {
         optics: &Optics,
     ) -> Result<Vec<ExactProbe>> {
         exact(height, rotate_deg, optics)
-    }
-
-    fn evaluate(&self, twin: &Twin<'_>, arguments: Directions) -> [f64; 3] {
-        twin.tristimulus(arguments)
     }
 }
 
@@ -66,7 +75,7 @@ fn exact(height: &HeightField, rotate_deg: f64, optics: &Optics) -> Result<Vec<E
     let reference = Reference::new(height, rotate_deg, optics, visible, all.iter().copied())?;
     let colour = |scratch: &mut Scratch, &directions: &Directions| {
         let xyz = reference.tristimulus(directions, scratch);
-        ExactProbe { directions, xyz }
+        ExactProbe { arguments: Arguments::Direction(directions), xyz }
     };
     let colours: Vec<ExactProbe> = all.par_iter().map_init(Scratch::default, colour).collect();
     let mut rest = colours.as_slice();
@@ -117,7 +126,11 @@ mod tests {
         assert!(colours.iter().all(|c| exposure * c[1] > 0.5 * LIT), "{colours:?}");
         let mirrors = probes
             .iter()
-            .filter(|p| (p.directions.wi + p.directions.wr).truncate().length() < 0.02);
+            .filter_map(|probe| match probe.arguments {
+                Arguments::Direction(Directions { wi, wr }) => Some(wi + wr),
+                _ => None,
+            })
+            .filter(|sum| sum.truncate().length() < 0.02);
         assert!((22..35).contains(&mirrors.count()));
     }
 }

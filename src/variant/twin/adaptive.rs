@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3};
 use crate::field::reference::Directions;
 use crate::optics::{gain, path_difference};
 use crate::tables::{BROADEST, LobeGeometry, MIN_SQUARED, OUTER_NODES, REACH_SIGMAS};
-use crate::variant::Lobes;
+use crate::variant::{LobeSum, Lobes};
 
 use super::Twin;
 use super::bins::bin_amplitude;
@@ -24,15 +24,30 @@ pub fn tristimulus(twin: &Twin<'_>, form: &Lobes, Directions { wi, wr }: Directi
         return [0.0; 3];
     }
     let path = path_difference(wi, wr, twin.rotate_deg);
-    (corridor(twin, form, path) * factor).to_array()
+    (of_terms(twin, form, path) * factor).to_array()
 }
 
-/// The sum over the bins of a strip along the segment, or over the bins about each node.
-pub fn corridor(twin: &Twin<'_>, form: &Lobes, path: DVec3) -> DVec3 {
+/// The sum over lobes whose bins are series of terms.
+pub fn of_terms(twin: &Twin<'_>, form: &Lobes, path: DVec3) -> DVec3 {
+    let squared = |bin: DVec2, lambda_um: f64| {
+        let argument = series_argument(twin, &form.series, path.z, lambda_um);
+        bin_amplitude(twin, &form.series, bin, argument).norm_sqr()
+    };
+    series_scale(&form.series).powi(2) * corridor(twin, &form.sum, path, &squared)
+}
+
+/// The sum over the bins of a strip along the segment, or over the bins about each node. `squared_at`: `|c|²` of a bin at a
+/// wavelength in µm.
+pub fn corridor(
+    twin: &Twin<'_>,
+    form: &LobeSum,
+    path: DVec3,
+    squared_at: &dyn Fn(DVec2, f64) -> f64,
+) -> DVec3 {
     let steep = path.y.abs() > path.x.abs();
     let turn = |v: DVec2| if steep { DVec2::new(v.y, v.x) } else { v };
     let uv = turn(path.truncate());
-    let size_um = turn(DVec2::from(form.series.size_um));
+    let size_um = turn(DVec2::from(form.patch_um));
     let range = wavenumbers(twin, form);
     let reach = REACH_SIGMAS * window_width(form, range.y);
     let squared = uv.length_squared().max(MIN_SQUARED);
@@ -70,18 +85,17 @@ pub fn corridor(twin: &Twin<'_>, form: &Lobes, path: DVec3) -> DVec3 {
             let share = window_share(exponent, squared, width, pace);
             for side in 0..lobe_halves(form, row) {
                 let light = lobe_light(twin, form, wavenumber, node, row, side, range);
-                let argument = series_argument(twin, &form.series, path.z, light[3]);
-                let amplitude = bin_amplitude(twin, &form.series, turn(bin), argument);
-                xyz += share * amplitude.norm_sqr() * DVec3::new(light[0], light[1], light[2]);
+                let colour = DVec3::new(light[0], light[1], light[2]);
+                xyz += share * squared_at(turn(bin), light[3]) * colour;
             }
         }
     }
     let scale = if broad { 1.0 } else { window_width(form, 1.0) / squared.sqrt() };
-    scale * series_scale(&form.series).powi(2) * xyz
+    scale * xyz
 }
 
 /// Width of the lobes of a direction, relative to the broadest narrow lobe.
-fn lobe_breadth(twin: &Twin<'_>, form: &Lobes, length: f64, range: DVec2) -> f64 {
+fn lobe_breadth(twin: &Twin<'_>, form: &LobeSum, length: f64, range: DVec2) -> f64 {
     if twin.is_monochromatic() {
         return 1.0;
     }
@@ -89,7 +103,7 @@ fn lobe_breadth(twin: &Twin<'_>, form: &Lobes, length: f64, range: DVec2) -> f64
 }
 
 /// Wavenumber at which the segment passes closest to a bin.
-fn lobe_centre(form: &Lobes, place: DVec2, uv: DVec2, squared: f64) -> f64 {
+fn lobe_centre(form: &LobeSum, place: DVec2, uv: DVec2, squared: f64) -> f64 {
     if form.geometry.scales {
         place.length_squared() / uv.dot(place).max(MIN_SQUARED)
     } else {
@@ -98,13 +112,13 @@ fn lobe_centre(form: &Lobes, place: DVec2, uv: DVec2, squared: f64) -> f64 {
 }
 
 /// Row of the table for narrow lobes of this width. `None` for broad lobes.
-fn lobe_row(form: &Lobes, breadth: f64) -> Option<u32> {
+fn lobe_row(form: &LobeSum, breadth: f64) -> Option<u32> {
     let last = f64::from(form.corridor.rows) - 1.0;
     (breadth < 1.0).then_some((breadth * last + 0.5) as u32)
 }
 
 /// Number of wavelengths at which a lobe's bin is evaluated.
-fn lobe_halves(form: &Lobes, row: Option<u32>) -> u32 {
+fn lobe_halves(form: &LobeSum, row: Option<u32>) -> u32 {
     let halved = row.is_some_and(|row| LobeGeometry::is_halved(row, form.corridor.rows));
     if halved { 2 } else { 1 }
 }
@@ -112,7 +126,7 @@ fn lobe_halves(form: &Lobes, row: Option<u32>) -> u32 {
 /// X, Y, Z of a lobe or of one of its halves, and the wavelength at which its bin is evaluated.
 fn lobe_light(
     twin: &Twin<'_>,
-    form: &Lobes,
+    form: &LobeSum,
     wavenumber: f64,
     node: u32,
     row: Option<u32>,
@@ -134,7 +148,7 @@ fn lobe_light(
 }
 
 /// Distance between nodes.
-fn node_pace(twin: &Twin<'_>, form: &Lobes, range: DVec2) -> f64 {
+fn node_pace(twin: &Twin<'_>, form: &LobeSum, range: DVec2) -> f64 {
     if twin.is_monochromatic() {
         return 0.0;
     }
@@ -142,7 +156,7 @@ fn node_pace(twin: &Twin<'_>, form: &Lobes, range: DVec2) -> f64 {
 }
 
 /// Wavenumber of a node.
-fn node_wavenumber(twin: &Twin<'_>, form: &Lobes, node: u32, range: DVec2) -> f64 {
+fn node_wavenumber(twin: &Twin<'_>, form: &LobeSum, node: u32, range: DVec2) -> f64 {
     if twin.is_monochromatic() {
         return range.x;
     }
@@ -166,12 +180,12 @@ fn window_share(exponent: f64, squared: f64, width: f64, pace: f64) -> f64 {
 }
 
 /// Standard deviation of the window's spectrum, cycles per µm.
-fn window_width(form: &Lobes, wavenumber: f64) -> f64 {
+fn window_width(form: &LobeSum, wavenumber: f64) -> f64 {
     form.geometry.sigma_at(wavenumber)
 }
 
 /// Minimum and maximum wavenumber.
-fn wavenumbers(twin: &Twin<'_>, form: &Lobes) -> DVec2 {
+fn wavenumbers(twin: &Twin<'_>, form: &LobeSum) -> DVec2 {
     if twin.is_monochromatic() {
         return DVec2::splat(1.0 / twin.spectrum.load(0, 0, 0)[3]);
     }

@@ -1,0 +1,151 @@
+//! Tables of the sum over orders: the efficiencies of a cell's orders, and moments of the light's spectrum.
+
+use std::f64::consts::TAU;
+
+use rayon::prelude::*;
+use rustfft::num_complex::Complex64;
+use serde::Serialize;
+
+use crate::field::transform::{Bins, axes, heights_upwards_um, ifft2};
+use crate::optics::spectrum::Spectrum;
+use crate::surface::HeightField;
+
+use super::{COEFFICIENTS, TERMS, Table, TexelFormat};
+
+/// Change of phase between columns of efficiencies, from the lowest to the highest point. Cubic interpolation with slopes
+/// errs by at most 1/384 of its fourth power: 7e-5.
+const COLUMN_PHASE: f64 = 0.4;
+
+/// Powers of the wavelength whose moments are in the table.
+pub const MOMENTS: usize = 4;
+
+/// Wavelength at which `t`, the variable of the moments, is zero, nm.
+pub const CENTRE_NM: f64 = 580.0;
+/// Unit of `t`, nm.
+pub const UNIT_NM: f64 = 200.0;
+
+/// Sizes of a table of efficiencies.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct EfficiencyAxes {
+    /// The orders. One row for each.
+    pub bins: Bins,
+    /// Number of columns: equal steps of `-w/λ` from 0 to its maximum, `2/λ` at the shortest wavelength.
+    pub columns: u32,
+    /// Shortest wavelength, µm.
+    pub min_um: f64,
+}
+
+impl EfficiencyAxes {
+    /// The orders of a cell that can propagate at wavelengths from `min_nm` on, and as many columns as its height range
+    /// needs.
+    pub fn new(height: &HeightField, min_nm: f64) -> EfficiencyAxes {
+        let min_um = min_nm * 1e-3;
+        let (low_um, high_um) = height.range_um();
+        let phase = 2.0 * TAU / min_um * (high_um - low_um);
+        EfficiencyAxes {
+            bins: Bins::reachable(height.size_x_um(), height.size_y_um(), 2.0 / min_um, 0),
+            columns: (phase / COLUMN_PHASE).ceil().clamp(1.0, f64::from(u32::MAX)) as u32,
+            min_um,
+        }
+    }
+
+    /// Number of columns over which the phase from the lowest to the highest point changes by `phase`.
+    pub fn columns_of(phase: f64) -> f64 {
+        phase / COLUMN_PHASE
+    }
+
+    /// `z = 2πw/λ` at the left edge of a column.
+    fn z(&self, column: u32) -> f64 {
+        -2.0 * TAU / self.min_um * f64::from(column) / f64::from(self.columns)
+    }
+}
+
+/// The table of efficiencies `|c_rs(z)|²`, 2-D. Row `(s + s_max)·(2 r_max + 1) + r + r_max`; a column reaches from its left
+/// edge to that of the next. Channels: the value and its slope, per column, at the left edge; the same at the right edge.
+pub fn efficiencies_table(height: &HeightField, of: &EfficiencyAxes) -> Table {
+    let heights_um = heights_upwards_um(height);
+    let edge = |column: u32| -> Vec<[f64; 2]> {
+        let z = of.z(column);
+        let transform = |factor: &dyn Fn(f64) -> Complex64| {
+            let mut samples: Vec<Complex64> =
+                heights_um.iter().map(|h| factor(*h) * Complex64::cis(z * h)).collect();
+            ifft2(&mut samples, axes(height), of.bins)
+        };
+        let amplitudes = transform(&|_| Complex64::ONE);
+        let slopes = transform(&|h| Complex64::new(0.0, h));
+        let step = of.z(1);
+        let pair =
+            |(c, d): (&Complex64, &Complex64)| [c.norm_sqr(), 2.0 * (c.conj() * d).re * step];
+        amplitudes.iter().zip(&slopes).map(pair).collect()
+    };
+    let edges: Vec<Vec<[f64; 2]>> = (0..=of.columns).into_par_iter().map(edge).collect();
+    let mut texels = Vec::with_capacity(4 * of.bins.len() * of.columns as usize);
+    for row in 0..of.bins.len() {
+        for pair in edges.windows(2) {
+            texels.extend(pair.iter().flat_map(|edge| edge[row]));
+        }
+    }
+    Table { texels, ..efficiencies_shape(of) }
+}
+
+/// The table of efficiencies without its texels.
+pub(super) fn efficiencies_shape(of: &EfficiencyAxes) -> Table {
+    Table {
+        name: "efficiencies",
+        binding: TERMS,
+        format: TexelFormat::Rgba32Float,
+        width: of.columns as usize,
+        height: of.bins.len(),
+        layers: 0,
+        filtered: false,
+        texels: Vec::new(),
+    }
+}
+
+/// Number of columns of the table of moments of a range: about one per nm.
+pub fn moment_columns([min_nm, max_nm]: [f64; 2]) -> usize {
+    (max_nm - min_nm).ceil().max(1.0) as usize + 1
+}
+
+/// The table of moments, 2-D. Rows: X, Y, Z. Column `i` of `n`: the wavelength `λ = min + (max - min)·i/(n - 1)`. Channels `p`
+/// from 0 to 3: `∫ t^p S(λ)·(x̄, ȳ, z̄)(λ) dλ` from `min` to λ, `t = (λ - 580 nm)/200 nm`.
+pub fn moments_table(spectrum: &Spectrum, range_nm: [f64; 2]) -> Table {
+    /// Parts of a column in the sum.
+    const PARTS: usize = 32;
+    let shape = moments_shape(range_nm);
+    let count = shape.width - 1;
+    let step_nm = (range_nm[1] - range_nm[0]) / (count * PARTS) as f64;
+    let mut sums = [[0.0; MOMENTS]; 3];
+    let mut columns = vec![sums];
+    for column in 0..count {
+        for part in 0..PARTS {
+            let lambda_nm = range_nm[0] + ((column * PARTS + part) as f64 + 0.5) * step_nm;
+            let t = (lambda_nm - CENTRE_NM) / UNIT_NM;
+            let weights = spectrum.per_nm(lambda_nm);
+            for (sums, weight) in sums.iter_mut().zip(weights) {
+                let mut power = weight * step_nm;
+                for sum in sums {
+                    *sum += power;
+                    power *= t;
+                }
+            }
+        }
+        columns.push(sums);
+    }
+    let texels = (0..3).flat_map(|row| columns.iter().flat_map(move |sums| sums[row])).collect();
+    Table { texels, ..shape }
+}
+
+/// The table of moments without its texels.
+pub(super) fn moments_shape(range_nm: [f64; 2]) -> Table {
+    Table {
+        name: "moments",
+        binding: COEFFICIENTS,
+        format: TexelFormat::Rgba32Float,
+        width: moment_columns(range_nm),
+        height: 3,
+        layers: 0,
+        filtered: false,
+        texels: Vec::new(),
+    }
+}

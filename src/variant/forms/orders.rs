@@ -1,0 +1,147 @@
+//! `orders`: the sum over the orders of a cell that has few of them, under single directions and under lights with a size.
+
+use crate::defines::Defines;
+use crate::error::{Error, Result};
+use crate::plan::{LightFunction, Variant};
+use crate::surface::HeightField;
+use crate::tables::orders::{EfficiencyAxes, moment_columns};
+use crate::tables::{EfficienciesSpec, MomentsSpec, SettingsSpec, TableSpec};
+use crate::variant::judge::Light;
+use crate::variant::tolerance::{Promise, is_visible};
+use crate::variant::{
+    Computation, Cost, DIRECTIONAL, DISC, Function, Ground, LobeBounds, RECTANGLE,
+};
+
+use super::LobeSum;
+
+/// Maximum number of orders. Each is a row of a table, and a pixel examines all that may meet its light.
+pub const MAX_ORDERS: usize = 1024;
+/// Maximum number of columns of the table of efficiencies: every profile allows textures of this size.
+const MAX_COLUMNS: u32 = 2048;
+/// Maximum phase from the lowest to the highest point, over which the share of an order is one cubic. Through four nodes of
+/// Chebyshev the cubic errs by half of this to the fourth power, divided by 192.
+const PANEL_PHASE: f64 = 1.5;
+/// Maximum arc of the light's direction over which the share of an order is one cubic, radians.
+pub const PANEL_ARC: f64 = 0.5;
+
+/// Numbers of the form.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Orders {
+    /// The sum under light from a single direction.
+    pub sum: LobeSum,
+    /// The orders, and sizes of their table.
+    pub axes: EfficiencyAxes,
+    functions: Vec<LightFunction>,
+    cost: Cost,
+}
+
+impl Orders {
+    pub(in crate::variant) fn new(variant: &Variant, height: &HeightField) -> Result<Orders> {
+        Light::new(variant)?;
+        let axes = EfficiencyAxes::new(height, variant.wavelengths.min_nm);
+        let fail = |cause: String| Err(Error::new(&variant.name, cause));
+        let (orders, columns) = (axes.bins.len(), axes.columns);
+        if orders > MAX_ORDERS {
+            let cause = format!(
+                "{orders} orders of the cell of {:.3} × {:.3} µm can propagate, above {MAX_ORDERS}",
+                height.size_x_um(),
+                height.size_y_um()
+            );
+            let remedy =
+                "mode = \"orders\" is for gratings and other small cells; use adaptive or baked";
+            return fail(cause).map_err(|error| error.remedy(remedy));
+        }
+        if columns > MAX_COLUMNS {
+            let cause =
+                format!("the heights need {columns} columns of efficiencies, above {MAX_COLUMNS}");
+            return fail(cause).map_err(|error| error.remedy("check the unit of the heights"));
+        }
+        let sum = LobeSum::new(variant, height)?;
+        let functions = variant.lights.clone();
+        let mut form = Orders { sum, axes, functions, cost: Cost::default() };
+        let bytes = (orders * columns as usize + 3 * form.moment_columns()) as u64 * 16;
+        form.cost = form.sum.cost(1, 0, bytes);
+        Ok(form)
+    }
+
+    /// Number of columns of the table of moments.
+    pub fn moment_columns(&self) -> usize {
+        moment_columns(self.sum.range_nm)
+    }
+
+    /// Columns of efficiencies over which the share of an order is one cubic.
+    pub fn panel_columns(&self) -> f64 {
+        EfficiencyAxes::columns_of(PANEL_PHASE)
+    }
+
+    /// Maximum number of panels of an order: the deepest heights at all wavelengths, or a half circle.
+    pub fn panels(&self) -> usize {
+        let deepest = f64::from(self.axes.columns) / self.panel_columns();
+        (2.0 * deepest).max(2.0 / PANEL_ARC) as usize + 1
+    }
+
+    fn has(&self, light: LightFunction) -> bool {
+        self.functions.contains(&light)
+    }
+}
+
+impl Computation for Orders {
+    fn define(&self, wavelengths: usize, into: &mut Defines) {
+        self.sum.define(wavelengths, into);
+        let (disc, rectangle) = (self.has(LightFunction::Disc), self.has(LightFunction::Polygon));
+        into.flag("DISC", disc);
+        into.flag("RECTANGLE", rectangle);
+        into.flag("LAMPS", disc || rectangle);
+        let shortest = "shortest wavelength, µm";
+        into.number("WAVELENGTH_MIN_UM", self.axes.min_um, shortest);
+        let columns = "number of columns of the table of efficiencies";
+        into.count("EFFICIENCY_COLUMNS", self.axes.columns as usize, columns);
+        let [x, y] = ["largest order along x that can propagate", "largest order along y"];
+        into.count("ORDER_REACH_X", self.axes.bins.r_max, x);
+        into.count("ORDER_REACH_Y", self.axes.bins.s_max, y);
+        let moments = "number of columns of the table of moments";
+        into.count("MOMENT_COLUMNS", self.moment_columns(), moments);
+        let panels = "maximum number of cubics for an order";
+        into.count("PANEL_COUNT", self.panels(), panels);
+        let arc = "maximum change of the light's direction for one cubic";
+        into.number("PANEL_ARC", PANEL_ARC, arc);
+        let wide = "maximum number of columns of efficiencies for one cubic";
+        into.number("PANEL_COLUMNS", self.panel_columns(), wide);
+    }
+
+    fn tables(&self, on: Ground<'_>) -> Vec<TableSpec> {
+        let surface = on.surface.to_owned();
+        let efficiencies = EfficienciesSpec { surface, axes: self.axes };
+        let lobes = self.sum.table(on.surface, SettingsSpec::without_terms(on.rotate_deg));
+        let (illuminant, range_nm) = (self.sum.illuminant.clone(), self.sum.range_nm);
+        let moments = TableSpec::Moments(MomentsSpec { illuminant, range_nm });
+        let has_lamps = self.has(LightFunction::Disc) || self.has(LightFunction::Polygon);
+        let tables = [TableSpec::Efficiencies(efficiencies), lobes];
+        tables.into_iter().chain(has_lamps.then_some(moments)).collect()
+    }
+
+    fn cost(&self) -> Cost {
+        self.cost
+    }
+
+    /// As for the sum over lobes of a series, whose terms these efficiencies replace.
+    fn promise(&self) -> Promise {
+        let model = is_visible(self.sum.range_nm).then_some((0.5, Some(0.25)));
+        Promise::comparator().with_model(model)
+    }
+
+    fn functions(&self) -> Vec<&'static dyn Function> {
+        let function = |light: &LightFunction| -> &'static dyn Function {
+            match light {
+                LightFunction::Direction => &DIRECTIONAL,
+                LightFunction::Disc => &DISC,
+                LightFunction::Polygon => &RECTANGLE,
+            }
+        };
+        self.functions.iter().map(function).collect()
+    }
+
+    fn lobe_bounds(&self) -> Option<LobeBounds> {
+        Some(self.sum.bounds())
+    }
+}

@@ -1,0 +1,150 @@
+//! Arguments of functions.
+
+use glam::DVec3;
+
+use crate::field::reference::Directions;
+use crate::light::{Cap, Light, Polygon};
+use crate::plan::LightFunction;
+
+/// Arguments of one call. All directions are unit vectors in the tangent frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Arguments {
+    /// Of `diffraction`.
+    Direction(Directions),
+    /// Of `diffraction_disc`.
+    Disc {
+        /// To the middle of the disc.
+        axis: DVec3,
+        /// Angular radius, up to π/2.
+        radius_rad: f64,
+        /// To the viewer.
+        wr: DVec3,
+    },
+    /// Of `diffraction_rectangle`.
+    Rectangle {
+        /// Corners in either order; neighbours may be the same.
+        corners: [DVec3; 4],
+        /// To the viewer.
+        wr: DVec3,
+    },
+}
+
+impl Arguments {
+    /// The kind of light, which tells the function.
+    pub fn light(&self) -> LightFunction {
+        match self {
+            Arguments::Direction(_) => LightFunction::Direction,
+            Arguments::Disc { .. } => LightFunction::Disc,
+            Arguments::Rectangle { .. } => LightFunction::Polygon,
+        }
+    }
+
+    /// The same with the nearest numbers of 32 bits, as a shader receives them.
+    #[must_use]
+    pub fn rounded(self) -> Arguments {
+        let single = |v: DVec3| v.as_vec3().as_dvec3();
+        match self {
+            Arguments::Direction(Directions { wi, wr }) => {
+                Arguments::Direction(Directions { wi: single(wi), wr: single(wr) })
+            }
+            Arguments::Disc { axis, radius_rad, wr } => Arguments::Disc {
+                axis: single(axis),
+                radius_rad: f64::from(radius_rad as f32),
+                wr: single(wr),
+            },
+            Arguments::Rectangle { corners, wr } => {
+                Arguments::Rectangle { corners: corners.map(single), wr: single(wr) }
+            }
+        }
+    }
+
+    /// The light with a size, of radiance 1 or irradiance 1. `None` for a single direction, and for corners that are those of
+    /// no convex polygon.
+    pub fn lamp(&self) -> Option<Light> {
+        match *self {
+            Arguments::Direction(_) => None,
+            Arguments::Disc { axis, radius_rad, .. } => {
+                Some(Light::Disc { cap: Cap { axis, radius_rad }, irradiance: 1.0 })
+            }
+            Arguments::Rectangle { corners, .. } => {
+                let mut distinct = corners.to_vec();
+                distinct.dedup();
+                if distinct.len() > 1 && distinct.first() == distinct.last() {
+                    distinct.pop();
+                }
+                let polygon = Polygon::new(&distinct).ok()?;
+                Some(Light::Polygon { polygon, radiance: 1.0 })
+            }
+        }
+    }
+
+    /// To the viewer.
+    pub fn wr(&self) -> DVec3 {
+        match *self {
+            Arguments::Direction(Directions { wr, .. })
+            | Arguments::Disc { wr, .. }
+            | Arguments::Rectangle { wr, .. } => wr,
+        }
+    }
+
+    /// Calls whose results add up to the light with a size that a viewer sees, each with its factor. Empty for lights that no
+    /// function has. A polygon is divided into a fan of quadrilaterals.
+    pub fn under(light: &Light, wr: DVec3) -> Vec<(Arguments, f64)> {
+        match light {
+            Light::Disc { cap, irradiance } => {
+                let Cap { axis, radius_rad } = *cap;
+                vec![(Arguments::Disc { axis, radius_rad, wr }, *irradiance)]
+            }
+            Light::Polygon { polygon, radiance } => {
+                let corners = polygon.corners();
+                let last = corners.len() - 1;
+                let part = |i: usize| {
+                    let ends = [i, i + 1, (i + 2).min(last)].map(|i| corners[i]);
+                    let corners = [corners[0], ends[0], ends[1], ends[2]];
+                    (Arguments::Rectangle { corners, wr }, *radiance)
+                };
+                (1..last).step_by(2).map(part).collect()
+            }
+            Light::Direction { .. } | Light::Sky { .. } => Vec::new(),
+        }
+    }
+
+    /// Number of numbers of [`Arguments::to_numbers`].
+    pub fn width(light: LightFunction) -> usize {
+        match light {
+            LightFunction::Direction => 6,
+            LightFunction::Disc => 7,
+            LightFunction::Polygon => 15,
+        }
+    }
+
+    /// The numbers, the viewer last.
+    pub fn to_numbers(&self) -> Vec<f64> {
+        match *self {
+            Arguments::Direction(Directions { wi, wr }) => [wi, wr].map(|v| v.to_array()).concat(),
+            Arguments::Disc { axis, radius_rad, wr } => {
+                [&axis.to_array()[..], &[radius_rad], &wr.to_array()].concat()
+            }
+            Arguments::Rectangle { corners: [a, b, c, d], wr } => {
+                [a, b, c, d, wr].map(|v| v.to_array()).concat()
+            }
+        }
+    }
+
+    /// The inverse of [`Arguments::to_numbers`]. `None` if there are too few numbers.
+    pub fn from_numbers(light: LightFunction, numbers: &[f64]) -> Option<Arguments> {
+        let vector = |at: usize| Some(DVec3::from(*numbers.get(at..)?.first_chunk::<3>()?));
+        Some(match light {
+            LightFunction::Direction => {
+                Arguments::Direction(Directions { wi: vector(0)?, wr: vector(3)? })
+            }
+            LightFunction::Disc => {
+                Arguments::Disc { axis: vector(0)?, radius_rad: *numbers.get(3)?, wr: vector(4)? }
+            }
+            LightFunction::Polygon => Arguments::Rectangle {
+                corners: [vector(0)?, vector(3)?, vector(6)?, vector(9)?],
+                wr: vector(12)?,
+            },
+        })
+    }
+}

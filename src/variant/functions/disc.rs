@@ -1,0 +1,97 @@
+//! `diffraction_disc(axis, radius, wr)`: radiance under a cap of the sphere.
+
+use std::f64::consts::FRAC_PI_2;
+
+use crate::error::Result;
+use crate::optics::direction;
+use crate::plan::{LightFunction, Optics};
+use crate::surface::HeightField;
+use crate::variant::twin::disc_cap;
+use crate::variant::{Cost, Form};
+
+use super::lamps::{self, Place};
+use super::{Arguments, ExactProbe, Function, StatedError};
+
+/// Light from a disc.
+pub static DISC: Disc = Disc;
+
+/// Light from a disc: `diffraction_disc(axis, radius, wr)`.
+pub struct Disc;
+
+/// Angular radii of probes, degrees: a small lamp, the sun, bulbs, softboxes, nearly a hemisphere.
+const RADII_DEG: [f64; 8] = [0.05, 0.2665, 0.2665, 1.0, 5.0, 15.0, 40.0, 89.0];
+
+/// 95th percentiles of CIEDE2000 against the exact colours, by the largest radius in degrees.
+const ERRORS: [(f64, f64); 3] = [(1.0, 0.3), (5.0, 0.7), (90.0, 2.5)];
+
+impl Function for Disc {
+    fn name(&self) -> &'static str {
+        "diffraction_disc"
+    }
+
+    fn tristimulus_name(&self) -> &'static str {
+        "tristimulus_disc"
+    }
+
+    fn signature(&self) -> &'static str {
+        "(axis: vec3f, radius: f32, wr: vec3f) -> vec3f"
+    }
+
+    fn arguments(&self) -> &'static str {
+        "axis: unit vector to the middle of the disc; radius: angular radius, 1e-4 to π/2 rad; wr: unit vector to the viewer; both point away from the surface"
+    }
+
+    fn light(&self) -> LightFunction {
+        LightFunction::Disc
+    }
+
+    fn unit(&self, _: &Form) -> &'static str {
+        "radiance under a disc of irradiance 1, perpendicular to its axis, relative to a white of radiance 1; a white diffuser that faces the disc shows 1/π"
+    }
+
+    fn cost(&self, form: &Form) -> Cost {
+        let of = |a: &Arguments| match *a {
+            Arguments::Disc { axis, radius_rad, .. } => {
+                Some((vec![disc_cap(axis, radius_rad)], disc_cap(axis, radius_rad)))
+            }
+            _ => None,
+        };
+        let sun = |wr| Arguments::Disc { axis: direction(20.0, 0.0), radius_rad: SUN_RAD, wr };
+        let widest = |wr| Arguments::Disc { axis: direction(20.0, 0.0), radius_rad: FRAC_PI_2, wr };
+        lamps::cost(form, &sun, &widest, &of)
+    }
+
+    fn errors(&self) -> Vec<StatedError> {
+        let error = |(radius_deg, de2000_p95): (f64, f64)| StatedError {
+            under: format!("disc of at most {radius_deg}° in radius"),
+            de2000_p95,
+        };
+        ERRORS.map(error).into()
+    }
+
+    fn error(&self, arguments: &Arguments) -> Option<f64> {
+        let Arguments::Disc { radius_rad, .. } = arguments else { return None };
+        let radius_deg = radius_rad.to_degrees();
+        ERRORS.iter().find(|(most_deg, _)| radius_deg <= most_deg + 1e-6).map(|(_, error)| *error)
+    }
+
+    fn probe_count(&self) -> usize {
+        lamps::PROBES
+    }
+
+    fn probes(
+        &self,
+        height: &HeightField,
+        rotate_deg: f64,
+        optics: &Optics,
+    ) -> Result<Vec<ExactProbe>> {
+        let candidate = |i: usize, Place { axis, near }: Place<'_>| {
+            let radius_rad = RADII_DEG[i % RADII_DEG.len()].to_radians();
+            Arguments::Disc { axis, radius_rad, wr: near(0.7 * radius_rad.min(0.6)) }
+        };
+        lamps::probes(height, rotate_deg, optics, &candidate)
+    }
+}
+
+/// Angular radius of the sun, rad.
+const SUN_RAD: f64 = 0.2665 / 180.0 * std::f64::consts::PI;

@@ -1,0 +1,120 @@
+//! What the functions of lights with a size share: their probes and their cost.
+
+use std::f64::consts::TAU;
+
+use glam::{DVec2, DVec3};
+
+use crate::error::{Error, Result};
+use crate::field::orders::OrderSum;
+use crate::optics::{direction, normal_reflectance};
+use crate::plan::Optics;
+use crate::surface::HeightField;
+use crate::variant::cost::mean_and_worst_views;
+use crate::variant::twin::lamps::{Cap, panel_count, visit};
+use crate::variant::{Cost, Form};
+
+use super::{Arguments, ExactProbe};
+
+/// Number of probes of a function of a light with a size.
+pub(super) const PROBES: usize = 16;
+
+/// Number of candidates that probes are chosen from.
+const CANDIDATES: usize = 40 * PROBES;
+
+/// A probe is lit if its Y is at least this part of what a mirror of the material shows.
+const LIT: f64 = 1e-3;
+
+/// Where the light of a candidate is, and its viewer.
+pub(super) struct Place<'a> {
+    /// To the middle of the light.
+    pub(super) axis: DVec3,
+    /// A viewer to whom an order brings light from a direction at most that far from the middle, in direction cosines.
+    pub(super) near: &'a dyn Fn(f64) -> DVec3,
+}
+
+/// The first lit candidates, with their exact colours. Light comes from anywhere above the horizon and a little below;
+/// viewers look where orders, the mirror's among them, send visible light from it.
+pub(super) fn probes(
+    height: &HeightField,
+    rotate_deg: f64,
+    optics: &Optics,
+    candidate: &dyn Fn(usize, Place<'_>) -> Arguments,
+) -> Result<Vec<ExactProbe>> {
+    let orders = OrderSum::new(height, rotate_deg, optics)?;
+    let mut found = Vec::with_capacity(PROBES);
+    for i in 0..CANDIDATES {
+        // a sequence that fills the cube evenly (Roberts 2018)
+        let part =
+            |power: i32| (0.5 + (i + 1) as f64 / 1.220_744_084_605_759_5_f64.powi(power)).fract();
+        let axis = direction(88.0 * part(1), 360.0 * part(2));
+        let reach = |size_um: f64| (0.55 * size_um).floor().clamp(1.0, 6.0);
+        let sizes = DVec2::new(height.size_x_um(), height.size_y_um());
+        let whole = |part: f64, size_um: f64| {
+            let reach = if size_um < 0.35 { 0.0 } else { 2.0 * reach(size_um) };
+            (part * (2.0 * reach + 1.0)).floor() - reach
+        };
+        let order = DVec2::new(whole(part(3), sizes.x), whole(part(4), sizes.y));
+        let lambda_um = 0.43 + 0.22 * part(5);
+        let frequency = DVec2::from_angle(rotate_deg.to_radians()).rotate(order / sizes);
+        let near = |away: f64| {
+            let jitter = away * part(6).sqrt() * DVec2::from_angle(TAU * part(7));
+            let plane = -axis.truncate() - lambda_um * frequency + jitter;
+            let limited = plane.clamp_length_max(1.5);
+            limited.extend((1.0 - limited.length_squared()).max(-1.0).sqrt().max(0.0))
+        };
+        let arguments = candidate(i, Place { axis, near: &near }).rounded();
+        // at grazing angles a rounded direction is another one
+        if !(arguments.wr().z > 0.1) {
+            continue;
+        }
+        let Some(lamp) = arguments.lamp() else { continue };
+        let Some(emitter) = lamp.emitter() else { continue };
+        let xyz = orders.radiance(&*emitter, arguments.wr());
+        if xyz[1] > LIT * mirrored(&arguments, optics) {
+            found.push(ExactProbe { arguments, xyz });
+            if found.len() == PROBES {
+                return Ok(found);
+            }
+        }
+    }
+    let cause = format!("only {} of {PROBES} probes are lit", found.len());
+    Err(Error::new("probe.json", cause))
+}
+
+/// Radiance of the light of a call, seen in a mirror of the material at normal incidence.
+pub(super) fn mirrored(arguments: &Arguments, optics: &Optics) -> f64 {
+    let radiance = match *arguments {
+        Arguments::Disc { radius_rad, .. } => {
+            1.0 / (std::f64::consts::PI * radius_rad.sin().powi(2))
+        }
+        _ => 1.0,
+    };
+    normal_reflectance(optics.refractive_index) * radiance
+}
+
+/// Cost under a light of usual size as mean over viewers, and the maximum under the widest light. `of`: the light's caps.
+pub(super) fn cost(
+    form: &Form,
+    usual: &dyn Fn(DVec3) -> Arguments,
+    widest: &dyn Fn(DVec3) -> Arguments,
+    of: &dyn Fn(&Arguments) -> Option<(Vec<Cap>, Cap)>,
+) -> Cost {
+    let Form::Orders(orders) = form else { return Cost::default() };
+    let panels = |arguments: Arguments| {
+        let mut count = 0;
+        if let Some((caps, bounds)) = of(&arguments) {
+            let wr = arguments.wr();
+            visit(orders, &caps, bounds, wr, &mut |order, range_um| {
+                count += u64::from(panel_count(orders, order, range_um, wr));
+            });
+        }
+        count
+    };
+    let (mean, _) = mean_and_worst_views(|wr| panels(usual(wr)));
+    let (_, worst) = mean_and_worst_views(|wr| panels(widest(wr)));
+    /// Four shares, and at both ends two texels of each row of moments.
+    const SHARES: u64 = 4;
+    const MOMENTS: u64 = 2 * 2 * 3;
+    let bytes = form.cost().table_bytes;
+    Cost::of_evaluations((SHARES as f64 * mean, SHARES * worst), 1, MOMENTS / SHARES, bytes)
+}

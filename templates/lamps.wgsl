@@ -1,0 +1,213 @@
+//- Twin: src/variant/twin/lamps.rs.
+
+// Lights with a size. At each wavelength an order takes light from a direction of its own: with the direction cosines α
+// of a direction along the surface, αi = -αr - λf, where f is the order's frequency in cycles per µm. As λ varies, this
+// direction runs over a small circle of the sphere. The colour of an order is the integral over the wavelengths at which
+// the direction lies within the light. A light is an intersection of caps, each given by its axis and the square of the
+// chord from the axis to its edge; a hemisphere has the square 2.
+
+// Integrals of the colour weights from the shortest wavelength. Rows: X, Y, Z. Columns: equal steps of the wavelength.
+// Channels: the weights times the powers 0 to 3 of t = (λ - 0.58 µm)/0.2 µm.
+@group(0) @binding(4) var moments: texture_2d<f32>;
+
+// Direction in the frame of the surface.
+fn in_surface(direction: vec3f) -> vec3f {
+#ifdef ROTATED
+    let turn = textureLoad(spectrum, vec2i(0, 1), 0);
+    let x = turn.x * direction.x + turn.y * direction.y;
+    return vec3f(x, turn.x * direction.y - turn.y * direction.x, direction.z);
+#else
+    return direction;
+#endif
+}
+
+// Reflectance at normal incidence.
+fn normal_reflectance() -> f32 {
+    let amplitude = (REFRACTIVE_INDEX - 1.0) / (REFRACTIVE_INDEX + 1.0);
+    return amplitude * amplitude;
+}
+
+// First and last row of orders that may take light from within `reach` of a direction; `offset` is the sum of the
+// direction cosines of light and viewer.
+fn order_rows(offset: vec2f, reach: f32) -> vec2i {
+    let ends = vec2f(WAVELENGTH_MIN_UM, WAVELENGTH_MAX_UM);
+    return orders_between(offset.y, reach, ends, PATCH_HEIGHT_UM, ORDER_REACH_Y);
+}
+
+// The same for the orders of a row.
+fn order_columns(row: i32, offset: vec2f, reach: f32) -> vec2i {
+    var ends = vec2f(WAVELENGTH_MIN_UM, WAVELENGTH_MAX_UM);
+    if (row != 0) {
+        // wavelengths at which the row passes the light
+        let sides = PATCH_HEIGHT_UM / f32(row) * (vec2f(-reach, reach) - offset.y);
+        ends.x = max(ends.x, min(sides.x, sides.y));
+        ends.y = min(ends.y, max(sides.x, sides.y));
+    }
+    if (ends.x > ends.y) {
+        return vec2i(0, -1);
+    }
+    return orders_between(offset.x, reach, ends, PATCH_WIDTH_UM, ORDER_REACH_X);
+}
+
+// First and last order along one axis that passes within `reach` between two wavelengths.
+fn orders_between(offset: f32, reach: f32, ends: vec2f, size_um: f32, limit: i32) -> vec2i {
+    let low = size_um * (-offset - reach) / ends;
+    let high = size_um * (-offset + reach) / ends;
+    let most = f32(limit);
+    let first = clamp(ceil(min(low.x, low.y)), -most, most + 1.0);
+    let last = clamp(floor(max(high.x, high.y)), -most - 1.0, most);
+    return vec2i(i32(first), i32(last));
+}
+
+// Frequency of an order, cycles per µm.
+fn order_frequency(order: vec2i) -> vec2f {
+    return vec2f(order) / vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM);
+}
+
+// Length and direction of a frequency. For the order that mirrors, the direction is zero.
+fn polar(frequency: vec2f) -> vec3f {
+    let size = max(length(frequency), 1e-9);
+    return vec3f(frequency / size, size);
+}
+
+// Direction from which an order takes light of a wavelength; z is 0 where there is none.
+fn arrival(frequency: vec2f, lambda_um: f32, wr: vec3f) -> vec3f {
+    let plane = -wr.xy - lambda_um * frequency;
+    return vec3f(plane, sqrt(max(0.0, 1.0 - dot(plane, plane))));
+}
+
+// Shortest and longest wavelength at which an order takes light from above the horizon.
+fn propagating(frequency: vec2f, wr: vec3f) -> vec2f {
+    let along = polar(frequency);
+    let start = -dot(wr.xy, along.xy);
+    let across = wr.y * along.x - wr.x * along.y;
+    let half = sqrt(max(0.0, 1.0 - across * across));
+    let low = max(WAVELENGTH_MIN_UM, (start - half) / along.z);
+    return vec2f(low, min(WAVELENGTH_MAX_UM, (start + half) / along.z));
+}
+
+// Wavelengths at which an order's direction crosses the edge of a cap above the horizon; 1e9 where it does not.
+fn crossings(frequency: vec2f, wr: vec3f, axis: vec3f, chord_squared: f32) -> vec2f {
+    let along = polar(frequency);
+    let across = vec2f(-along.y, along.x);
+    let start = -vec2f(dot(wr.xy, along.xy), dot(wr.xy, across));
+    let lamp = vec2f(dot(axis.xy, along.xy), dot(axis.xy, across));
+    // in this form, no small number is a difference of large ones, as it would be with the cosine of a small cap
+    let apart = start.y - lamp.y;
+    let sine_squared = chord_squared * (1.0 - 0.25 * chord_squared);
+    let squared = sine_squared - apart * apart - chord_squared * start.y * lamp.y;
+    if (squared <= 0.0) {
+        return vec2f(1e9);
+    }
+    let root = sqrt(squared) * vec2f(-1.0, 1.0);
+    let middle = 1.0 - 0.5 * chord_squared - start.y * lamp.y;
+    let size_squared = max(lamp.x * lamp.x + axis.z * axis.z, 1e-12);
+    let places = (lamp.x * middle + axis.z * root) / size_squared;
+    let heights = axis.z * middle - lamp.x * root;
+    return select(vec2f(1e9), (start.x - places) / along.z, heights > vec2f(0.0));
+}
+
+// Whether a direction lies within a cap.
+fn within(direction: vec3f, axis: vec3f, chord_squared: f32) -> bool {
+    let chord = direction - axis;
+    return dot(chord, chord) < chord_squared;
+}
+
+// X, Y, Z of an order between two wavelengths under radiance 1, without the reflectance at normal incidence. The range
+// is divided where the share of the order changes too much for a cubic.
+fn order_colour(order: vec2i, from_um: f32, to_um: f32, wr: vec3f) -> vec3f {
+    let frequency = order_frequency(order);
+    let first = arrival(frequency, from_um, wr);
+    let last = arrival(frequency, to_um, wr);
+    let middle_um = 0.5 * (from_um + to_um);
+    let middle = arrival(frequency, middle_um, wr);
+    // the phase changes fastest in the half of the shorter wavelengths
+    let turns = 2.0 * abs((first.z + wr.z) / from_um - (middle.z + wr.z) / middle_um);
+    let columns = 0.5 * WAVELENGTH_MIN_UM * f32(EFFICIENCY_COLUMNS) * turns;
+    let needed = max(columns / PANEL_COLUMNS, distance(first, last) / PANEL_ARC);
+    let count = min(i32(needed), PANEL_COUNT - 1) + 1;
+    var xyz = vec3f(0.0);
+    var start_um = from_um;
+    for (var panel = 1; panel <= count; panel++) {
+        var end_um = to_um;
+        if (panel < count) {
+            end_um = wavelength_between(frequency, from_um, to_um, f32(panel) / f32(count), wr);
+        }
+        xyz += panel_colour(order, frequency, start_um, end_um, wr);
+        start_um = end_um;
+    }
+    return xyz;
+}
+
+// A wavelength between two: in equal steps of the angle on the small circle, so that panels are short where light comes
+// along the horizon; of the order that mirrors, in equal steps of the phase.
+fn wavelength_between(frequency: vec2f, from_um: f32, to_um: f32, part: f32, wr: vec3f) -> f32 {
+    let along = polar(frequency);
+    if (along.x == 0.0 && along.y == 0.0) {
+        return 1.0 / mix(1.0 / from_um, 1.0 / to_um, part);
+    }
+    let start = -dot(wr.xy, along.xy);
+    let across = wr.y * along.x - wr.x * along.y;
+    let half = sqrt(max(1e-12, 1.0 - across * across));
+    let ends = (start - vec2f(from_um, to_um) * along.z) / half;
+    let angles = asin(clamp(ends, vec2f(-1.0), vec2f(1.0)));
+    let place = start - half * sin(mix(angles.x, angles.y, part));
+    return clamp(place / along.z, from_um, to_um);
+}
+
+// X, Y, Z of a panel: the share of the order is a cubic through its values at four nodes of Chebyshev.
+fn panel_colour(order: vec2i, frequency: vec2f, from_um: f32, to_um: f32, wr: vec3f) -> vec3f {
+    let middle = 0.5 * (from_um + to_um);
+    let half = 0.5 * (to_um - from_um);
+    let outer = 0.92387953 * half;
+    let inner = 0.38268343 * half;
+    let highest = order_share(order, frequency, middle + outer, wr);
+    let high = order_share(order, frequency, middle + inner, wr);
+    let low = order_share(order, frequency, middle - inner, wr);
+    let lowest = order_share(order, frequency, middle - outer, wr);
+    // coefficients of Chebyshev's polynomials, then of powers
+    let mean = 0.25 * (highest + high + low + lowest);
+    let linear = 0.5 * (0.92387953 * (highest - lowest) + 0.38268343 * (high - low));
+    let square = 0.35355339 * (highest - high - low + lowest);
+    let cube = 0.5 * (0.38268343 * (highest - lowest) - 0.92387953 * (high - low));
+    let powers = vec4f(mean - square, linear - 3.0 * cube, 2.0 * square, 4.0 * cube);
+    return moments_between(from_um, to_um, powers);
+}
+
+// Integral of the colour weights between two wavelengths, times a polynomial in the distance from the middle relative to
+// half the range. A moment about the middle is at most the integral itself, and rounding must not make it larger.
+fn moments_between(from_um: f32, to_um: f32, powers: vec4f) -> vec3f {
+    let x = moment_at(to_um, 0) - moment_at(from_um, 0);
+    let y = moment_at(to_um, 1) - moment_at(from_um, 1);
+    let z = moment_at(to_um, 2) - moment_at(from_um, 2);
+    let centre = 5.0 * (0.5 * (from_um + to_um) - 0.58);
+    let scale = 1.0 / max(2.5 * (to_um - from_um), 1e-9);
+    let light = vec3f(x.x, y.x, z.x);
+    let first = vec3f(x.y, y.y, z.y);
+    let second = vec3f(x.z, y.z, z.z);
+    let third = vec3f(x.w, y.w, z.w);
+    let linear = (first - centre * light) * scale;
+    let square = (second - centre * (2.0 * first - centre * light)) * scale * scale;
+    let cubic = third - 3.0 * centre * (second - centre * first) - centre * centre * centre * light;
+    let cube = cubic * scale * scale * scale;
+    return powers.x * light
+        + powers.y * clamp(linear, -light, light)
+        + powers.z * clamp(square, -light, light)
+        + powers.w * clamp(cube, -light, light);
+}
+
+// Moments from the shortest wavelength to another, linear between columns. Row: X, Y, Z.
+fn moment_at(lambda_um: f32, row: i32) -> vec4f {
+    let share = (lambda_um - WAVELENGTH_MIN_UM) / (WAVELENGTH_MAX_UM - WAVELENGTH_MIN_UM);
+    let place = clamp(share, 0.0, 1.0) * f32(MOMENT_COLUMNS - 1);
+    let column = min(i32(place), MOMENT_COLUMNS - 2);
+    let before = textureLoad(moments, vec2i(column, row), 0);
+    let after = textureLoad(moments, vec2i(column + 1, row), 0);
+    return mix(before, after, place - f32(column));
+}
+
+// Share of the light that an order sends to the viewer, relative to the reflectance at normal incidence.
+fn order_share(order: vec2i, frequency: vec2f, lambda_um: f32, wr: vec3f) -> f32 {
+    let wi = arrival(frequency, lambda_um, wr);
+    return gain(wi, wr) / max(wi.z, 1e-6) * efficiency(order, -(wi.z + wr.z) / lambda_um);
+}
