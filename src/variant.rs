@@ -26,6 +26,6 @@ pub use judge::{MAX_PHASE_ERROR, is_whole_light};
 pub use prefilter::{GRID_ERROR, NODE_ERROR, grid_error, node_level};
 pub use tolerance::{
     ACROSS, CENTRED, MAX_PROBE_ERROR, Part, Tolerance, light_tolerance, probe_error,
-    probe_tolerances,
+    probe_tolerances, tolerance_under,
 };
 pub use twin::{Twin, mesh};

@@ -12,12 +12,13 @@ mod unit;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use diffraction_shaders::error::Result;
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::input;
+use diffraction_shaders::light::Lights;
 use diffraction_shaders::optics::brdf_map::BrdfMap;
-use diffraction_shaders::plan::{Mode, SurfaceSpec, Variant};
-use diffraction_shaders::runner::{Placement, Runner};
+use diffraction_shaders::plan::{Mode, Optics, SurfaceSpec, Variant};
+use diffraction_shaders::runner::{Placement, Runner, check_scaling, missing, radiance_with};
 use diffraction_shaders::surface::{self, HeightField};
 use diffraction_shaders::survey::memory::{self, Memory};
 use diffraction_shaders::variant::Form;
@@ -25,9 +26,9 @@ use glam::DVec3;
 
 use crate::drivers::Prepared;
 use crate::drivers::routes::Route;
-use crate::results::{Gap, Record};
+use crate::results::{Gap, Lit, Record};
 
-pub use controls::{CONTROLS, SURFACE as CONTROL_SURFACE};
+pub use controls::{CONTROLS, LAMP_CONTROLS, SURFACE as CONTROL_SURFACE};
 pub use pictures::{AMPLIFIED, difference, mean_flip};
 
 /// Failures in a row after which a route is dropped.
@@ -41,8 +42,8 @@ pub struct Job<'a> {
     pub variants: &'a [Variant],
     /// The open routes. The twin is always compared in addition.
     pub routes: &'a [Box<dyn Route>],
-    /// Directions towards the lights: theta and phi in degrees.
-    pub lights: &'a [[f64; 2]],
+    /// What shines, one after the other.
+    pub lights: &'a [Shine<'a>],
     /// Width and height of the maps, in pixels.
     pub size: usize,
     /// Factor on luminance before colour differences. `None`: computed from the exact map.
@@ -51,6 +52,54 @@ pub struct Job<'a> {
     pub subset: usize,
     /// Bytes of memory that may be taken. More is an error before anything of the surface is computed.
     pub memory: u64,
+}
+
+/// What shines on a surface.
+#[derive(Clone, Copy, Debug)]
+pub enum Shine<'a> {
+    /// A single direction: theta and phi in degrees.
+    Direction([f64; 2]),
+    /// Lights with their name.
+    Lights(&'a str, &'a Lights),
+}
+
+impl Shine<'_> {
+    /// As in records.
+    pub fn lit(&self) -> Lit {
+        match self {
+            Shine::Direction(angles) => Lit::Direction(*angles),
+            Shine::Lights(name, _) => Lit::Lights((*name).to_owned()),
+        }
+    }
+
+    /// As a part of a file's name.
+    fn place(&self) -> String {
+        match self {
+            Shine::Direction([theta, phi]) => format!("{theta}-{phi}"),
+            Shine::Lights(name, _) => unit::safe(name),
+        }
+    }
+
+    /// In messages.
+    fn shown(&self) -> String {
+        match self {
+            Shine::Direction([theta, _]) => format!("light {theta}°"),
+            Shine::Lights(name, _) => (*name).to_owned(),
+        }
+    }
+
+    /// Why a variant has no colours under it.
+    fn missing(&self, name: &str, form: &Form, optics: &Optics) -> Option<Error> {
+        let Shine::Lights(_, lights) = self else { return None };
+        if form.diffuser_scale(optics).is_none() {
+            let cause = "the unit of its result is arbitrary, so it has no radiance";
+            return Some(Error::new(name, cause));
+        }
+        if let Err(error) = check_scaling(optics, lights) {
+            return Some(error);
+        }
+        lights.with_size().find_map(|light| missing(name, form, light))
+    }
 }
 
 /// Takes results.
@@ -81,8 +130,8 @@ pub struct Unit<'a> {
     pub surface: &'a str,
     /// The variant.
     pub variant: &'a Variant,
-    /// Direction towards the light: theta and phi in degrees.
-    pub light: [f64; 2],
+    /// What shines on it.
+    pub light: Shine<'a>,
     /// Width and height of the map, in pixels.
     pub size: usize,
 }
@@ -103,7 +152,8 @@ pub fn run(request: &Job<'_>, sink: &mut dyn Sink) -> Result<()> {
     let mut failures = vec![0; request.routes.len()];
     for (route, failures) in request.routes.iter().zip(&mut failures) {
         sink.begin(&format!("controls by {}", route.name()));
-        *failures = controls::run(route.as_ref(), sink)?;
+        let with_lamps = request.lights.iter().any(|light| matches!(light, Shine::Lights(..)));
+        *failures = controls::run(route.as_ref(), with_lamps, sink)?;
         sink.step();
     }
     for spec in request.surfaces {
@@ -113,11 +163,16 @@ pub fn run(request: &Job<'_>, sink: &mut dyn Sink) -> Result<()> {
     Ok(())
 }
 
+/// What is asked: colours under one direction, or radiances under lights. The pixels of the map come first, then the random
+/// directions.
+enum Query {
+    Direction { light: DVec3, directions: Vec<Directions> },
+    Lights { lights: Lights, views: Vec<DVec3> },
+}
+
 /// The exact colours on a surface under a light.
 struct Truth {
-    light: DVec3,
-    /// The pixels of the map, then the random directions.
-    directions: Vec<Directions>,
+    query: Query,
     /// Number of directions that are pixels of the map.
     map: usize,
     colours: Vec<[f64; 3]>,
@@ -129,11 +184,17 @@ struct Truth {
 }
 
 impl Truth {
-    /// The colours by a runner, in the order of the directions. The map is drawn by its own entry point.
-    fn ask(&self, runner: &dyn Runner, size: usize) -> Result<Vec<[f64; 3]>> {
-        let mut colours = runner.brdf_map(self.light, size)?.disc();
-        colours.extend(runner.tristimulus(&self.directions[self.map..])?);
-        Ok(colours)
+    /// The colours by a runner, in the order of the directions. Under one direction the map is drawn by its own entry point.
+    /// `scale`: radiance relative to a white diffuser per unit of a colour.
+    fn ask(&self, runner: &dyn Runner, scale: f64, size: usize) -> Result<Vec<[f64; 3]>> {
+        match &self.query {
+            Query::Direction { light, directions } => {
+                let mut colours = runner.brdf_map(*light, size)?.disc();
+                colours.extend(runner.tristimulus(&directions[self.map..])?);
+                Ok(colours)
+            }
+            Query::Lights { lights, views } => radiance_with(runner, scale, lights, views, &|_| ()),
+        }
     }
 
     fn frame(&self, colours: &[[f64; 3]], size: usize) -> BrdfMap {
@@ -195,6 +256,12 @@ fn run_surface(
         }
         for (light_index, light) in request.lights.iter().enumerate() {
             let unit = Unit { surface: &spec.name, variant, light: *light, size: request.size };
+            if let Some(reason) = light.missing(&variant.name, &prepared.form, &variant.optics) {
+                let at = Some((spec.name.as_str(), variant.name.as_str()));
+                sink.record(gap("all", at, &reason.to_string(), false))?;
+                (0..=request.routes.len()).for_each(|_| sink.step());
+                continue;
+            }
             let names: Vec<String> = request
                 .routes
                 .iter()
@@ -207,7 +274,7 @@ fn run_surface(
             }
             let key = (serde_json::to_string(&variant.optics).unwrap_or_default(), light_index);
             if !truths.contains_key(&key) {
-                sink.begin(&format!("{}: exact, light {}°", spec.name, light[0]));
+                sink.begin(&format!("{}: exact, {}", spec.name, light.shown()));
                 // the number stays the same in a resumed run
                 let same = |other: &Option<Result<Variant>>| matches!(other, Some(Ok(other)) if other.optics == variant.optics);
                 let number = placed.iter().position(same).unwrap_or(index);
@@ -215,7 +282,7 @@ fn run_surface(
                 truths.insert(key.clone(), truth);
             }
             let Some(truth) = truths.get(&key) else { continue };
-            sink.begin(&format!("{}: {}, light {}°", spec.name, variant.name, light[0]));
+            sink.begin(&format!("{}: {}, {}", spec.name, variant.name, light.shown()));
             let chosen: Vec<Option<&dyn Route>> = request
                 .routes
                 .iter()

@@ -58,8 +58,8 @@ pub struct Compare {
     pub reference: String,
     /// The part of the error.
     pub part: Part,
-    /// Direction towards the light: theta and phi in degrees.
-    pub light: [f64; 2],
+    /// The light.
+    pub light: Lit,
     /// Width and height of the map, in pixels.
     pub size: usize,
     /// Factor on luminance before colour differences are computed.
@@ -85,6 +85,16 @@ pub struct Compare {
     pub pictures: Option<[String; 3]>,
     /// The variant's canonical configuration.
     pub settings: Value,
+}
+
+/// The light of a comparison.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Lit {
+    /// A single direction: theta and phi in degrees.
+    Direction([f64; 2]),
+    /// The lights of a file, by its name and the beginning of its hash.
+    Lights(String),
 }
 
 impl Compare {

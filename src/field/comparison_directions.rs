@@ -7,6 +7,7 @@ use rustfft::num_complex::Complex64;
 
 use crate::field::reference::Directions;
 use crate::field::transform::{Bins, axes, heights_upwards_um, ifft2};
+use crate::light::{Light, Lights};
 use crate::optics;
 use crate::optics::brdf_map::view_directions;
 use crate::plan::Optics;
@@ -33,6 +34,55 @@ pub fn standard(
         view_directions(size).into_iter().map(|wr| Directions { wi: light, wr }).collect();
     all.extend(on_orders(height, optics, rotate_deg, light, DRAWN, SEED));
     all
+}
+
+/// Random directions that are drawn from each light with a size.
+const OF_LIGHT: usize = 64;
+
+/// The viewers of a comparison under lights: the pixels of a map of `size × size`, and 4096 on strong orders of random
+/// directions within the lights.
+pub fn under_lights(
+    height: &HeightField,
+    optics: &Optics,
+    rotate_deg: f64,
+    lights: &Lights,
+    size: usize,
+) -> Vec<DVec3> {
+    let mut random = SplitMix64::new(SEED);
+    let each = DRAWN.div_ceil(OF_LIGHT * lights.all.len());
+    let mut all = view_directions(size);
+    for light in &lights.all {
+        for _ in 0..OF_LIGHT {
+            let wi = within(light, &mut random);
+            if wi.z > 0.05 {
+                let seed = (SplitMix64::share(&mut random) * 1e9) as u64;
+                let drawn = on_orders(height, optics, rotate_deg, wi, each, seed);
+                all.extend(drawn.into_iter().map(|directions| directions.wr));
+            }
+        }
+    }
+    all
+}
+
+/// A random direction within a light; not evenly distributed.
+fn within(light: &Light, random: &mut SplitMix64) -> DVec3 {
+    match light {
+        Light::Direction { direction, .. } => *direction,
+        Light::Disc { cap, .. } => {
+            let away = (cap.radius_rad * random.share().sqrt()).tan().min(10.0);
+            let (first, second) = cap.axis.any_orthonormal_pair();
+            let plane = DVec2::from_angle(TAU * random.share());
+            (cap.axis + away * (plane.x * first + plane.y * second)).normalize()
+        }
+        Light::Polygon { polygon, .. } => {
+            let sum: DVec3 = polygon.corners().iter().map(|corner| random.share() * *corner).sum();
+            sum.normalize()
+        }
+        Light::Sky { .. } => {
+            let plane = random.share().sqrt() * DVec2::from_angle(TAU * random.share());
+            plane.extend((1.0 - plane.length_squared()).max(0.0).sqrt())
+        }
+    }
 }
 
 /// `count` random viewing directions on the surface's strongest orders, one in four near the mirror direction: `wr =

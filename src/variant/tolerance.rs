@@ -2,12 +2,14 @@
 
 use std::f64::consts::{FRAC_2_PI, TAU};
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use crate::light::{Light, Lights};
 use crate::plan::{Basis, Optics, TableFormat};
 use crate::tables::Series;
 
-use super::{Arguments, Form, mirrored};
+use super::{Arguments, Form, function_of, mirrored};
 
 /// The part of the error that a comparison shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -219,6 +221,40 @@ const OWN_LIGHT: f64 = 2e-3;
 pub fn light_tolerance(arguments: &Arguments, optics: &Optics, expected: &[f64; 3]) -> f64 {
     let largest = expected.iter().fold(0.0, |max: f64, v| max.max(v.abs()));
     (OWN_LIGHT * largest).max(CENTRED * mirrored(arguments, optics))
+}
+
+/// 32-bit arithmetic under lights with a size, relative to the maximum (4e-5 under the sun).
+const LIGHT_ARITHMETIC: f64 = 1e-4;
+/// Rounding of the tables under lights with a size, relative to the maximum.
+const LIGHT_PACKING: f64 = 2e-5;
+
+/// The tolerance of a comparison under lights. It is that of the widest error among them. `None` as for
+/// [`Promise::tolerance`].
+pub fn tolerance_under(form: &Form, lights: &Lights, part: Part) -> Option<Tolerance> {
+    let values =
+        |max_abs| Some(Tolerance { max_abs: Some(max_abs), de2000_p95: None, map_p95: None });
+    let of_direction = form.promise().tolerance(part);
+    if lights.with_size().next().is_none() {
+        return of_direction;
+    }
+    match part {
+        Part::Arithmetic | Part::Across => values(LIGHT_ARITHMETIC),
+        Part::Packing => values(LIGHT_PACKING),
+        Part::Model | Part::Total => {
+            let single = of_direction?.de2000_p95?;
+            let of = |light: &Light| {
+                let calls = Arguments::under(light, DVec3::Z);
+                let errors =
+                    calls.iter().filter_map(|(call, _)| function_of(call.light()).error(call));
+                errors.fold(0.0, f64::max)
+            };
+            let mut most = lights.with_size().map(of).fold(0.0, f64::max);
+            if lights.directions().next().is_some() {
+                most = most.max(single);
+            }
+            Some(Tolerance { max_abs: None, de2000_p95: Some(most), map_p95: Some(most) })
+        }
+    }
 }
 
 /// Maximum root mean square of the difference between the probes' expected and exact colours, relative to that of the

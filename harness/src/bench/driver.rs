@@ -5,6 +5,7 @@ use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{Optics, Variant};
 use diffraction_shaders::runner::Placement;
 use diffraction_shaders::surface::HeightField;
+use diffraction_shaders::variant::{DISC, Function as _};
 use glam::DVec3;
 use serde_json::Value;
 
@@ -42,6 +43,8 @@ pub enum Case {
         height: Option<Box<HeightField>>,
         /// Pixels along x and y.
         frame: [usize; 2],
+        /// Diameter of the light, degrees. `None`: a single direction.
+        disc_deg: Option<f64>,
     },
     /// A frame of another shader, for scale.
     Yardstick {
@@ -131,20 +134,24 @@ fn build(gpu: &Gpu, scene: &Scene<'_>, case: &Case, clock: &dyn Clock) -> Result
         samples: Samples::default(),
     };
     match case {
-        Case::Map { variant, height, frame } => {
+        Case::Map { variant, height, frame, disc_deg } => {
             let height = height.as_deref().unwrap_or(scene.height);
             let placement = Placement { height, rotate_deg: scene.rotate_deg, variant };
             let prepared = Prepared::new(placement)?;
             if !scene.unchecked {
                 check(&prepared, gpu)?;
             }
-            let cost = prepared.form.cost();
+            let cost = match disc_deg {
+                None => prepared.form.cost(),
+                Some(_) => DISC.cost(&prepared.form),
+            };
             let timed = Timed {
                 table_bytes: cost.table_bytes,
                 fetches: cost.fetches_mean,
-                ..timed(variant.name.clone(), settings(variant), *frame)
+                ..timed(case.name(), settings(variant), *frame)
             };
-            compile(gpu, &prepared, light, timed, clock)
+            let radius_rad = 0.5 * disc_deg.unwrap_or(0.0).to_radians();
+            compile(gpu, &prepared, (light, radius_rad), timed, clock)
         }
         Case::Yardstick { what, optics, frame } => {
             let variant = yardstick::variant(*what, optics);
@@ -154,7 +161,20 @@ fn build(gpu: &Gpu, scene: &Scene<'_>, case: &Case, clock: &dyn Clock) -> Result
                 fetches: what.fetches(),
                 ..timed(what.name().to_owned(), Value::Null, *frame)
             };
-            compile(gpu, &prepared, light, timed, clock)
+            compile(gpu, &prepared, (light, 0.0), timed, clock)
+        }
+    }
+}
+
+impl Case {
+    /// Its name in records.
+    pub fn name(&self) -> String {
+        match self {
+            Case::Map { variant, disc_deg: Some(deg), .. } => {
+                format!("{} (disc {deg}°)", variant.name)
+            }
+            Case::Map { variant, .. } => variant.name.clone(),
+            Case::Yardstick { what, .. } => what.name().to_owned(),
         }
     }
 }
@@ -163,15 +183,20 @@ fn build(gpu: &Gpu, scene: &Scene<'_>, case: &Case, clock: &dyn Clock) -> Result
 fn compile(
     gpu: &Gpu,
     prepared: &Prepared<'_>,
-    light: DVec3,
+    (light, radius_rad): (DVec3, f64),
     timed: Timed,
     clock: &dyn Clock,
 ) -> Result<Built> {
     let begun = clock.wall();
     let pipeline = prepared.map_pipeline(gpu)?;
-    let first = params(light, [FIRST_DRAW; 2]);
+    let lit = |pixels: [u32; 2]| {
+        let mut params = params(light, pixels);
+        params[3] = radius_rad as f32;
+        params
+    };
+    let first = lit([FIRST_DRAW; 2]);
     pipeline.frames(FIRST_DRAW, FIRST_DRAW, bytemuck::bytes_of(&first), 1)?;
     let pipeline_ms = ms(clock.wall() - begun);
-    let params = params(light, timed.frame.map(|side| side as u32));
+    let params = lit(timed.frame.map(|side| side as u32));
     Ok(Built { pipeline, params, timed: Timed { pipeline_ms, ..timed } })
 }

@@ -23,6 +23,7 @@ const EXAMPLE: &str = "Examples:
   cargo xtask bench --plan plan.toml --save before
   cargo xtask bench --plan plan.toml --compare-to before --out measured
   cargo xtask bench --plan plan.toml --surface blazed --variant preview --size 1920x1080 --ggx
+  cargo xtask bench --surface cd --variant sun --baseline sun --disc-deg 0.53
   cargo xtask bench --plan plans/growth.toml --scaling --out growth
 
 Ratio = time of the baseline / time of the variant. Times depend on the other load of the machine. Ratios hardly do, since
@@ -63,6 +64,9 @@ pub(crate) struct Args {
     /// Time to measure each variant on each adapter, in seconds. At least 6 rounds are drawn in any case.
     #[arg(long, value_name = "S", default_value_t = 5.0, value_parser = seconds)]
     seconds: f64,
+    /// Also time each variant that has `diffraction_disc` under a disc of this diameter, in degrees.
+    #[arg(long, value_name = "DEG", value_parser = diameter, conflicts_with = "scaling")]
+    disc_deg: Option<f64>,
     /// Also time a shader that computes only the gain: no variant can be faster.
     #[arg(long)]
     empty: bool,
@@ -102,6 +106,11 @@ pub(crate) enum Interface {
 pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     restart::with_routes(&[NO_SHADER_CACHE])?;
     work::run(args, Duration::from_secs_f64(args.seconds), console)
+}
+
+fn diameter(text: &str) -> Result<f64, String> {
+    let value = text.parse::<f64>().ok().filter(|value| (0.02..=180.0).contains(value));
+    value.ok_or_else(|| "expected a diameter from 0.02 to 180 degrees".to_owned())
 }
 
 pub(crate) fn seconds(text: &str) -> Result<f64, String> {

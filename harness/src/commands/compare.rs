@@ -17,6 +17,7 @@ use crate::commands::restart;
 const EXAMPLE: &str = "Examples:
   cargo xtask compare --plan plan.toml --size 128
   cargo xtask compare --plan plans/texts.toml --light 0,0 --light 20,0 --out target/texts --resume
+  cargo xtask compare --lights lights.toml --size 64
   cargo xtask compare --route twin --route vulkan:llvmpipe --variant texts --variant 'full-*' --json
 
 A route is a way from a variant to its colours: twin (the variant's algorithm in 64 bits, always there), vulkan, gl, spirv,
@@ -50,6 +51,10 @@ pub(crate) struct Args {
     /// Direction towards the light, in degrees: THETA from the normal, PHI about it from the tangent. May be repeated.
     #[arg(long, value_name = "THETA,PHI", default_value = "20,0", allow_hyphen_values = true)]
     light: Vec<Light>,
+    /// TOML file of lights: single directions, discs, polygons. Compare the radiance of all variants that have functions for them,
+    /// instead of colours under --light.
+    #[arg(long, value_name = "FILE.toml", conflicts_with = "light")]
+    lights: Option<PathBuf>,
     /// Factor on the colours before colour differences are computed: a positive number, or auto: from the exact map.
     #[arg(long, value_name = "auto|V", default_value = "auto")]
     exposure: Exposure,

@@ -7,27 +7,29 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
 use diffraction_shaders::error::Result;
-use diffraction_shaders::field::comparison_directions::on_orders;
+use diffraction_shaders::field::comparison_directions::{on_orders, under_lights};
 use diffraction_shaders::field::reference::Directions;
+use diffraction_shaders::light::{Cap, Light, Lights, Polygon};
 use diffraction_shaders::optics::REFERENCE_NM;
 use diffraction_shaders::optics::brdf_map::view_directions;
 use diffraction_shaders::optics::colour_difference::{auto_exposure, colour_difference};
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{
-    Auto, Basis, Grating, Mode, Optics, Packing, Reconstruction, Sampling, TableFormat, Variant,
+    Auto, Basis, Coherence, CoherenceScaling, Grating, Mode, Optics, Packing, Reconstruction,
+    Sampling, TableFormat, Variant,
 };
 use diffraction_shaders::runner::{Placement, TwinRunner, rounded};
 use diffraction_shaders::surface::HeightField;
 use diffraction_shaders::surface::synthetic::synthesise;
 use diffraction_shaders::tables::Table;
-use diffraction_shaders::variant::{Part, Tolerance};
+use diffraction_shaders::variant::{Part, Tolerance, tolerance_under};
 
 use crate::drivers::Prepared;
 use crate::drivers::routes::Route;
 use crate::process::watched::{Place, child::enter};
 use crate::results::{self, Record};
 
-use super::{PATIENCE, Sink, Truth, failed};
+use super::{PATIENCE, Query, Sink, Truth, failed};
 
 /// Light of the controls: theta and phi in degrees.
 const LIGHT: [f64; 2] = [20.0, 10.0];
@@ -64,7 +66,7 @@ impl Control {
         };
         (self.spoil)(&mut prepared, right.mean());
         let Right { truth, allowed, max_abs } = right;
-        let wrong = truth.ask(route.runner(prepared).as_ref(), SIZE)?;
+        let wrong = truth.ask(route.runner(prepared).as_ref(), 1.0, SIZE)?;
         let wrong = colour_difference(self.name, &truth.colours, &wrong, Some(truth.exposure))?;
         let inside = |max_abs| allowed.contains(max_abs, [0.0; 2]);
         Ok(results::Control {
@@ -82,7 +84,66 @@ impl Control {
     }
 }
 
-/// All controls.
+/// Controls of lights with a size.
+pub const LAMP_CONTROLS: [Control; 6] = [
+    Control {
+        name: "ends of the interval swapped",
+        mode: Mode::Orders,
+        filtered: false,
+        spoil: |p, _| {
+            let right = "start_um, end_um, wr)";
+            replace(p, "lamps", right, "end_um, start_um, wr)");
+        },
+    },
+    Control {
+        name: "edges not in order",
+        mode: Mode::Orders,
+        filtered: false,
+        spoil: |p, _| {
+            let right = "min(min(nearest.x, nearest.y), min(nearest.z, nearest.w))";
+            replace(p, "rectangle", right, "nearest.x");
+        },
+    },
+    Control {
+        name: "winding of corners ignored",
+        mode: Mode::Orders,
+        filtered: false,
+        spoil: |p, _| {
+            let right = "select(-1.0, 1.0, dot(turning, middle) > 0.0)";
+            replace(p, "rectangle", right, "1.0 + 1e-9 * dot(turning, middle)");
+        },
+    },
+    Control {
+        name: "irradiance not divided by π sin²",
+        mode: Mode::Orders,
+        filtered: false,
+        spoil: |p, _| {
+            let right = "(3.1415927 * sine_squared)";
+            replace(p, "disc", right, "(1.0 + 1e-9 * sine_squared)");
+        },
+    },
+    Control {
+        name: "order 0 forgotten",
+        mode: Mode::Orders,
+        filtered: false,
+        spoil: |p, _| {
+            let right = "return gain(wi, wr) / max";
+            let wrong = "return select(gain(wi, wr), 0.0, all(order == vec2i(0, 0))) / max";
+            replace(p, "lamps", right, wrong);
+        },
+    },
+    Control {
+        name: "share constant between the ends",
+        mode: Mode::Orders,
+        filtered: false,
+        spoil: |p, _| {
+            let right = "vec4f(mean - square, linear - 3.0 * cube, 2.0 * square, 4.0 * cube)";
+            replace(p, "lamps", right, "vec4f(mean, 1e-9 * (linear + square + cube), 0.0, 0.0)");
+        },
+    },
+];
+
+/// All controls of single directions.
 pub const CONTROLS: [Control; 10] = [
     Control {
         name: "black",
@@ -170,11 +231,12 @@ pub const CONTROLS: [Control; 10] = [
 ];
 
 /// Runs all controls by a route and returns how many failed to run. A driver that fails [`PATIENCE`] times is dropped.
-pub(super) fn run(route: &dyn Route, sink: &mut dyn Sink) -> Result<u32> {
+pub(super) fn run(route: &dyn Route, with_lamps: bool, sink: &mut dyn Sink) -> Result<u32> {
     let height = surface()?;
     let mut rights: BTreeMap<(Mode, bool), Right> = BTreeMap::new();
     let mut failures = 0;
-    for control in &CONTROLS {
+    let lamps = if with_lamps { &LAMP_CONTROLS[..] } else { &[] };
+    for control in CONTROLS.iter().chain(lamps) {
         if failures == PATIENCE || sink.has_control(&route.name(), control.name) {
             continue;
         }
@@ -208,27 +270,35 @@ struct Right {
 impl Right {
     fn new(prepared: &Prepared<'_>, route: &dyn Route) -> Result<Right> {
         let Placement { height, variant, .. } = prepared.placement;
-        let light = rounded(direction(LIGHT[0], LIGHT[1]));
-        let map: Vec<Directions> =
-            view_directions(SIZE).into_iter().map(|wr| Directions { wi: light, wr }).collect();
-        let drawn = on_orders(height, &variant.optics, 0.0, light, DRAWN, 1);
+        let map = view_directions(SIZE);
+        let count = map.len();
+        let (query, allowed) = if variant.mode == Mode::Orders {
+            let lights = lamps();
+            let views = under_lights(height, &variant.optics, 0.0, &lights, SIZE);
+            let views = views.into_iter().map(rounded).collect();
+            let allowed = tolerance_under(&prepared.form, &lights, Part::Arithmetic);
+            (Query::Lights { lights, views }, allowed)
+        } else {
+            let light = rounded(direction(LIGHT[0], LIGHT[1]));
+            let map = map.into_iter().map(|wr| Directions { wi: light, wr });
+            let drawn = on_orders(height, &variant.optics, 0.0, light, DRAWN, 1);
+            let directions = map.chain(drawn).collect();
+            let allowed = prepared.form.promise().tolerance(Part::Arithmetic);
+            (Query::Direction { light, directions }, allowed)
+        };
         let mut truth = Truth {
-            light,
-            map: map.len(),
-            directions: [map, drawn].concat(),
+            query,
+            map: count,
             colours: Vec::new(),
             exposure: 1.0,
             map_exposure: None,
             picture: String::new(),
         };
-        truth.colours = truth.ask(&TwinRunner::new(prepared.placement, true)?, SIZE)?;
+        truth.colours = truth.ask(&TwinRunner::new(prepared.placement, true)?, 1.0, SIZE)?;
         truth.exposure = auto_exposure(&truth.colours).unwrap_or(1.0);
-        let allowed = prepared.form.promise().tolerance(Part::Arithmetic).unwrap_or(Tolerance {
-            max_abs: Some(0.0),
-            de2000_p95: None,
-            map_p95: None,
-        });
-        let found = truth.ask(route.runner(prepared.clone()).as_ref(), SIZE)?;
+        let allowed =
+            allowed.unwrap_or(Tolerance { max_abs: Some(0.0), de2000_p95: None, map_p95: None });
+        let found = truth.ask(route.runner(prepared.clone()).as_ref(), 1.0, SIZE)?;
         let max_abs =
             colour_difference("right", &truth.colours, &found, Some(truth.exposure))?.max_abs;
         Ok(Right { truth, allowed, max_abs })
@@ -241,6 +311,22 @@ impl Right {
     }
 }
 
+/// The lights of controls: the sun, a wide lamp, and a softbox whose corners run clockwise.
+fn lamps() -> Lights {
+    let disc = |theta_deg, phi_deg, radius_deg: f64| {
+        let (axis, radius_rad) = (direction(theta_deg, phi_deg), radius_deg.to_radians());
+        Light::Disc { cap: Cap { axis, radius_rad }, irradiance: 1.0 }
+    };
+    let corners = [[30.0, 100.0], [30.0, 80.0], [60.0, 80.0], [60.0, 100.0]];
+    let corners = corners.map(|[theta_deg, phi_deg]| direction(theta_deg, phi_deg));
+    let mut all = vec![disc(LIGHT[0], LIGHT[1], 0.2665), disc(40.0, 200.0, 15.0)];
+    // as bright as the others, so that its faults count
+    all.extend(
+        Polygon::new(&corners).ok().map(|polygon| Light::Polygon { polygon, radiance: 1e3 }),
+    );
+    Lights { all }
+}
+
 /// The surface of the controls.
 fn surface() -> Result<HeightField> {
     let grating = Grating::Blazed { period_um: 2.5, height_um: 0.3, pixels: 60 };
@@ -250,7 +336,15 @@ fn surface() -> Result<HeightField> {
 /// The right variant of a mode. A filtered one has a narrow window, which keeps its table small.
 fn variant(mode: Mode, filtered: bool) -> Variant {
     let coherence_um = if filtered { 10.0 } else { Optics::standard().coherence_um };
-    let texts = Variant::texts(&Optics { coherence_um, ..Optics::standard() });
+    let standard = Optics { coherence_um, ..Optics::standard() };
+    let texts = Variant::texts(&match mode {
+        Mode::Orders => Optics {
+            coherence: Coherence::Ensemble,
+            coherence_scaling: CoherenceScaling::Wavelength,
+            ..standard
+        },
+        _ => standard,
+    });
     Variant {
         name: mode.as_str().to_owned(),
         mode,
@@ -321,7 +415,7 @@ mod tests {
     #[test]
     fn every_control_changes_what_is_prepared() {
         let height = surface().expect("valid");
-        for control in &CONTROLS {
+        for control in CONTROLS.iter().chain(&LAMP_CONTROLS) {
             let variant = variant(control.mode, control.filtered);
             let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
             let right = Prepared::new(placement).expect("resolves");

@@ -1,14 +1,15 @@
 //! One variant on one surface under one light: the exact colours, twins, routes, and routes against each other.
 
 use diffraction_shaders::error::Result;
-use diffraction_shaders::field::comparison_directions::standard;
+use diffraction_shaders::field::comparison_directions::{standard, under_lights};
 use diffraction_shaders::optics::brdf_map::BrdfMap;
 use diffraction_shaders::optics::colour_difference::{
     ColourDifference, auto_exposure, colour_difference, map_difference,
 };
-use diffraction_shaders::optics::direction;
+use diffraction_shaders::optics::{diffuser_scale, direction};
 use diffraction_shaders::plan::Colour;
-use diffraction_shaders::runner::{Exact, Placement, Runner, TwinRunner, rounded};
+use diffraction_shaders::runner::{Exact, Placement, Runner, TwinRunner, radiance_with, rounded};
+use diffraction_shaders::variant::tolerance_under;
 use glam::DVec3;
 use serde_json::Value;
 
@@ -17,7 +18,7 @@ use crate::drivers::routes::Route;
 use crate::process::watched::{Place, child::enter};
 use crate::results::{Compare, MapColours, Part, Record};
 
-use super::{Job, Sink, Truth, Unit, difference, failed, mean_flip};
+use super::{Job, Query, Shine, Sink, Truth, Unit, difference, failed, mean_flip};
 
 /// Names of the two twins in records.
 const TWIN: &str = "twin";
@@ -32,15 +33,28 @@ pub(super) fn truth(
     sink: &mut dyn Sink,
 ) -> Result<Truth> {
     let Placement { height, rotate_deg, variant } = subject;
-    let light: DVec3 = rounded(direction(unit.light[0], unit.light[1]));
-    let directions = standard(height, &variant.optics, rotate_deg, light, unit.size);
+    let optics = &variant.optics;
     let map = diffraction_shaders::optics::brdf_map::view_directions(unit.size).len();
-    let colours = Exact(subject).tristimulus(&directions)?;
+    let (query, colours) = match unit.light {
+        Shine::Direction([theta_deg, phi_deg]) => {
+            let light: DVec3 = rounded(direction(theta_deg, phi_deg));
+            let directions = standard(height, optics, rotate_deg, light, unit.size);
+            let colours = Exact(subject).tristimulus(&directions)?;
+            (Query::Direction { light, directions }, colours)
+        }
+        Shine::Lights(_, lights) => {
+            let views = under_lights(height, optics, rotate_deg, lights, unit.size);
+            let views: Vec<DVec3> = views.into_iter().map(rounded).collect();
+            let scale = diffuser_scale(optics);
+            let colours = radiance_with(&Exact(subject), scale, lights, &views, &|_| ())?;
+            (Query::Lights { lights: lights.clone(), views }, colours)
+        }
+    };
     // a black surface has no exposure; the comparison reports that
     let exposure = request.exposure.or_else(|| auto_exposure(&colours)).unwrap_or(1.0);
     let map_exposure = request.exposure.or_else(|| auto_exposure(&colours[..map]));
-    let picture = format!("pictures/{}/exact-{number}-{}.png", unit.surface, place(unit.light));
-    let truth = Truth { light, directions, map, colours, exposure, map_exposure, picture };
+    let picture = format!("pictures/{}/exact-{number}-{}.png", unit.surface, unit.light.place());
+    let truth = Truth { query, map, colours, exposure, map_exposure, picture };
     let frame = truth.frame(&truth.colours, unit.size);
     let drawn = frame.png(Colour::Srgb, map_exposure.unwrap_or(exposure))?;
     sink.picture(&truth.picture, drawn)?;
@@ -56,9 +70,10 @@ pub(super) fn run(
     failures: &mut [u32],
     sink: &mut dyn Sink,
 ) -> Result<()> {
+    let scale = diffuser_scale(&prepared.placement.variant.optics);
     let mut unit = Judged { unit, prepared, truth, sink };
     let ask = |packed| -> Result<Vec<[f64; 3]>> {
-        truth.ask(&TwinRunner::new(prepared.placement, packed)?, unit.unit.size)
+        truth.ask(&TwinRunner::new(prepared.placement, packed)?, scale, unit.unit.size)
     };
     let (unpacked, twin) = (ask(false)?, ask(true)?);
     unit.judge(Part::Model, (UNPACKED, &unpacked), ("exact", &truth.colours), None)?;
@@ -80,9 +95,12 @@ pub(super) fn run(
                 route: name.clone(),
                 surface: Some(unit.unit.surface.to_owned()),
                 variant: Some(unit.unit.variant.name.clone()),
-                light: Some(unit.unit.light),
+                light: match unit.unit.light {
+                    Shine::Direction(angles) => Some(angles),
+                    Shine::Lights(..) => None,
+                },
             });
-            match truth.ask(route.runner(prepared.clone()).as_ref(), unit.unit.size) {
+            match truth.ask(route.runner(prepared.clone()).as_ref(), scale, unit.unit.size) {
                 Ok(colours) => {
                     *failures = 0;
                     let pictures = match std::mem::replace(&mut drawn, true) {
@@ -134,7 +152,10 @@ impl Judged<'_, '_> {
                 }
             };
         let map = self.map_colours(&subject, expected, colours);
-        let tolerance = self.prepared.form.promise().tolerance(part);
+        let tolerance = match light {
+            Shine::Direction(_) => self.prepared.form.promise().tolerance(part),
+            Shine::Lights(_, lights) => tolerance_under(&self.prepared.form, lights, part),
+        };
         let map_p95 = map.map_or(0.0, |map| map.de2000.p95);
         let pass =
             tolerance.is_none_or(|t| t.contains(measured.max_abs, [measured.de2000.p95, map_p95]));
@@ -152,7 +173,7 @@ impl Judged<'_, '_> {
             route: route.to_owned(),
             reference: reference.to_owned(),
             part,
-            light,
+            light: light.lit(),
             size,
             exposure: measured.exposure,
             lit: measured.lit,
@@ -194,7 +215,7 @@ impl Judged<'_, '_> {
         let Unit { surface, variant, light, size } = *self.unit;
         let [a, b] = [expected, colours].map(|colours| self.truth.frame(colours, size));
         let dash = if suffix.is_empty() { "" } else { "-" };
-        let stem = format!("pictures/{surface}/{}/{}{dash}{suffix}", variant.name, place(light));
+        let stem = format!("pictures/{surface}/{}/{}{dash}{suffix}", variant.name, light.place());
         let exposure = self.truth.map_exposure.unwrap_or(self.truth.exposure);
         let png = |map: &BrdfMap| map.png(Colour::Srgb, exposure);
         let reference = match reference {
@@ -231,13 +252,8 @@ fn max_difference(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
     pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// A light as a part of a file's name.
-fn place([theta, phi]: [f64; 2]) -> String {
-    format!("{theta}-{phi}")
-}
-
-/// A route as a part of a file's name.
-fn safe(route: &str) -> String {
+/// A name as a part of a file's name.
+pub(super) fn safe(route: &str) -> String {
     let keep = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
     route.chars().map(keep).collect()
 }

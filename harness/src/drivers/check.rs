@@ -3,22 +3,28 @@
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::field::comparison_directions::pool;
 use diffraction_shaders::field::reference::Directions;
+use diffraction_shaders::plan::LightFunction;
 use diffraction_shaders::runner::Placement;
-use diffraction_shaders::variant::{Twin, probe_tolerances};
+use diffraction_shaders::tables::Table;
+use diffraction_shaders::variant::{Arguments, Twin, light_tolerance, probe_tolerances};
 
-use super::driver::{Driver, DriverRunner, Prepared, probe};
+use super::driver::{Driver, DriverRunner, Prepared, probe_calls};
 use super::limits;
 
 /// Directions of each kind (near the mirror direction, on strong orders, elsewhere) that are compared.
 const OF_EACH_KIND: usize = 4;
 
-/// Compares a driver's colours of a few lit directions with those of the variant's twin. It is an error, a finding, if one
-/// of them is outside the tolerance of the variant's probes. Time: a transform of the heights, some hundred directions in
-/// f64, and one small picture.
+/// Compares a driver's colours of a few lit directions with those of the variant's twin, and radiances under lights with a
+/// size if the variant has functions for them. It is an error, a finding, if one of them is outside the tolerance of the
+/// variant's probes. Time: a transform of the heights, some hundred directions in f64, and one small picture.
 pub fn check<D: Driver>(prepared: &Prepared<'_>, driver: &D) -> Result<()> {
-    let (directions, expected) = handful(prepared);
-    let got = probe(prepared, driver, &prepared.spectrum, &directions, &|_| ())?;
-    let tolerances = probe_tolerances(&prepared.form, &expected, &expected);
+    let (mut calls, expected) = handful(prepared);
+    let mut tolerances = probe_tolerances(&prepared.form, &expected, &expected);
+    let (of_lights, results, allowed) = lit(prepared)?;
+    calls.extend(of_lights);
+    tolerances.extend(allowed);
+    let expected = [expected, results].concat();
+    let got = probe_calls(prepared, driver, &prepared.spectrum, &calls, &|_| ())?;
     let apart = |(a, b): (&[f64; 3], &[f64; 3])| {
         // a maximum that keeps what is not a number
         (0..3).map(|c| (a[c] - b[c]).abs()).fold(0.0, |max: f64, d| if d <= max { max } else { d })
@@ -30,9 +36,9 @@ pub fn check<D: Driver>(prepared: &Prepared<'_>, driver: &D) -> Result<()> {
     let count = (0..distances.len()).filter(wrong).count();
     let Some(first) = (0..distances.len()).find(wrong) else { return Ok(()) };
     let Placement { variant, .. } = prepared.placement;
-    let Directions { wi, wr } = directions[first];
+    let (light, wr) = (place(&calls[first]), calls[first].wr());
     let cause = format!(
-        "gives wrong colours for {}: {count} of {} probes are outside their tolerance; with the light at {wi:.4} and the \
+        "gives wrong colours for {}: {count} of {} probes are outside their tolerance; with the {light} and the \
          viewer at {wr:.4} it gives XYZ {:.6?}, right is {:.6?}",
         variant.name,
         distances.len(),
@@ -55,26 +61,67 @@ impl<'a, D: Driver> DriverRunner<'a, D> {
     }
 }
 
-/// The brightest directions of each kind, with the twin's colours.
-fn handful(prepared: &Prepared<'_>) -> (Vec<Directions>, Vec<[f64; 3]>) {
+/// Where the light of a call is, in words.
+fn place(call: &Arguments) -> String {
+    match call {
+        Arguments::Direction(Directions { wi, .. }) => format!("light at {wi:.4}"),
+        Arguments::Disc { axis, radius_rad, .. } => {
+            format!("disc of {:.2}° at {axis:.4}", 2.0 * radius_rad.to_degrees())
+        }
+        Arguments::Rectangle { corners, .. } => format!("quadrilateral {corners:.4?}"),
+    }
+}
+
+/// Calls, results of the twin, tolerances.
+type Lit = (Vec<Arguments>, Vec<[f64; 3]>, Vec<f64>);
+
+/// The probes of functions of lights with a size, with the twin's results.
+fn lit(prepared: &Prepared<'_>) -> Result<Lit> {
     let Placement { height, rotate_deg, variant } = prepared.placement;
-    // what the shader reads: a table of 32-bit floats is within its tolerance as it is, and may be too large to copy
-    let is_exact = prepared.terms.format.is_single();
-    let rounded = (!is_exact).then(|| prepared.terms.clone().rounded());
-    let twin = Twin {
+    let optics = &variant.optics;
+    let functions = prepared.form.functions();
+    let sized = functions.into_iter().filter(|f| f.light() != LightFunction::Direction);
+    let (mut calls, mut results, mut tolerances) = Lit::default();
+    // its tables are of 32-bit floats
+    let twin = twin(prepared, &prepared.terms);
+    for function in sized {
+        for probe in function.probes(height, rotate_deg, optics)? {
+            let Some(expected) = twin.evaluate(probe.arguments) else { continue };
+            calls.push(probe.arguments);
+            tolerances.push(light_tolerance(&probe.arguments, optics, &expected));
+            results.push(expected);
+        }
+    }
+    Ok((calls, results, tolerances))
+}
+
+/// The variant's twin with a table of terms.
+fn twin<'a>(prepared: &'a Prepared<'_>, terms: &'a Table) -> Twin<'a> {
+    let Placement { rotate_deg, variant, .. } = prepared.placement;
+    Twin {
         form: &prepared.form,
-        terms: rounded.as_ref().unwrap_or(&prepared.terms),
+        terms,
         spectrum: &prepared.spectrum,
         coefficients: &prepared.coefficients,
         optics: &variant.optics,
         rotate_deg,
-    };
+    }
+}
+
+/// The brightest directions of each kind, with the twin's colours.
+fn handful(prepared: &Prepared<'_>) -> (Vec<Arguments>, Vec<[f64; 3]>) {
+    let Placement { height, rotate_deg, variant } = prepared.placement;
+    // what the shader reads: a table of 32-bit floats is within its tolerance as it is, and may be too large to copy
+    let is_exact = prepared.terms.format.is_single();
+    let rounded = (!is_exact).then(|| prepared.terms.clone().rounded());
+    let twin = twin(prepared, rounded.as_ref().unwrap_or(&prepared.terms));
     let mut chosen = Vec::new();
     for kind in pool(height, &variant.optics, rotate_deg) {
         let mut colours: Vec<(Directions, [f64; 3])> =
             kind.into_iter().map(|d| (d, twin.tristimulus(d))).collect();
         colours.sort_by(|a, b| b.1[1].total_cmp(&a.1[1]));
-        chosen.extend(colours.into_iter().take(OF_EACH_KIND));
+        let brightest = colours.into_iter().take(OF_EACH_KIND);
+        chosen.extend(brightest.map(|(d, xyz)| (Arguments::Direction(d), xyz)));
     }
     chosen.into_iter().unzip()
 }

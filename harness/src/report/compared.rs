@@ -28,10 +28,10 @@ pub(super) fn section(results: &Results<'_>) -> Markup {
         @for (i, surface) in surfaces.iter().enumerate() {
             @let units: Vec<&Unit<'_>> = results.units.iter().filter(|u| u.surface == *surface).collect();
             h3 id={ "surface-" (i + 1) } { (surface) }
-            @for (j, (light, size)) in unique(units.iter().map(|u| (u.light, u.size))).into_iter().enumerate() {
+            @for (j, (light, size)) in unique(units.iter().map(|u| (&u.light, u.size))).into_iter().enumerate() {
                 @let alike: Vec<&Unit<'_>> =
-                    units.iter().filter(|u| (u.light, u.size) == (light, size)).copied().collect();
-                p.sub { "Light " (number::light(light)) " · " (size) " × " (size) " pixels" }
+                    units.iter().filter(|u| (&u.light, u.size) == (light, size)).copied().collect();
+                p.sub { "Light " (number::lit(light)) " · " (size) " × " (size) " pixels" }
                 (overview(&format!("variants-{}-{}", i + 1, j + 1), surface, &alike))
                 div.strips { @for unit in alike { (strip(unit)) } }
             }
@@ -132,7 +132,7 @@ fn strip(unit: &Unit<'_>) -> Markup {
 
 fn maps(unit: &Unit<'_>, c: &Compare, pictures: &[Picture; 3], reference: &str) -> Markup {
     let of = |what: &str| {
-        format!("{what}: {} on {}, light {}", unit.variant, unit.surface, number::light(unit.light))
+        format!("{what}: {} on {}, light {}", unit.variant, unit.surface, number::lit(&unit.light))
     };
     html! {
         figure.maps {
@@ -213,6 +213,6 @@ fn numbers(unit: &Unit<'_>) -> Markup {
         "by",
     ];
     let caption =
-        format!("{} on {}, light {}", unit.variant, unit.surface, number::light(unit.light));
+        format!("{} on {}, light {}", unit.variant, unit.surface, number::lit(&unit.light));
     table(&format!("{}-data", unit.anchor), &caption, &heads(names), &rows)
 }

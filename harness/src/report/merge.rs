@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::album::{Album, Picture};
 use super::source::Folder;
-use crate::results::{Bench, Compare, Control, Gap, Part, Record, Scaling, Testbench, Tune};
+use crate::results::{Bench, Compare, Control, Gap, Lit, Part, Record, Scaling, Testbench, Tune};
 
 /// The results of a page.
 #[derive(Debug, Default)]
@@ -45,8 +45,8 @@ pub(super) struct Unit<'a> {
     pub(super) surface: &'a str,
     /// The variant's name.
     pub(super) variant: &'a str,
-    /// Direction towards the light: theta and phi in degrees.
-    pub(super) light: [f64; 2],
+    /// The light.
+    pub(super) light: Lit,
     /// Width and height, in pixels.
     pub(super) size: usize,
     /// The variant's canonical configuration.
@@ -157,7 +157,7 @@ impl<'a> Results<'a> {
                 anchor: format!("unit-{}", self.units.len() + 1),
                 surface: &c.surface,
                 variant: &c.variant,
-                light: c.light,
+                light: c.light.clone(),
                 size: c.size,
                 settings: &c.settings,
                 compared: Vec::new(),
@@ -194,7 +194,7 @@ fn key(folder: &str, record: &Record) -> String {
     match record {
         Record::Compare(c) => {
             // without the reference: the worst partner of a route may change from run to run
-            format!("{:?}", (&c.surface, &c.variant, &c.route, c.part, c.light, c.size))
+            format!("{:?}", (&c.surface, &c.variant, &c.route, c.part, &c.light, c.size))
         }
         Record::Control(c) => {
             format!("{:?}", ("control", &c.surface, &c.variant, &c.route, &c.control, c.light))

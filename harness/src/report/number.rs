@@ -1,5 +1,7 @@
 //! Numbers for people.
 
+use crate::results::Lit;
+
 /// Three significant digits: `0.0123`, `1230`, `2.60×10⁻⁶`.
 pub(super) fn figure(value: f64) -> String {
     if !value.is_finite() {
@@ -54,6 +56,14 @@ pub(super) fn bytes(value: u64) -> String {
         v if v < KIB => format!("{v} B"),
         v if v < KIB * KIB => format!("{} KiB", figure(v / KIB)),
         v => format!("{} MiB", figure(v / KIB / KIB)),
+    }
+}
+
+/// The light of a comparison: a direction, or the name of a file of lights.
+pub(super) fn lit(lit: &Lit) -> String {
+    match lit {
+        Lit::Direction(angles) => light(*angles),
+        Lit::Lights(name) => name.clone(),
     }
 }
 

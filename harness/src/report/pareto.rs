@@ -7,7 +7,7 @@ use super::merge::{Results, unique};
 use super::number::{self, figure};
 use super::plot::{Plot, PlotAxis, Point, Scale, Series, draw, front};
 use super::table::{self, Cell, Row, heads, table};
-use crate::results::{Bench, Part};
+use crate::results::{Bench, Lit, Part};
 
 /// The section.
 pub(super) fn section(results: &Results<'_>) -> Markup {
@@ -85,7 +85,7 @@ fn error(results: &Results<'_>, bench: &Bench) -> Option<(f64, String)> {
             .iter()
             .filter(|u| (u.surface, u.variant) == (&*bench.surface, &*bench.variant))
     };
-    let same = of().filter(|u| u.light == bench.light);
+    let same = of().filter(|u| u.light == Lit::Direction(bench.light));
     let worst = |units: &mut dyn Iterator<Item = &super::merge::Unit<'_>>| {
         units
             .filter_map(|u| u.worst(Part::Total).map(|c| (c.worst_p95(), u.anchor.clone())))

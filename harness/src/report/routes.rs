@@ -71,7 +71,7 @@ fn variants(results: &Results<'_>, routes: &[&str]) -> Markup {
         let mut row = vec![
             Cell::markup(html! { a href={ "#" (unit.anchor) } { (unit.variant) } }),
             Cell::text(unit.surface),
-            Cell::text(number::light(unit.light)),
+            Cell::text(number::lit(&unit.light)),
             Cell::maybe(allowed),
         ];
         row.extend(routes.iter().map(|route| {

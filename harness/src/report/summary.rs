@@ -38,7 +38,7 @@ fn facts(results: &Results<'_>) -> Markup {
     let surfaces = unique(units.iter().map(|u| u.surface));
     let variants = unique(units.iter().map(|u| u.variant));
     let routes = unique(compared().map(|c| c.route.as_str()).filter(|r| *r != "twin:unpacked"));
-    let lights = unique(units.iter().map(|u| number::light(u.light)));
+    let lights = unique(units.iter().map(|u| number::lit(&u.light)));
     let sizes = unique(units.iter().map(|u| format!("{0} × {0}", u.size)));
     let adapters = unique(results.benches.iter().map(|b| format!("{}:{}", b.backend, b.adapter)));
     let count = compared().count();

@@ -100,7 +100,7 @@ fn gallery(number: usize, group: &Group<'_>) -> Markup {
 
 fn cell(value: &Value, unit: &Unit<'_>, with_exact: bool) -> Markup {
     let alt = |what: &str| {
-        format!("{what}: {} on {}, light {}", unit.variant, unit.surface, number::light(unit.light))
+        format!("{what}: {} on {}, light {}", unit.variant, unit.surface, number::lit(&unit.light))
     };
     html! {
         div.cell {

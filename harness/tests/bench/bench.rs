@@ -38,7 +38,7 @@ fn small(name: &str, terms: u32) -> Case {
         wavelengths: Wavelengths { min_nm: 400.0, max_nm: 700.0, step_nm: 100.0 },
         ..Variant::texts(&Optics::standard())
     };
-    Case::Map { variant: Box::new(variant), height: None, frame: [SIZE; 2] }
+    Case::Map { variant: Box::new(variant), height: None, frame: [SIZE; 2], disc_deg: None }
 }
 
 fn run(gpu: &Gpu, height: &HeightField, cases: &[Case]) -> Group {
@@ -103,10 +103,11 @@ fn what_does_not_build_is_an_error_and_the_rest_is_measured() {
             mode: Mode::Gems,
             ..Variant::texts(&Optics::standard())
         };
-        let gems = Case::Map { variant: Box::new(gems), height: None, frame: [SIZE; 2] };
+        let gems =
+            Case::Map { variant: Box::new(gems), height: None, frame: [SIZE; 2], disc_deg: None };
         let too_large = match small("large", 2) {
             Case::Map { variant, height, .. } => {
-                Case::Map { variant, height, frame: [1_000_000; 2] }
+                Case::Map { variant, height, frame: [1_000_000; 2], disc_deg: None }
             }
             other => other,
         };

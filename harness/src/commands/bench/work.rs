@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use diffraction_cli::console::Console;
 use diffraction_cli::{Outcome, interrupt, memory, progress};
 use diffraction_shaders::input;
-use diffraction_shaders::plan::{SurfaceSpec, Variant};
+use diffraction_shaders::plan::{LightFunction, Mode, SurfaceSpec, Variant};
 use diffraction_shaders::surface::{self, Surface};
 use diffraction_shaders::survey::memory::Memory;
 use diffraction_shaders::variant::Form;
@@ -198,12 +198,24 @@ impl Run<'_> {
 
     fn times(&self, site: &mut Site<'_>, output: &mut Output<'_>) -> Result<()> {
         let frame = self.args.size.0;
-        let map = |variant: &Variant| {
+        let lit = |variant: &Variant, disc_deg| {
             let variant = Box::new(variant.clone());
-            Case::Map { variant, height: None, frame }
+            Case::Map { variant, height: None, frame, disc_deg }
         };
-        let others = site.variants.iter().filter(|variant| variant.name != site.baseline.name);
-        let others: Vec<Case> = others.map(map).collect();
+        let map = |variant: &Variant| lit(variant, None);
+        let mut others = Vec::new();
+        for variant in &site.variants {
+            if variant.name != site.baseline.name {
+                others.push(map(variant));
+            }
+            let Some(disc_deg) = self.args.disc_deg else { continue };
+            if variant.mode == Mode::Orders && variant.lights.contains(&LightFunction::Disc) {
+                others.push(lit(variant, Some(disc_deg)));
+            } else {
+                let why = "has no function for a light of kind \"disc\"";
+                output.gap(gap(&site.place, Some(&variant.name), why, false))?;
+            }
+        }
         let mut groups: Vec<Vec<Case>> = others.chunks(GROUP).map(<[Case]>::to_vec).collect();
         if groups.is_empty() {
             groups.push(Vec::new());
@@ -231,7 +243,12 @@ impl Run<'_> {
                         }
                     }
                     Err(error) => {
-                        output.gap(gap(&site.place, Some(name(case)), &error.to_string(), true))?;
+                        output.gap(gap(
+                            &site.place,
+                            Some(&case.name()),
+                            &error.to_string(),
+                            true,
+                        ))?;
                     }
                 }
             }
@@ -270,6 +287,7 @@ impl Run<'_> {
                     variant: Box::new(point.variant.clone()),
                     height: point.height.clone().map(Box::new),
                     frame: point.frame,
+                    disc_deg: None,
                 };
                 let cases: Vec<Case> = points.iter().map(case).collect();
                 let group = self.group(site, &cases, output);
@@ -296,7 +314,7 @@ impl Run<'_> {
     }
 
     fn group(&self, site: &mut Site<'_>, cases: &[Case], output: &Output<'_>) -> Group {
-        let names: Vec<&str> = cases.iter().map(name).collect();
+        let names: Vec<String> = cases.iter().map(Case::name).collect();
         watched::child::enter(watched::Place {
             route: format!("{}:{}", site.place.backend, site.place.adapter),
             surface: Some(site.place.surface.clone()),
@@ -318,13 +336,6 @@ impl Run<'_> {
 fn yardsticks(args: &Args) -> Vec<Yardstick> {
     let asked = [(args.empty, Yardstick::Empty), (args.ggx, Yardstick::Ggx)];
     asked.into_iter().filter(|(on, _)| *on).map(|(_, what)| what).collect()
-}
-
-fn name(case: &Case) -> &str {
-    match case {
-        Case::Map { variant, .. } => &variant.name,
-        Case::Yardstick { what, .. } => what.name(),
-    }
 }
 
 fn gap(place: &Place, variant: Option<&str>, reason: &str, failed: bool) -> Gap {

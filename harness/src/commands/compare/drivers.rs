@@ -1,21 +1,25 @@
 //! The command itself.
 
 use std::cell::Cell;
+use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use diffraction_cli::Outcome;
 use diffraction_cli::args::Exposure;
-use diffraction_cli::console::Console;
+use diffraction_cli::console::{Console, Errors};
 use diffraction_cli::{interrupt, progress};
 use diffraction_shaders::error::shell_path;
-use diffraction_shaders::plan::Variant;
+use diffraction_shaders::hash::sha256;
+use diffraction_shaders::input;
+use diffraction_shaders::light::{Light, Lights};
+use diffraction_shaders::plan::{LightFunction, Mode, Variant};
 
 use super::sink::Recorder;
 use super::{Args, summary};
-use crate::compare::{Job, Sink, run as compare, steps};
+use crate::compare::{Job, Shine, Sink, run as compare, steps};
 use crate::drivers::routes::{self, Route};
 use crate::process::watched::{self, Crash, Place};
-use crate::results::{Gap, Log, Record};
+use crate::results::{Gap, Lit, Log, Record};
 
 pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let plan = args.plan.read(console)?;
@@ -28,6 +32,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
             .map(|name| plan.surface(name).cloned())
             .collect::<Result<_, _>>()?;
     }
+    let lights = args.lights.as_deref().map(|path| read(path, &variants)).transpose()?;
     // before anything is written: a named route may be missing
     let (routes, missing) = open(&args.route)?;
     let has_waited = Cell::new(false);
@@ -42,7 +47,9 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         Record::Compare(c) => crashes.iter().any(|Crash { place, .. }| {
             place.surface.as_ref() == Some(&c.surface)
                 && place.variant.as_ref() == Some(&c.variant)
-                && place.light == Some(c.light)
+                && place.light.map_or(matches!(c.light, Lit::Lights(_)), |angles| {
+                    c.light == Lit::Direction(angles)
+                })
         }),
         _ => false,
     };
@@ -74,11 +81,18 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         Exposure::Auto => None,
         Exposure::Value(value) => Some(value),
     };
+    let shines: Vec<Shine<'_>> = match &lights {
+        Some((name, lights)) => vec![Shine::Lights(name, lights)],
+        None => {
+            let angles = args.light.iter().map(|light| [light.theta_deg, light.phi_deg]);
+            angles.map(Shine::Direction).collect()
+        }
+    };
     let request = Job {
         surfaces: &surfaces,
         variants: &variants,
         routes: &routes,
-        lights: &args.light.iter().map(|l| [l.theta_deg, l.phi_deg]).collect::<Vec<_>>(),
+        lights: &shines,
         size: args.size as usize,
         exposure,
         subset: args.subset,
@@ -98,6 +112,32 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         shell_path(&args.out)
     ));
     Ok(outcome)
+}
+
+/// The lights of a file with their name, which has a part of their hash. It is an error if no variant can have functions for
+/// them all.
+fn read(path: &Path, variants: &[Variant]) -> Result<(String, Lights)> {
+    let lights = input::read_lights(path).map_err(Errors)?;
+    for light in lights.with_size() {
+        let wanted = match light {
+            Light::Disc { .. } => Some(LightFunction::Disc),
+            Light::Polygon { .. } => Some(LightFunction::Polygon),
+            _ => None,
+        };
+        let has = |v: &Variant| {
+            v.mode == Mode::Orders && wanted.is_some_and(|wanted| v.lights.contains(&wanted))
+        };
+        if !variants.iter().any(has) {
+            bail!(
+                "--lights {}: none of the variants has a function for a light of kind {:?}; discs and polygons are for mode = \"orders\"",
+                path.display(),
+                light.kind()
+            );
+        }
+    }
+    let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into());
+    let hash = sha256(format!("{lights:?}").as_bytes());
+    Ok((format!("{name} {}", &hash[..8]), lights))
 }
 
 /// Open routes, and gaps for those that are missing.

@@ -79,7 +79,7 @@ impl Sink for Recorder<'_> {
                         && c.part == part
                         && c.surface == unit.surface
                         && c.variant == unit.variant.name
-                        && c.light == unit.light
+                        && c.light == unit.light.lit()
                         && c.size == unit.size
                         && c.settings == settings
                 }

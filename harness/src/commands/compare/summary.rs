@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::results::{Compare, Part, Record};
+use crate::results::{Compare, Lit, Part, Record};
 
 use diffraction_cli::Outcome;
 use diffraction_cli::list::table;
@@ -95,7 +95,10 @@ fn variants(compares: &[&Compare]) -> String {
         rows.push(vec![
             c.surface.clone(),
             c.variant.clone(),
-            format!("{},{}", c.light[0], c.light[1]),
+            match &c.light {
+                Lit::Direction([theta, phi]) => format!("{theta},{phi}"),
+                Lit::Lights(name) => name.clone(),
+            },
             format!("{:.3}", c.de2000.p95),
             format!("{:.2}", c.de2000.max),
             c.map.map_or("-".to_owned(), |map| format!("{:.3}", map.de2000.p95)),

@@ -76,7 +76,7 @@ pub(super) fn times(
     let size = args.size as usize;
     let case = |variant: &Variant| {
         let variant = Box::new(variant.clone());
-        Case::Map { variant, height: None, frame: [size; 2] }
+        Case::Map { variant, height: None, frame: [size; 2], disc_deg: None }
     };
     let rules = Rules::standard(Duration::from_secs_f64(args.seconds));
     let clock = SystemClock::new();

@@ -6,6 +6,7 @@ use serde_json::Value as Json;
 
 use crate::report::merge::{Unit, unique};
 use crate::report::number;
+use crate::results::Lit;
 
 /// Variants of a surface that differ in one setting only.
 pub(super) struct Group<'a> {
@@ -28,8 +29,8 @@ pub(super) enum Value {
     Text(String),
     /// The mode, and what else distinguishes variants of one mode.
     Mode(usize, String),
-    /// Direction towards the light: theta and phi in degrees.
-    Light([f64; 2]),
+    /// The light.
+    Light(Lit),
 }
 
 impl Value {
@@ -46,7 +47,7 @@ impl Value {
         match self {
             Value::Number(number) => number::plain(*number),
             Value::Text(text) | Value::Mode(_, text) => text.clone(),
-            Value::Light(light) => number::light(*light),
+            Value::Light(light) => number::lit(light),
         }
     }
 
@@ -54,7 +55,7 @@ impl Value {
     pub(super) fn number(&self) -> Option<f64> {
         match self {
             Value::Number(number) => Some(*number),
-            Value::Light([theta, _]) => Some(*theta),
+            Value::Light(Lit::Direction([theta, _])) => Some(*theta),
             _ => None,
         }
     }
@@ -63,7 +64,8 @@ impl Value {
     fn rank(&self) -> (usize, f64, f64, &str) {
         match self {
             Value::Number(number) => (0, *number, 0.0, ""),
-            Value::Light([theta, phi]) => (0, *theta, *phi, ""),
+            Value::Light(Lit::Direction([theta, phi])) => (0, *theta, *phi, ""),
+            Value::Light(Lit::Lights(name)) => (1, 0.0, 0.0, name),
             Value::Mode(place, text) => (1, *place as f64, 0.0, text),
             Value::Text(text) => (1, 0.0, 0.0, text),
         }
@@ -106,7 +108,7 @@ fn by_mode<'a>(surface: &'a str, units: &[&'a Unit<'a>]) -> Vec<Group<'a>> {
     let mut groups = Vec::new();
     for unit in units.iter().filter(|u| u.setting("mode") == Some(first)) {
         let mut members = vec![(Value::Mode(0, (*first).to_owned()), *unit)];
-        for other in units.iter().filter(|u| (u.light, u.size) == (unit.light, unit.size)) {
+        for other in units.iter().filter(|u| (&u.light, u.size) == (&unit.light, unit.size)) {
             let mode = other.setting("mode").unwrap_or_default();
             let Some(place) = modes.iter().position(|m| *m == mode).filter(|place| *place > 0)
             else {
@@ -133,7 +135,10 @@ fn agree(a: &Json, b: &Json) -> bool {
 fn by_light<'a>(surface: &'a str, units: &[&'a Unit<'a>]) -> Vec<Group<'a>> {
     let mut alike: BTreeMap<(usize, &str), Vec<(Value, &Unit<'_>)>> = BTreeMap::new();
     for unit in units {
-        alike.entry((unit.size, unit.variant)).or_default().push((Value::Light(unit.light), unit));
+        alike
+            .entry((unit.size, unit.variant))
+            .or_default()
+            .push((Value::Light(unit.light.clone()), unit));
     }
     alike.into_values().filter_map(|members| group(surface, "light", members)).collect()
 }
