@@ -7,6 +7,23 @@ fn diffraction(wi: vec3f, wr: vec3f) -> vec3f {
     return to_rgb(tristimulus(wi, wr));
 }
 
+#ifdef DISC
+// Linear RGB of the radiance under a disc, a cap of the sphere: a lamp, the sun. `axis` points to its middle, `radius` is
+// its angular radius, 1e-4 to π/2 rad. Its irradiance, perpendicular to the axis, is 1; a white diffuser that faces it
+// shows 1/π.
+fn diffraction_disc(axis: vec3f, radius: f32, wr: vec3f) -> vec3f {
+    return to_rgb(tristimulus_disc(axis, radius, wr));
+}
+
+#endif
+#ifdef RECTANGLE
+// Linear RGB of the radiance under a spherical quadrilateral of radiance 1: a window, a softbox. Its corners are unit
+// vectors, in either order around it; two neighbouring ones may be the same. It must be convex and fit into a hemisphere.
+fn diffraction_rectangle(a: vec3f, b: vec3f, c: vec3f, d: vec3f, wr: vec3f) -> vec3f {
+    return to_rgb(tristimulus_rectangle(a, b, c, d, wr));
+}
+
+#endif
 // Linear RGB of X, Y, Z; negative where a colour lies outside the primaries.
 fn to_rgb(xyz: vec3f) -> vec3f {
 #ifdef COLOUR_THESIS

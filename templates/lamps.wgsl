@@ -7,7 +7,7 @@
 // chord from the axis to its edge; a hemisphere has the square 2.
 
 // Integrals of the colour weights from the shortest wavelength. Rows: X, Y, Z. Columns: equal steps of the wavelength.
-// Channels: the weights times the powers 0 to 3 of t = (λ - 0.58 µm)/0.2 µm.
+// Channels: the weights times the powers 0 to 3 of t = (λ - 0.58 µm)/0.2 µm. Row 3: X, Y, Z between a column and the next.
 @group(0) @binding(4) var moments: texture_2d<f32>;
 
 // Direction in the frame of the surface.
@@ -117,15 +117,7 @@ fn within(direction: vec3f, axis: vec3f, chord_squared: f32) -> bool {
 // is divided where the share of the order changes too much for a cubic.
 fn order_colour(order: vec2i, from_um: f32, to_um: f32, wr: vec3f) -> vec3f {
     let frequency = order_frequency(order);
-    let first = arrival(frequency, from_um, wr);
-    let last = arrival(frequency, to_um, wr);
-    let middle_um = 0.5 * (from_um + to_um);
-    let middle = arrival(frequency, middle_um, wr);
-    // the phase changes fastest in the half of the shorter wavelengths
-    let turns = 2.0 * abs((first.z + wr.z) / from_um - (middle.z + wr.z) / middle_um);
-    let columns = 0.5 * WAVELENGTH_MIN_UM * f32(EFFICIENCY_COLUMNS) * turns;
-    let needed = max(columns / PANEL_COLUMNS, distance(first, last) / PANEL_ARC);
-    let count = min(i32(needed), PANEL_COUNT - 1) + 1;
+    let count = panel_count(frequency, from_um, to_um, wr);
     var xyz = vec3f(0.0);
     var start_um = from_um;
     for (var panel = 1; panel <= count; panel++) {
@@ -137,6 +129,19 @@ fn order_colour(order: vec2i, from_um: f32, to_um: f32, wr: vec3f) -> vec3f {
         start_um = end_um;
     }
     return xyz;
+}
+
+// Number of panels between two wavelengths.
+fn panel_count(frequency: vec2f, from_um: f32, to_um: f32, wr: vec3f) -> i32 {
+    let first = arrival(frequency, from_um, wr);
+    let last = arrival(frequency, to_um, wr);
+    let middle_um = 0.5 * (from_um + to_um);
+    let middle = arrival(frequency, middle_um, wr);
+    // the phase changes fastest in the half of the shorter wavelengths
+    let turns = 2.0 * abs((first.z + wr.z) / from_um - (middle.z + wr.z) / middle_um);
+    let columns = 0.5 * WAVELENGTH_MIN_UM * f32(EFFICIENCY_COLUMNS) * turns;
+    let needed = max(columns / PANEL_COLUMNS, distance(first, last) / PANEL_ARC);
+    return min(i32(needed), PANEL_COUNT - 1) + 1;
 }
 
 // A wavelength between two: in equal steps of the angle on the small circle, so that panels are short where light comes
@@ -177,9 +182,15 @@ fn panel_colour(order: vec2i, frequency: vec2f, from_um: f32, to_um: f32, wr: ve
 // Integral of the colour weights between two wavelengths, times a polynomial in the distance from the middle relative to
 // half the range. A moment about the middle is at most the integral itself, and rounding must not make it larger.
 fn moments_between(from_um: f32, to_um: f32, powers: vec4f) -> vec3f {
-    let x = moment_at(to_um, 0) - moment_at(from_um, 0);
-    let y = moment_at(to_um, 1) - moment_at(from_um, 1);
-    let z = moment_at(to_um, 2) - moment_at(from_um, 2);
+    let first_column = moment_column(from_um);
+    let last_column = moment_column(to_um);
+    let before = column_part(from_um, first_column);
+    let after = column_part(to_um, last_column);
+    let from_powers = column_powers(first_column);
+    let to_powers = column_powers(last_column);
+    let x = moment(last_column, 0) + after.x * to_powers - moment(first_column, 0) - before.x * from_powers;
+    let y = moment(last_column, 1) + after.y * to_powers - moment(first_column, 1) - before.y * from_powers;
+    let z = moment(last_column, 2) + after.z * to_powers - moment(first_column, 2) - before.z * from_powers;
     let centre = 5.0 * (0.5 * (from_um + to_um) - 0.58);
     let scale = 1.0 / max(2.5 * (to_um - from_um), 1e-9);
     let light = vec3f(x.x, y.x, z.x);
@@ -196,14 +207,33 @@ fn moments_between(from_um: f32, to_um: f32, powers: vec4f) -> vec3f {
         + powers.w * clamp(cube, -light, light);
 }
 
-// Moments from the shortest wavelength to another, linear between columns. Row: X, Y, Z.
-fn moment_at(lambda_um: f32, row: i32) -> vec4f {
+// Place of a wavelength in columns of the table of moments.
+fn moment_place(lambda_um: f32) -> f32 {
     let share = (lambda_um - WAVELENGTH_MIN_UM) / (WAVELENGTH_MAX_UM - WAVELENGTH_MIN_UM);
-    let place = clamp(share, 0.0, 1.0) * f32(MOMENT_COLUMNS - 1);
-    let column = min(i32(place), MOMENT_COLUMNS - 2);
-    let before = textureLoad(moments, vec2i(column, row), 0);
-    let after = textureLoad(moments, vec2i(column + 1, row), 0);
-    return mix(before, after, place - f32(column));
+    return share * f32(MOMENT_COLUMNS - 1);
+}
+
+// Column of the table of moments at or below a wavelength.
+fn moment_column(lambda_um: f32) -> i32 {
+    return clamp(i32(moment_place(lambda_um)), 0, MOMENT_COLUMNS - 2);
+}
+
+// X, Y, Z from a column to a wavelength before the next one.
+fn column_part(lambda_um: f32, column: i32) -> vec3f {
+    let part = clamp(moment_place(lambda_um) - f32(column), 0.0, 1.0);
+    return part * textureLoad(moments, vec2i(column, 3), 0).xyz;
+}
+
+// Powers 0 to 3 of t in the middle between a column and the next.
+fn column_powers(column: i32) -> vec4f {
+    let share = (f32(column) + 0.5) / f32(MOMENT_COLUMNS - 1);
+    let t = 5.0 * (mix(WAVELENGTH_MIN_UM, WAVELENGTH_MAX_UM, share) - 0.58);
+    return vec4f(1.0, t, t * t, t * t * t);
+}
+
+// Moments from the shortest wavelength to a column. Row: X, Y, Z.
+fn moment(column: i32, row: i32) -> vec4f {
+    return textureLoad(moments, vec2i(column, row), 0);
 }
 
 // Share of the light that an order sends to the viewer, relative to the reflectance at normal incidence.

@@ -3,11 +3,7 @@
 // A full-screen picture of the hemisphere of viewing directions under one light.
 
 struct Params {
-#ifdef DISC
-    // xyz: direction to the light, a unit vector; w: radius of a disc in radians, 0 for a single direction
-#else
     // xyz: direction to the light, a unit vector; w: unused
-#endif
     light: vec4f,
     // xy: size of the picture in pixels; zw: unused
     size: vec4f,
@@ -45,10 +41,5 @@ fn map(@location(0) place: vec2f) -> @location(0) vec4f {
     if (wr.z < 0.0) {
         return vec4f(0.0);
     }
-#ifdef DISC
-    if (params.light.w > 0.0) {
-        return vec4f(diffraction_disc(params.light.xyz, params.light.w, wr), 1.0);
-    }
-#endif
     return vec4f(diffraction(params.light.xyz, wr), 1.0);
 }

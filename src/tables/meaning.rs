@@ -204,10 +204,11 @@ fn moments(range_nm: [f64; 2]) -> Words {
     });
     let [min_nm, max_nm] = range_nm;
     let column = format!(
-        "integral from {min_nm} nm to {min_nm} + index·{} nm; linear between",
+        "integral from {min_nm} nm to {min_nm} + index·{} nm",
         (max_nm - min_nm) / (moment_columns(range_nm) - 1) as f64
     );
-    let axes = BTreeMap::from([("column", column), ("row", "X, Y, Z".to_owned())]);
+    let row = "X, Y, Z; 3: X, Y, Z between a column and the next";
+    let axes = BTreeMap::from([("column", column), ("row", row.to_owned())]);
     (channels.to_vec(), axes)
 }
 

@@ -108,7 +108,8 @@ pub fn moment_columns([min_nm, max_nm]: [f64; 2]) -> usize {
 }
 
 /// The table of moments, 2-D. Rows: X, Y, Z. Column `i` of `n`: the wavelength `λ = min + (max - min)·i/(n - 1)`. Channels `p`
-/// from 0 to 3: `∫ t^p S(λ)·(x̄, ȳ, z̄)(λ) dλ` from `min` to λ, `t = (λ - 580 nm)/200 nm`.
+/// from 0 to 3: `∫ t^p S(λ)·(x̄, ȳ, z̄)(λ) dλ` from `min` to λ, `t = (λ - 580 nm)/200 nm`. Row 3: X, Y, Z between a column and the
+/// next, 0 in the last.
 pub fn moments_table(spectrum: &Spectrum, range_nm: [f64; 2]) -> Table {
     /// Parts of a column in the sum.
     const PARTS: usize = 32;
@@ -132,7 +133,13 @@ pub fn moments_table(spectrum: &Spectrum, range_nm: [f64; 2]) -> Table {
         }
         columns.push(sums);
     }
-    let texels = (0..3).flat_map(|row| columns.iter().flat_map(move |sums| sums[row])).collect();
+    let mut texels: Vec<f64> =
+        (0..3).flat_map(|row| columns.iter().flat_map(move |sums| sums[row])).collect();
+    for pair in columns.windows(2) {
+        texels.extend((0..3).map(|row| pair[1][row][0] - pair[0][row][0]));
+        texels.push(0.0);
+    }
+    texels.extend([0.0; 4]);
     Table { texels, ..shape }
 }
 
@@ -143,7 +150,7 @@ pub(super) fn moments_shape(range_nm: [f64; 2]) -> Table {
         binding: COEFFICIENTS,
         format: TexelFormat::Rgba32Float,
         width: moment_columns(range_nm),
-        height: 3,
+        height: 4,
         layers: 0,
         filtered: false,
         texels: Vec::new(),

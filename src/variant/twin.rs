@@ -14,7 +14,6 @@ mod gems;
 pub(super) mod lamps;
 pub mod mesh;
 mod nodes;
-mod orders;
 mod pq;
 mod prefiltered;
 mod rectangle;
@@ -29,9 +28,6 @@ use crate::plan::Optics;
 use crate::tables::{COEFFICIENTS, SPECTRUM, Settings, TERMS, Table, TermScale, single_wavelength};
 
 use super::{Arguments, Form};
-
-pub(super) use disc::disc_cap;
-pub(super) use rectangle::rectangle_caps;
 
 /// Everything that a pixel of a variant reads, and the variant's algorithm.
 #[derive(Clone, Copy)]
@@ -75,11 +71,17 @@ impl<'a> Twin<'a> {
             Form::FullWindow(_) | Form::FullPrefiltered(_) | Form::Pq(_) => {
                 nodes::tristimulus(self, directions)
             }
-            Form::Lobes(form) => adaptive::tristimulus(self, form, directions),
+            Form::Lobes(form) => {
+                let bins = adaptive::Bins::Series(&form.series);
+                adaptive::tristimulus(self, &form.sum, bins, directions)
+            }
             Form::Warped(form) => warped::tristimulus(self, form, directions),
             Form::Baked(form) => baked::tristimulus(self, form, directions),
             Form::Gems(_) => gems::tristimulus(self, directions),
-            Form::Orders(form) => orders::tristimulus(self, form, directions),
+            Form::Orders(form) => {
+                let bins = adaptive::Bins::Efficiencies(form);
+                adaptive::tristimulus(self, &form.sum, bins, directions)
+            }
         }
     }
 
@@ -111,12 +113,16 @@ impl<'a> Twin<'a> {
             Form::Lobes(form) => {
                 let settings = form.series.settings(self.rotate_deg);
                 let spectrum = single_wavelength(1e3 * lambda_um, settings);
-                Some(adaptive::of_terms(&Twin { spectrum: &spectrum, ..*self }, form, path).x)
+                let twin = Twin { spectrum: &spectrum, ..*self };
+                let bins = adaptive::Bins::Series(&form.series);
+                Some(adaptive::corridor(&twin, &form.sum, bins, path).x)
             }
             Form::Orders(form) => {
                 let settings = Settings { rotate_deg: self.rotate_deg, scale: TermScale::NONE };
                 let spectrum = single_wavelength(1e3 * lambda_um, settings);
-                Some(orders::corridor(&Twin { spectrum: &spectrum, ..*self }, form, path).x)
+                let twin = Twin { spectrum: &spectrum, ..*self };
+                let bins = adaptive::Bins::Efficiencies(form);
+                Some(adaptive::corridor(&twin, &form.sum, bins, path).x)
             }
             Form::Gems(_) | Form::Baked(_) => None,
         }

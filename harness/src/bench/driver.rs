@@ -1,6 +1,6 @@
 //! Measures groups of variants on one adapter.
 
-use diffraction_shaders::error::Result;
+use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{Optics, Variant};
 use diffraction_shaders::runner::Placement;
@@ -109,10 +109,7 @@ impl Executor for Subjected<'_> {
         let built = match self.0 {
             Ok(built) => built,
             Err(error) => {
-                return Err(diffraction_shaders::error::Error::new(
-                    error.subject(),
-                    "the pipeline was not built",
-                ));
+                return Err(Error::new(error.subject(), "the pipeline was not built"));
             }
         };
         let [width, height] = built.timed.frame.map(|side| side as u32);
@@ -137,9 +134,12 @@ fn build(gpu: &Gpu, scene: &Scene<'_>, case: &Case, clock: &dyn Clock) -> Result
         Case::Map { variant, height, frame, disc_deg } => {
             let height = height.as_deref().unwrap_or(scene.height);
             let placement = Placement { height, rotate_deg: scene.rotate_deg, variant };
-            let prepared = Prepared::new(placement)?;
+            let mut prepared = Prepared::new(placement)?;
             if !scene.unchecked {
                 check(&prepared, gpu)?;
+            }
+            if disc_deg.is_some() {
+                under_disc(&mut prepared)?;
             }
             let cost = match disc_deg {
                 None => prepared.form.cost(),
@@ -177,6 +177,20 @@ impl Case {
             Case::Yardstick { what, .. } => what.name().to_owned(),
         }
     }
+}
+
+/// Makes the map that of a disc, whose radius is the fourth number of the block `Params`. A condition on a uniform in the shader
+/// itself would not do: lavapipe compiles such a shader anew for every frame.
+fn under_disc(prepared: &mut Prepared<'_>) -> Result<()> {
+    let single = "diffraction(params.light.xyz, wr)";
+    let disc = "diffraction_disc(params.light.xyz, params.light.w, wr)";
+    let map = prepared.sources.0.entry("map".to_owned()).or_default();
+    if !map.contains(single) {
+        let cause = "the template of the map does not call the function of single directions";
+        return Err(Error::new("bench", cause));
+    }
+    *map = map.replace(single, disc);
+    Ok(())
 }
 
 /// Compiles and draws once: drivers may put off their work until the first draw.

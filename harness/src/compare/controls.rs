@@ -105,12 +105,12 @@ pub const LAMP_CONTROLS: [Control; 6] = [
         },
     },
     Control {
-        name: "winding of corners ignored",
+        name: "winding of corners reversed",
         mode: Mode::Orders,
         filtered: false,
         spoil: |p, _| {
-            let right = "select(-1.0, 1.0, dot(turning, middle) > 0.0)";
-            replace(p, "rectangle", right, "1.0 + 1e-9 * dot(turning, middle)");
+            let right = "select(-1.0, 1.0, dot(turning, centre) > 0.0)";
+            replace(p, "rectangle", right, "-1.0 + 1e-9 * dot(turning, centre)");
         },
     },
     Control {
@@ -311,13 +311,13 @@ impl Right {
     }
 }
 
-/// The lights of controls: the sun, a wide lamp, and a softbox whose corners run clockwise.
+/// The lights of controls: the sun, a wide lamp, a softbox.
 fn lamps() -> Lights {
     let disc = |theta_deg, phi_deg, radius_deg: f64| {
         let (axis, radius_rad) = (direction(theta_deg, phi_deg), radius_deg.to_radians());
         Light::Disc { cap: Cap { axis, radius_rad }, irradiance: 1.0 }
     };
-    let corners = [[30.0, 100.0], [30.0, 80.0], [60.0, 80.0], [60.0, 100.0]];
+    let corners = [[30.0, 80.0], [30.0, 100.0], [60.0, 100.0], [60.0, 80.0]];
     let corners = corners.map(|[theta_deg, phi_deg]| direction(theta_deg, phi_deg));
     let mut all = vec![disc(LIGHT[0], LIGHT[1], 0.2665), disc(40.0, 200.0, 15.0)];
     // as bright as the others, so that its faults count

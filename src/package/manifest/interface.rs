@@ -117,9 +117,7 @@ pub(super) fn vertex_inputs(module: &Module) -> Vec<VertexInput> {
 /// Meaning of a member of a uniform block or of an attribute of a vertex stage.
 fn meaning(of: &str, name: &str) -> &'static str {
     match (of, name) {
-        ("params", "light") => {
-            "xyz: unit direction to the light, for `map`; w: in shaders with `diffraction_disc` the radius of a disc of irradiance 1 in radians, 0 for a single direction; else unused"
-        }
+        ("params", "light") => "xyz: unit direction to the light, for `map`; w: unused",
         ("params", "size") => "xy: size of the picture in pixels; zw: unused",
         ("mesh_params", "model") => {
             "matrix from the mesh to the world, column by column; it may scale unevenly and mirror"

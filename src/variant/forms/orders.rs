@@ -20,9 +20,9 @@ pub const MAX_ORDERS: usize = 1024;
 const MAX_COLUMNS: u32 = 2048;
 /// Maximum phase from the lowest to the highest point, over which the share of an order is one cubic. Through four nodes of
 /// Chebyshev the cubic errs by half of this to the fourth power, divided by 192.
-const PANEL_PHASE: f64 = 1.5;
+const PANEL_PHASE: f64 = 2.0;
 /// Maximum arc of the light's direction over which the share of an order is one cubic, radians.
-pub const PANEL_ARC: f64 = 0.5;
+pub const PANEL_ARC: f64 = 0.75;
 
 /// Numbers of the form.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,7 +59,7 @@ impl Orders {
         let sum = LobeSum::new(variant, height)?;
         let functions = variant.lights.clone();
         let mut form = Orders { sum, axes, functions, cost: Cost::default() };
-        let bytes = (orders * columns as usize + 3 * form.moment_columns()) as u64 * 16;
+        let bytes = (orders * columns as usize + 4 * form.moment_columns()) as u64 * 16;
         form.cost = form.sum.cost(1, 0, bytes);
         Ok(form)
     }
@@ -67,6 +67,11 @@ impl Orders {
     /// Number of columns of the table of moments.
     pub fn moment_columns(&self) -> usize {
         moment_columns(self.sum.range_nm)
+    }
+
+    /// Shortest and longest wavelength, µm.
+    pub fn wavelengths_um(&self) -> [f64; 2] {
+        self.sum.range_nm.map(|nm| nm * 1e-3)
     }
 
     /// Columns of efficiencies over which the share of an order is one cubic.
@@ -96,6 +101,8 @@ impl Computation for Orders {
         into.number("WAVELENGTH_MIN_UM", self.axes.min_um, shortest);
         let columns = "number of columns of the table of efficiencies";
         into.count("EFFICIENCY_COLUMNS", self.axes.columns as usize, columns);
+        let orders = "number of orders";
+        into.count("ORDER_COUNT", self.axes.bins.len(), orders);
         let [x, y] = ["largest order along x that can propagate", "largest order along y"];
         into.count("ORDER_REACH_X", self.axes.bins.r_max, x);
         into.count("ORDER_REACH_Y", self.axes.bins.s_max, y);

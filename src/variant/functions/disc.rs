@@ -6,7 +6,6 @@ use crate::error::Result;
 use crate::optics::direction;
 use crate::plan::{LightFunction, Optics};
 use crate::surface::HeightField;
-use crate::variant::twin::disc_cap;
 use crate::variant::{Cost, Form};
 
 use super::lamps::{self, Place};
@@ -50,15 +49,9 @@ impl Function for Disc {
     }
 
     fn cost(&self, form: &Form) -> Cost {
-        let of = |a: &Arguments| match *a {
-            Arguments::Disc { axis, radius_rad, .. } => {
-                Some((vec![disc_cap(axis, radius_rad)], disc_cap(axis, radius_rad)))
-            }
-            _ => None,
-        };
         let sun = |wr| Arguments::Disc { axis: direction(20.0, 0.0), radius_rad: SUN_RAD, wr };
         let widest = |wr| Arguments::Disc { axis: direction(20.0, 0.0), radius_rad: FRAC_PI_2, wr };
-        lamps::cost(form, &sun, &widest, &of)
+        lamps::cost(form, &sun, &widest)
     }
 
     fn errors(&self) -> Vec<StatedError> {

@@ -10,7 +10,7 @@ use crate::optics::{direction, normal_reflectance};
 use crate::plan::Optics;
 use crate::surface::HeightField;
 use crate::variant::cost::mean_and_worst_views;
-use crate::variant::twin::lamps::{Cap, panel_count, visit};
+use crate::variant::twin::lamps::{Caps, panel_count};
 use crate::variant::{Cost, Form};
 
 use super::{Arguments, ExactProbe};
@@ -92,29 +92,31 @@ pub(super) fn mirrored(arguments: &Arguments, optics: &Optics) -> f64 {
     normal_reflectance(optics.refractive_index) * radiance
 }
 
-/// Cost under a light of usual size as mean over viewers, and the maximum under the widest light. `of`: the light's caps.
+/// Cost under a light of usual size as mean over viewers, and the maximum under the widest light.
 pub(super) fn cost(
     form: &Form,
     usual: &dyn Fn(DVec3) -> Arguments,
     widest: &dyn Fn(DVec3) -> Arguments,
-    of: &dyn Fn(&Arguments) -> Option<(Vec<Cap>, Cap)>,
 ) -> Cost {
     let Form::Orders(orders) = form else { return Cost::default() };
     let panels = |arguments: Arguments| {
         let mut count = 0;
-        if let Some((caps, bounds)) = of(&arguments) {
-            let wr = arguments.wr();
-            visit(orders, &caps, bounds, wr, &mut |order, range_um| {
-                count += u64::from(panel_count(orders, order, range_um, wr));
-            });
-        }
+        let caps = match arguments {
+            Arguments::Direction(_) => return 0,
+            Arguments::Disc { axis, radius_rad, .. } => Caps::disc(axis, radius_rad),
+            Arguments::Rectangle { corners, .. } => Caps::rectangle(corners),
+        };
+        let wr = arguments.wr();
+        caps.visit(orders, wr, &mut |order, range_um| {
+            count += u64::from(panel_count(orders, order, range_um, wr));
+        });
         count
     };
     let (mean, _) = mean_and_worst_views(|wr| panels(usual(wr)));
     let (_, worst) = mean_and_worst_views(|wr| panels(widest(wr)));
-    /// Four shares, and at both ends two texels of each row of moments.
+    /// Four shares, and at both ends four rows of moments.
     const SHARES: u64 = 4;
-    const MOMENTS: u64 = 2 * 2 * 3;
+    const MOMENTS: u64 = 2 * 4;
     let bytes = form.cost().table_bytes;
     Cost::of_evaluations((SHARES as f64 * mean, SHARES * worst), 1, MOMENTS / SHARES, bytes)
 }

@@ -6,7 +6,6 @@ use crate::error::Result;
 use crate::optics::direction;
 use crate::plan::{LightFunction, Optics};
 use crate::surface::HeightField;
-use crate::variant::twin::rectangle_caps;
 use crate::variant::{Cost, Form};
 
 use super::lamps::{self, Place};
@@ -51,18 +50,11 @@ impl Function for Rectangle {
     }
 
     fn cost(&self, form: &Form) -> Cost {
-        let of = |a: &Arguments| match *a {
-            Arguments::Rectangle { corners, .. } => {
-                let (caps, bounds) = rectangle_caps(corners);
-                Some((caps.to_vec(), bounds))
-            }
-            _ => None,
-        };
         let [window, widest] = [[24.0, 10.0], [170.0, 170.0]].map(|size_deg| {
             let corners = corners(direction(20.0, 0.0), size_deg, 0.0);
             move |wr| Arguments::Rectangle { corners, wr }
         });
-        lamps::cost(form, &window, &widest, &of)
+        lamps::cost(form, &window, &widest)
     }
 
     fn errors(&self) -> Vec<StatedError> {

@@ -10,40 +10,40 @@ use glam::{DVec2, DVec3};
 
 use crate::field::reference::Directions;
 use crate::optics::{gain, path_difference};
-use crate::tables::{BROADEST, LobeGeometry, MIN_SQUARED, OUTER_NODES, REACH_SIGMAS};
-use crate::variant::{LobeSum, Lobes};
+use crate::tables::{BROADEST, LobeGeometry, MIN_SQUARED, OUTER_NODES, REACH_SIGMAS, Series};
+use crate::variant::{LobeSum, Orders};
 
 use super::Twin;
 use super::bins::bin_amplitude;
+use super::efficiencies::efficiency;
 use super::series::{series_argument, series_scale};
 
+/// What the intensities of bins are computed from.
+#[derive(Clone, Copy)]
+pub enum Bins<'a> {
+    /// A series of terms.
+    Series(&'a Series),
+    /// A table of efficiencies.
+    Efficiencies(&'a Orders),
+}
+
 /// Relative tristimulus values for one pair of directions.
-pub fn tristimulus(twin: &Twin<'_>, form: &Lobes, Directions { wi, wr }: Directions) -> [f64; 3] {
+pub fn tristimulus(
+    twin: &Twin<'_>,
+    form: &LobeSum,
+    bins: Bins<'_>,
+    Directions { wi, wr }: Directions,
+) -> [f64; 3] {
     let factor = gain(wi, wr, twin.optics);
     if factor == 0.0 {
         return [0.0; 3];
     }
     let path = path_difference(wi, wr, twin.rotate_deg);
-    (of_terms(twin, form, path) * factor).to_array()
+    (corridor(twin, form, bins, path) * factor).to_array()
 }
 
-/// The sum over lobes whose bins are series of terms.
-pub fn of_terms(twin: &Twin<'_>, form: &Lobes, path: DVec3) -> DVec3 {
-    let squared = |bin: DVec2, lambda_um: f64| {
-        let argument = series_argument(twin, &form.series, path.z, lambda_um);
-        bin_amplitude(twin, &form.series, bin, argument).norm_sqr()
-    };
-    series_scale(&form.series).powi(2) * corridor(twin, &form.sum, path, &squared)
-}
-
-/// The sum over the bins of a strip along the segment, or over the bins about each node. `squared_at`: `|c|²` of a bin at a
-/// wavelength in µm.
-pub fn corridor(
-    twin: &Twin<'_>,
-    form: &LobeSum,
-    path: DVec3,
-    squared_at: &dyn Fn(DVec2, f64) -> f64,
-) -> DVec3 {
+/// The sum over the bins of a strip along the segment, or over the bins about each node.
+pub fn corridor(twin: &Twin<'_>, form: &LobeSum, bins: Bins<'_>, path: DVec3) -> DVec3 {
     let steep = path.y.abs() > path.x.abs();
     let turn = |v: DVec2| if steep { DVec2::new(v.y, v.x) } else { v };
     let uv = turn(path.truncate());
@@ -86,7 +86,17 @@ pub fn corridor(
             for side in 0..lobe_halves(form, row) {
                 let light = lobe_light(twin, form, wavenumber, node, row, side, range);
                 let colour = DVec3::new(light[0], light[1], light[2]);
-                xyz += share * squared_at(turn(bin), light[3]) * colour;
+                let squared = match bins {
+                    Bins::Efficiencies(orders) => {
+                        efficiency(twin, orders, turn(bin), path.z / light[3])
+                    }
+                    Bins::Series(series) => {
+                        let argument = series_argument(twin, series, path.z, light[3]);
+                        let amplitude = bin_amplitude(twin, series, turn(bin), argument);
+                        amplitude.norm_sqr() * series_scale(series).powi(2)
+                    }
+                };
+                xyz += share * squared * colour;
             }
         }
     }

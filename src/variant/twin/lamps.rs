@@ -2,7 +2,7 @@
 
 use glam::{BVec2, DVec2, DVec3, DVec4};
 
-use crate::optics::{gain, normal_reflectance};
+use crate::optics::{self, gain};
 use crate::tables::orders::{CENTRE_NM, UNIT_NM};
 use crate::variant::Orders;
 use crate::variant::forms::PANEL_ARC;
@@ -10,66 +10,15 @@ use crate::variant::forms::PANEL_ARC;
 use super::Twin;
 use super::efficiencies::efficiency;
 
+mod caps;
+
+pub use caps::Caps;
+
 /// A cap of the sphere: its axis, and the square of the chord from the axis to its edge. For a hemisphere it is 2.
 pub type Cap = (DVec3, f64);
 
 /// Wavelength of a crossing that does not exist, µm.
 const NEVER_UM: f64 = 1e9;
-
-/// X, Y, Z under radiance 1 from the intersection of caps. `bounds`: a cap that contains it.
-pub fn under_caps(twin: &Twin<'_>, form: &Orders, caps: &[Cap], bounds: Cap, wr: DVec3) -> DVec3 {
-    if !(wr.z > 1e-6) {
-        return DVec3::ZERO;
-    }
-    let turned: Vec<Cap> =
-        caps.iter().map(|(axis, chord)| (in_surface(twin, *axis), *chord)).collect();
-    let viewer = in_surface(twin, wr);
-    let bounds = (in_surface(twin, bounds.0), bounds.1);
-    let mut xyz = DVec3::ZERO;
-    visit(form, &turned, bounds, viewer, &mut |order, range_um| {
-        xyz += order_colour(twin, form, order, range_um, viewer);
-    });
-    normal_reflectance(twin.optics.refractive_index) * xyz
-}
-
-/// Calls `lit` with each order that takes light from within all caps, and the range of wavelengths in µm. All directions are
-/// in the frame of the surface.
-pub fn visit(
-    form: &Orders,
-    caps: &[Cap],
-    (axis, chord_squared): Cap,
-    wr: DVec3,
-    lit: &mut dyn FnMut(DVec2, [f64; 2]),
-) {
-    let offset = (axis + wr).truncate();
-    let reach = chord_squared.sqrt();
-    let rows = order_rows(form, offset, reach);
-    for row in rows[0]..=rows[1] {
-        let columns = order_columns(form, row, offset, reach);
-        for column in columns[0]..=columns[1] {
-            let order = DVec2::new(f64::from(column), f64::from(row));
-            let frequency = order_frequency(form, order);
-            let [mut from_um, last_um] = propagating(form, frequency, wr);
-            let mut edges: Vec<f64> = caps
-                .iter()
-                .flat_map(|cap| crossings(frequency, wr, *cap).to_array())
-                .filter(|edge| *edge > from_um && *edge < last_um)
-                .collect();
-            edges.sort_by(f64::total_cmp);
-            edges.push(last_um);
-            for to_um in edges {
-                if from_um >= to_um {
-                    continue;
-                }
-                let wi = arrival(frequency, 0.5 * (from_um + to_um), wr);
-                if caps.iter().all(|cap| within(wi, *cap)) {
-                    lit(order, [from_um, to_um]);
-                }
-                from_um = to_um;
-            }
-        }
-    }
-}
 
 /// Direction in the frame of the surface.
 fn in_surface(twin: &Twin<'_>, v: DVec3) -> DVec3 {
@@ -80,15 +29,20 @@ fn in_surface(twin: &Twin<'_>, v: DVec3) -> DVec3 {
     DVec3::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x, v.z)
 }
 
+/// Reflectance at normal incidence.
+fn normal_reflectance(twin: &Twin<'_>) -> f64 {
+    optics::normal_reflectance(twin.optics.refractive_index)
+}
+
 /// First and last row of orders that may take light from within `reach` of a direction.
 fn order_rows(form: &Orders, offset: DVec2, reach: f64) -> [i32; 2] {
     let limit = form.axes.bins.s_max as i32;
-    orders_between(offset.y, reach, wavelengths(form), form.sum.patch_um[1], limit)
+    orders_between(offset.y, reach, form.wavelengths_um(), form.sum.patch_um[1], limit)
 }
 
 /// The same for the orders of a row.
 fn order_columns(form: &Orders, row: i32, offset: DVec2, reach: f64) -> [i32; 2] {
-    let mut ends = wavelengths(form);
+    let mut ends = form.wavelengths_um();
     if row != 0 {
         let side = |reach: f64| form.sum.patch_um[1] / f64::from(row) * (reach - offset.y);
         let sides = [side(-reach), side(reach)];
@@ -108,11 +62,6 @@ fn orders_between(offset: f64, reach: f64, ends: [f64; 2], size_um: f64, limit: 
     let first = low[0].min(low[1]).ceil().clamp(-most, most + 1.0);
     let last = high[0].max(high[1]).floor().clamp(-most - 1.0, most);
     [first as i32, last as i32]
-}
-
-/// Shortest and longest wavelength, µm.
-fn wavelengths(form: &Orders) -> [f64; 2] {
-    form.sum.range_nm.map(|nm| nm * 1e-3)
 }
 
 fn order_frequency(form: &Orders, order: DVec2) -> DVec2 {
@@ -135,7 +84,7 @@ fn propagating(form: &Orders, frequency: DVec2, wr: DVec3) -> [f64; 2] {
     let start = -wr.truncate().dot(along.truncate());
     let across = wr.y * along.x - wr.x * along.y;
     let half = (1.0 - across * across).max(0.0).sqrt();
-    let [min_um, max_um] = wavelengths(form);
+    let [min_um, max_um] = form.wavelengths_um();
     [min_um.max((start - half) / along.z), max_um.min((start + half) / along.z)]
 }
 
@@ -240,9 +189,14 @@ fn moments_between(
 ) -> DVec3 {
     let centre = (0.5 * (from_um + to_um) * 1e3 - CENTRE_NM) / UNIT_NM;
     let scale = 1.0 / (0.5e3 * (to_um - from_um) / UNIT_NM).max(1e-9);
+    let ends = [from_um, to_um].map(|um| {
+        let column = moment_column(form, um);
+        (column, column_part(twin, form, um, column), column_powers(form, column))
+    });
     let channel = |row: i64| {
-        let [light, first, second, third] =
-            (moment_at(twin, form, to_um, row) - moment_at(twin, form, from_um, row)).to_array();
+        let [before, after] = ends
+            .map(|(column, part, powers)| moment(twin, column, row) + part[row as usize] * powers);
+        let [light, first, second, third] = (after - before).to_array();
         let linear = (first - centre * light) * scale;
         let square = (second - centre * (2.0 * first - centre * light)) * scale.powi(2);
         let cubic = third - 3.0 * centre * (second - centre * first) - centre.powi(3) * light;
@@ -254,14 +208,30 @@ fn moments_between(
     DVec3::new(channel(0), channel(1), channel(2))
 }
 
-fn moment_at(twin: &Twin<'_>, form: &Orders, lambda_um: f64, row: i64) -> DVec4 {
-    let [min_um, max_um] = wavelengths(form);
-    let last = form.moment_columns() as f64 - 1.0;
-    let place = ((lambda_um - min_um) / (max_um - min_um)).clamp(0.0, 1.0) * last;
-    let column = (place as i64).min(form.moment_columns() as i64 - 2);
-    let load = |column: i64| DVec4::from(twin.coefficients.load(column, row, 0));
-    let (before, after) = (load(column), load(column + 1));
-    before + (place - column as f64) * (after - before)
+/// Place of a wavelength in columns of the table of moments.
+fn moment_place(form: &Orders, lambda_um: f64) -> f64 {
+    let [min_um, max_um] = form.wavelengths_um();
+    (lambda_um - min_um) / (max_um - min_um) * (form.moment_columns() as f64 - 1.0)
+}
+
+fn moment_column(form: &Orders, lambda_um: f64) -> i64 {
+    (moment_place(form, lambda_um) as i64).clamp(0, form.moment_columns() as i64 - 2)
+}
+
+fn column_part(twin: &Twin<'_>, form: &Orders, lambda_um: f64, column: i64) -> DVec3 {
+    let part = (moment_place(form, lambda_um) - column as f64).clamp(0.0, 1.0);
+    part * DVec4::from(twin.coefficients.load(column, 3, 0)).truncate()
+}
+
+fn column_powers(form: &Orders, column: i64) -> DVec4 {
+    let [min_um, max_um] = form.wavelengths_um();
+    let share = (column as f64 + 0.5) / (form.moment_columns() as f64 - 1.0);
+    let t = ((min_um + share * (max_um - min_um)) * 1e3 - CENTRE_NM) / UNIT_NM;
+    DVec4::new(1.0, t, t * t, t * t * t)
+}
+
+fn moment(twin: &Twin<'_>, column: i64, row: i64) -> DVec4 {
+    DVec4::from(twin.coefficients.load(column, row, 0))
 }
 
 fn order_share(twin: &Twin<'_>, form: &Orders, order: DVec2, lambda_um: f64, wr: DVec3) -> f64 {
