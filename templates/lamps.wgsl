@@ -72,8 +72,10 @@ fn polar(frequency: vec2f) -> vec3f {
 
 // Direction from which an order takes light of a wavelength; z is 0 where there is none.
 fn arrival(frequency: vec2f, lambda_um: f32, wr: vec3f) -> vec3f {
-    let plane = -wr.xy - lambda_um * frequency;
-    return vec3f(plane, sqrt(max(0.0, 1.0 - dot(plane, plane))));
+    let shift = lambda_um * frequency;
+    // 1 minus the square of the plane part, without its rounding errors at grazing angles
+    let squared = wr.z * wr.z - dot(shift, 2.0 * wr.xy + shift);
+    return vec3f(-wr.xy - shift, sqrt(max(0.0, squared)));
 }
 
 // Shortest and longest wavelength at which an order takes light from above the horizon.

@@ -11,6 +11,7 @@ mod gems;
 mod judged;
 mod mesh_frame;
 mod modes;
+mod orders;
 mod pq;
 mod prefiltered;
 mod quantised;

@@ -75,8 +75,9 @@ fn polar(frequency: DVec2) -> DVec3 {
 }
 
 fn arrival(frequency: DVec2, lambda_um: f64, wr: DVec3) -> DVec3 {
-    let plane = -wr.truncate() - lambda_um * frequency;
-    plane.extend((1.0 - plane.length_squared()).max(0.0).sqrt())
+    let shift = lambda_um * frequency;
+    let squared = wr.z * wr.z - shift.dot(2.0 * wr.truncate() + shift);
+    (-wr.truncate() - shift).extend(squared.max(0.0).sqrt())
 }
 
 fn propagating(form: &Orders, frequency: DVec2, wr: DVec3) -> [f64; 2] {
