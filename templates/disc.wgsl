@@ -62,13 +62,3 @@ fn tristimulus_disc(axis: vec3f, radius: f32, wr: vec3f) -> vec3f {
     let sine_squared = chord_squared * (1.0 - 0.25 * chord_squared);
     return normal_reflectance() / (3.1415927 * sine_squared) * xyz;
 }
-
-// Square of the chord from the axis of a disc to its edge. A series, since the sine of a driver may be wrong in the fourth
-// digit.
-fn disc_chord_squared(radius: f32) -> f32 {
-    let half = 0.5 * clamp(radius, 1e-4, 1.5707963);
-    let squared = half * half;
-    let inner = 1.0 - squared / 42.0 * (1.0 - squared / 72.0);
-    let sine = half * (1.0 - squared / 6.0 * (1.0 - squared / 20.0 * inner));
-    return 4.0 * sine * sine;
-}

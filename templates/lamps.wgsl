@@ -21,6 +21,30 @@ fn in_surface(direction: vec3f) -> vec3f {
 #endif
 }
 
+#ifdef DISC
+// Square of the chord from the axis of a disc to its edge. A series, since the sine of a driver may be wrong in the fourth
+// digit.
+fn disc_chord_squared(radius: f32) -> f32 {
+    let half = 0.5 * clamp(radius, 1e-4, 1.5707963);
+    let squared = half * half;
+    let inner = 1.0 - squared / 42.0 * (1.0 - squared / 72.0);
+    let sine = half * (1.0 - squared / 6.0 * (1.0 - squared / 20.0 * inner));
+    return 4.0 * sine * sine;
+}
+
+#endif
+#ifdef RECTANGLE
+// Unit vector to the inner side of an edge. For an edge without length, the centre: the hemisphere about it contains all.
+fn edge_normal(start: vec3f, end: vec3f, side: f32, centre: vec3f) -> vec3f {
+    let normal = side * cross(start, end);
+    let squared = dot(normal, normal);
+    if (squared < 1e-12) {
+        return centre;
+    }
+    return normal * inverseSqrt(squared);
+}
+
+#endif
 // Reflectance at normal incidence.
 fn normal_reflectance() -> f32 {
     let amplitude = (REFRACTIVE_INDEX - 1.0) / (REFRACTIVE_INDEX + 1.0);

@@ -75,13 +75,3 @@ fn tristimulus_rectangle(a: vec3f, b: vec3f, c: vec3f, d: vec3f, wr: vec3f) -> v
     }
     return normal_reflectance() * xyz;
 }
-
-// Unit vector to the inner side of an edge. For an edge without length, the centre: the hemisphere about it contains all.
-fn edge_normal(start: vec3f, end: vec3f, side: f32, centre: vec3f) -> vec3f {
-    let normal = side * cross(start, end);
-    let squared = dot(normal, normal);
-    if (squared < 1e-12) {
-        return centre;
-    }
-    return normal * inverseSqrt(squared);
-}

@@ -21,7 +21,7 @@ use crate::tables::TableSpec;
 use crate::variant::{Form, Ground};
 
 /// One variant of every form, small enough to be computed many times.
-const FORMS: [&str; 16] = [
+const FORMS: [&str; 17] = [
     "terms = 5\ncoherence_um = 9",
     "terms = \"auto\"\nwindow_radius = \"auto\"\ncoherence_um = 9",
     "terms = 5\nwavelengths = { min_nm = 550, max_nm = 550 }",
@@ -34,6 +34,7 @@ const FORMS: [&str; 16] = [
     "mode = \"adaptive\"\nterms = 5\nreconstruction = \"prefiltered\"\ntable = \"f16\"\ncoherence_um = 9",
     "mode = \"baked\"\ntable = \"f16\"\nbake_mib = 4\ncoherence_um = 9",
     "mode = \"gems\"",
+    "mode = \"orders\"\nlights = \"direction\"\ncoherence = \"ensemble\"",
     "mode = \"orders\"\ncoherence = \"ensemble\"\ncoherence_scaling = \"wavelength\"",
     // above the limit of errors
     "terms = 2\naccept_error = true\ncoherence_um = 9",

@@ -120,6 +120,14 @@ periods = [3, 4]
 table = "f16"
 terms = 3
 [[preset]]
+name = "orders"
+mode = "orders"
+source_diameter_deg = 0.53
+[[preset]]
+name = "orders-direction"
+mode = "orders"
+lights = ["direction"]
+[[preset]]
 name = "adaptive"
 mode = "adaptive"
 terms = 3
@@ -240,6 +248,8 @@ fn the_forms_are_all_forms() {
         let manifest: Value = serde_json::from_slice(file).unwrap();
         for (key, value) in manifest["configuration"].as_object().unwrap() {
             built.insert((key.clone(), value.as_str().map(str::to_owned)));
+            let words = value.as_array().into_iter().flatten();
+            built.extend(words.map(|word| (key.clone(), word.as_str().map(str::to_owned))));
         }
     }
     for key in vocabulary().into_iter().filter(|key| key.table == "variants") {

@@ -42,7 +42,7 @@ illuminant = ["D65", "A"]
 /// More of the optics, for fewer forms.
 const OPTICS: &str = r#"
 [variants]
-mode = ["full", "pq", "adaptive", "baked"]
+mode = ["full", "pq", "adaptive", "baked", "orders"]
 terms = [5, 6]
 wavelengths = [{}, { max_nm = 700 }]
 reconstruction = ["window", "prefiltered"]
@@ -116,6 +116,8 @@ fn inputs(spec: &TableSpec, surface: &SurfaceInput, variant: &Variant, forget: &
         ]),
         TableSpec::Grating(_) => json!(id),
         TableSpec::Rotation(_) => json!(rotate_deg),
+        TableSpec::Efficiencies(_) => json!([id, waves.min_nm]),
+        TableSpec::Moments(_) => json!([light, waves.min_nm, waves.max_nm]),
     }
 }
 

@@ -31,7 +31,7 @@ fn variant(keys: &str) -> Variant {
 #[test]
 fn every_shader_that_the_constraints_leave_compiles_for_every_target() {
     let plan = plan(concat!(
-        "mode = [\"full\", \"pq\", \"adaptive\", \"gems\", \"baked\"]\nterms = 5\naccept_error = true\n",
+        "mode = [\"full\", \"pq\", \"adaptive\", \"gems\", \"baked\", \"orders\"]\nterms = 5\naccept_error = true\n",
         "sampling = [\"load\", \"filter\"]\nbake_mib = 1\n",
         "wavelengths = [{}, { min_nm = 550, max_nm = 550 }]\n",
         r#"table = ["f32", "f16"]
@@ -50,6 +50,8 @@ hoist = [true, false]
     assert_eq!(count(Mode::Gems), 1);
     // no single wavelength; both samplings, but 32-bit floats are not filtered
     assert_eq!(count(Mode::Baked), 3 * 2 * 2 * 2 * 2);
+    // no single wavelength, and lights with a size need a window that follows the wavelength
+    assert_eq!(count(Mode::Orders), 2 * 2 * 2);
     for variant in &plan.variants {
         let form = Form::new(variant, &height).unwrap();
         for rotate_deg in [0.0, 30.0] {

@@ -98,6 +98,11 @@ reconstruction = "prefiltered"
 coherence_um = 2
 table = "f16"
 sampling = "filter"
+[[preset]]
+name = "sun"
+mode = "orders"
+lights = ["disc"]
+source_diameter_deg = 0.53
 "#;
 
 /// All that a variant reads is in both outputs, whatever keys there are.

@@ -22,7 +22,7 @@ const MAX_COLUMNS: u32 = 2048;
 /// Chebyshev the cubic errs by half of this to the fourth power, divided by 192.
 const PANEL_PHASE: f64 = 2.0;
 /// Maximum arc of the light's direction over which the share of an order is one cubic, radians.
-pub const PANEL_ARC: f64 = 0.75;
+const PANEL_ARC: f64 = 0.75;
 
 /// Numbers of the form.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,6 +77,11 @@ impl Orders {
     /// Columns of efficiencies over which the share of an order is one cubic.
     pub fn panel_columns(&self) -> f64 {
         EfficiencyAxes::columns_of(PANEL_PHASE)
+    }
+
+    /// Maximum arc of the light's direction over which the share of an order is one cubic, radians.
+    pub fn panel_arc(&self) -> f64 {
+        PANEL_ARC
     }
 
     /// Maximum number of panels of an order: the deepest heights at all wavelengths, or a half circle.

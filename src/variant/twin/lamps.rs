@@ -1,11 +1,12 @@
 //! Orders under lights with a size in f64; see `templates/lamps.wgsl`.
 
+use std::f64::consts::FRAC_PI_2;
+
 use glam::{BVec2, DVec2, DVec3, DVec4};
 
 use crate::optics::{self, gain};
 use crate::tables::orders::{CENTRE_NM, UNIT_NM};
 use crate::variant::Orders;
-use crate::variant::forms::PANEL_ARC;
 
 use super::Twin;
 use super::efficiencies::efficiency;
@@ -27,6 +28,17 @@ fn in_surface(twin: &Twin<'_>, v: DVec3) -> DVec3 {
     }
     let (sin, cos) = twin.rotate_deg.to_radians().sin_cos();
     DVec3::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x, v.z)
+}
+
+/// Square of the chord from the axis of a disc to its edge.
+pub fn disc_chord_squared(radius_rad: f64) -> f64 {
+    4.0 * (0.5 * radius_rad.clamp(1e-4, FRAC_PI_2)).sin().powi(2)
+}
+
+/// Unit vector to the inner side of an edge; the centre for an edge without length.
+pub fn edge_normal(start: DVec3, end: DVec3, side: f64, centre: DVec3) -> DVec3 {
+    let normal = side * start.cross(end);
+    if normal.length_squared() < 1e-12 { centre } else { normal.normalize() }
 }
 
 /// Reflectance at normal incidence.
@@ -144,7 +156,7 @@ pub fn panel_count(form: &Orders, order: DVec2, [from_um, to_um]: [f64; 2], wr: 
     let middle = arrival(frequency, middle_um, wr);
     let turns = 2.0 * ((first.z + wr.z) / from_um - (middle.z + wr.z) / middle_um).abs();
     let columns = 0.5 * form.axes.min_um * f64::from(form.axes.columns) * turns;
-    let needed = (columns / form.panel_columns()).max(first.distance(last) / PANEL_ARC);
+    let needed = (columns / form.panel_columns()).max(first.distance(last) / form.panel_arc());
     (needed as u32).min(form.panels() as u32 - 1) + 1
 }
 

@@ -16,9 +16,3 @@ pub fn tristimulus_rectangle(
 ) -> [f64; 3] {
     Caps::rectangle(corners).seen(twin, form, wr).to_array()
 }
-
-/// Unit vector to the inner side of an edge; the centre for an edge without length.
-pub fn edge_normal(start: DVec3, end: DVec3, side: f64, centre: DVec3) -> DVec3 {
-    let normal = side * start.cross(end);
-    if normal.length_squared() < 1e-12 { centre } else { normal.normalize() }
-}

@@ -4,12 +4,10 @@ use glam::{DVec2, DVec3};
 
 use crate::variant::Orders;
 use crate::variant::twin::Twin;
-use crate::variant::twin::disc::disc_chord_squared;
-use crate::variant::twin::rectangle::edge_normal;
 
 use super::{
-    Cap, arrival, crossings, in_surface, normal_reflectance, order_colour, order_columns,
-    order_frequency, order_rows, propagating, within,
+    Cap, arrival, crossings, disc_chord_squared, edge_normal, in_surface, normal_reflectance,
+    order_colour, order_columns, order_frequency, order_rows, propagating, within,
 };
 
 /// A light of radiance 1.
