@@ -190,11 +190,7 @@ pub fn check_counts(subject: &str, lights: &[Light]) -> Result<()> {
 }
 
 /// The uniform block `Shade`. `scale`: diffuser scale; `[level, last, lobe]`: level of the pass, last level, and `(λ σf)²`.
-fn shade_numbers(
-    look: &Look,
-    scale: f64,
-    [level, last, lobe]: [f32; 3],
-) -> [f32; SHADE_NUMBERS] {
+fn shade_numbers(look: &Look, scale: f64, [level, last, lobe]: [f32; 3]) -> [f32; SHADE_NUMBERS] {
     let mut numbers = [0.0; SHADE_NUMBERS];
     let head = [look.texture_weight as f32, scale as f32, look.unlit as f32, level, last, lobe];
     numbers[..head.len()].copy_from_slice(&head);

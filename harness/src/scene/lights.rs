@@ -26,10 +26,7 @@ pub fn in_world(light: &Light) -> Result<Light> {
         Light::Polygon { polygon, radiance } => {
             let corners: Vec<DVec3> = polygon.corners().iter().map(|c| turned(*c)).collect();
             let fault = |_| Error::new("light", "is no convex polygon in the world");
-            Light::Polygon {
-                polygon: Polygon::new(&corners).map_err(fault)?,
-                radiance: *radiance,
-            }
+            Light::Polygon { polygon: Polygon::new(&corners).map_err(fault)?, radiance: *radiance }
         }
         Light::Sky { radiance } => Light::Sky { radiance: *radiance },
     })
@@ -134,8 +131,7 @@ mod tests {
             let z = 2.0 * (f64::from(row) + 0.5) / f64::from(steps) - 1.0;
             for column in 0..2 * steps {
                 let phi = PI * (f64::from(column) + 0.5) / f64::from(steps);
-                let wi = (DVec3::new(phi.cos(), phi.sin(), 0.0) * (1.0 - z * z).sqrt())
-                    .with_z(z);
+                let wi = (DVec3::new(phi.cos(), phi.sin(), 0.0) * (1.0 - z * z).sqrt()).with_z(z);
                 if polygon.margin(wi) > 0.0 {
                     sum += wi.dot(normal).max(0.0);
                 }

@@ -44,17 +44,37 @@ fn lights_that_cannot_be_shown_are_refused_with_a_remedy() {
         format!("--variant {variant} --lights lights.toml --out a.png{more}")
     };
     for (lights, options, expected) in [
-        (SUN, of("fixed", ""), "light 1: the variant fixed has no function for a light of kind \"disc\" (use a variant with mode = \"orders\""),
-        (WINDOW, of("star", ""), "the variant star has no function for a light of kind \"polygon\""),
-        (sky, of("orders", ""), "lights.toml: light 1: a light of kind \"sky\" is not supported yet by scene"),
+        (
+            SUN,
+            of("fixed", ""),
+            "light 1: the variant fixed has no function for a light of kind \"disc\" (use a variant with mode = \"orders\"",
+        ),
+        (
+            WINDOW,
+            of("star", ""),
+            "the variant star has no function for a light of kind \"polygon\"",
+        ),
+        (
+            sky,
+            of("orders", ""),
+            "lights.toml: light 1: a light of kind \"sky\" is not supported yet by scene",
+        ),
         (&SUN.repeat(5), of("orders", ""), "has 5 lights of kind \"disc\""),
         (SUN, of("orders", " --light 0,0,1"), "cannot be used with"),
         (SUN, of("orders", " --light-diameter-deg 1"), "cannot be used with"),
         (SUN, of("orders", " --filter footprint"), "(use --filter supersample)"),
         (SUN, of("orders", " --sweep lights"), "has lights of its own"),
         ("", of("orders", ""), "has no light"),
-        ("", "--variant orders --filter footprint --out a.png".to_owned(), "or --light-diameter-deg 0"),
-        ("", "--variant orders --light-diameter-deg 0.001 --out a.png".to_owned(), "from 0.02 to 179.9"),
+        (
+            "",
+            "--variant orders --filter footprint --out a.png".to_owned(),
+            "or --light-diameter-deg 0",
+        ),
+        (
+            "",
+            "--variant orders --light-diameter-deg 0.001 --out a.png".to_owned(),
+            "from 0.02 to 179.9",
+        ),
     ] {
         let (code, said) = scene(folder.path(), lights, &options);
         assert_eq!(code, Some(2), "{options}: {said}");

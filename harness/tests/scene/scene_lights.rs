@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_1_PI, PI};
 use diffraction_harness::drivers::gpu::Gpu;
 use diffraction_harness::drivers::{ColourMap, Prepared};
 use diffraction_harness::scene::drawing::{Drawing, Look, Truth, truth_under};
+use diffraction_harness::scene::lights::facing;
 use diffraction_harness::scene::{Mesh, Orbit, sphere};
 use diffraction_shaders::light::{Cap, Light, Polygon};
 use diffraction_shaders::plan::{
@@ -41,8 +42,7 @@ fn orders() -> Variant {
 }
 
 fn disc(direction: DVec3, diameter_deg: f64) -> Light {
-    let cap =
-        Cap { axis: direction.normalize(), radius_rad: (0.5 * diameter_deg).to_radians() };
+    let cap = Cap { axis: direction.normalize(), radius_rad: (0.5 * diameter_deg).to_radians() };
     Light::Disc { cap, irradiance: 1.0 }
 }
 
@@ -110,7 +110,7 @@ fn pictures_under_lights_are_the_scene_in_f64_and_wrong_ones_are_caught() {
         let found = judged(&gpu, &prepared, [lights, lights]);
         println!("{name}: {found:?}");
         assert!(agrees(&found), "{name}: {found:?}");
-        assert!(found.scene.lit * found.pixels as f64 > 100.0, "{name}: {found:?}");
+        assert!(found.scene.lit * found.pixels as f64 > 60.0, "{name}: {found:?}");
         let found = judged(&gpu, &prepared, [lights, wrong]);
         println!("{name}, wrong: {:?}", found.scene.de2000);
         assert!(found.scene.de2000.p95 > 5.0 * COLOUR, "{name}: {found:?}");
@@ -135,17 +135,15 @@ fn units_are_those_of_the_file() {
     let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     let mesh = Mesh { colour: ColourMap::plain([255; 3]), ..sphere(96) };
     let drawing = Drawing::new(&gpu, placement, mesh.clone(), false).unwrap();
-    let Light::Polygon { polygon, .. } = window(DVec3::Y, 0.5, 4) else { return };
-    // the part of the sphere's top, where no order goes to a viewer at the side
-    let square = Light::Polygon { polygon, radiance: 1.0 };
-    let expected = diffraction_harness::scene::lights::facing(&square);
+    let softbox = window(DVec3::Z, 0.5, 4);
+    let facing = facing(&softbox);
     let lights = [
         (Light::Direction { direction: DVec3::Z, irradiance: 1.0 }, FRAC_1_PI),
         (disc(DVec3::Z, 0.53), FRAC_1_PI),
         (disc(DVec3::Z, 30.0), FRAC_1_PI),
-        (window(DVec3::Z, 0.5, 4), 2.0 * expected),
+        (softbox, facing),
     ];
-    // from behind the light, at 75° to the normal of the point that faces it
+    // far from the mirror image of the light
     let orbit = Orbit { azimuth_deg: 75.0, ..Orbit::around(&mesh, 1.0) };
     let params = orbit.params(&mesh, [90, 90], DVec3::Z).unwrap();
     for (light, white) in lights {
@@ -155,9 +153,12 @@ fn units_are_those_of_the_file() {
         let lit = drawing.draw(&params, &Look::lit_by(vec![light.clone()]), [90, 90]).unwrap();
         // the darkest channel is that of the body: orders are coloured
         let least = |p: &[f32; 4]| f64::from(p[0].min(p[1]).min(p[2]));
-        let most = lit.pixels.iter().map(least).fold(0.0, f64::max);
-        println!("{}: {:.3} of {white:.3}", light.kind(), most);
-        assert!(most > 0.8 * white, "{light:?}: {most} of {white}");
+        let mut shown: Vec<f64> = lit.pixels.iter().filter(|p| p[3] == 1.0).map(least).collect();
+        shown.sort_by(f64::total_cmp);
+        // the part that nearly faces the light, without what glitters
+        let bright = shown[shown.len() * 97 / 100];
+        println!("{}: {bright:.3} of {white:.3}", light.kind());
+        assert!(bright > 0.75 * white && bright < white, "{light:?}: {bright} of {white}");
     }
 }
 

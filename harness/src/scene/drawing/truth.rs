@@ -146,7 +146,7 @@ fn diffracted(twin: &Twin<'_>, scale: f64, light: &Light, to_frame: DMat3, wr: D
 
 /// Radiance of a white body of this refractive index under a light of the world.
 fn reflected(index: f64, light: &Light, to_frame: DMat3, wr: DVec3) -> f64 {
-    if !(wr.z > 0.0) {
+    if wr.z <= 0.0 {
         return 0.0;
     }
     let half = (to_frame * middle(light) + wr).normalize_or_zero();
