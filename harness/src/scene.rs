@@ -1,4 +1,4 @@
-//! Scenes to draw a variant in: meshes with tangents, an orbiting camera, directional lights, a body's colour.
+//! Scenes to draw a variant in: meshes with tangents, an orbiting camera, lights, a body's colour.
 //!
 //! World: right-handed, `y` up. A camera at azimuth and elevation 0 is on `+z`. Lengths have no unit. Everything here is data or
 //! f64 arithmetic; [`crate::drivers::gpu`] and [`crate::scene::drawing`] draw.
@@ -6,6 +6,7 @@
 mod camera;
 pub mod drawing;
 mod gltf;
+pub mod lights;
 mod mesh;
 mod named;
 mod obj;
@@ -24,8 +25,6 @@ pub use read::read;
 pub use snake::{Snake, snake};
 pub use sphere::sphere;
 
-use glam::DVec3;
-
 /// The lights of the thesis's figure 5.16, "Different light directions": directions in which the light travels. The camera looks
 /// along `-z`.
 ///
@@ -41,22 +40,3 @@ pub const PRINTED_LIGHTS: [[f64; 3]; 6] = [
 
 /// The zooms of the thesis's figure 5.15, "Different camera zoom levels".
 pub const PRINTED_ZOOMS: [f64; 6] = [0.1, 0.2, 0.5, 1.0, 1.5, 2.0];
-
-/// A directional light.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Light {
-    /// Direction towards the light in the world, of any length.
-    pub direction: DVec3,
-    /// Radiance of a white diffuser that faces the light, linear sRGB.
-    pub colour: [f32; 3],
-}
-
-impl Light {
-    /// White light from a direction.
-    pub fn white(direction: DVec3) -> Light {
-        Light { direction, colour: [1.0; 3] }
-    }
-}
-
-/// Maximum number of lights in a picture.
-pub const MAX_LIGHTS: usize = 4;

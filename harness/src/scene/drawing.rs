@@ -1,27 +1,32 @@
 //! Draws a scene on a driver: a variant as the skin of a mesh, blended with the body's colour.
 //!
-//! The blending is the thesis's Algorithm 3.4 as intended: `(1 - w_d)·(s·ρ + (1 - R)·c·n·l) + w_d·c`, where `ρ` is the result of
-//! the package's shader, `s` its diffuser scale, `R` the Fresnel reflectance and `c` the body's colour. (The thesis prints
-//! `1 - min(1, R/R0)` in place of `1 - R`. That is 0 everywhere, since no reflectance is below the one at normal incidence.)
+//! The blending is the thesis's Algorithm 3.4 as intended: `(1 - w_d)·E/π·(s·ρ + (1 - R)·c·n·l) + w_d·c`, where `E` is the
+//! irradiance perpendicular to a light, `ρ` the result of the package's shader, `s` its diffuser scale, `R` the Fresnel reflectance
+//! and `c` the body's colour. (The thesis prints `1 - min(1, R/R0)` in place of `1 - R`. That is 0 everywhere, since no reflectance
+//! is below the one at normal incidence.) Under a light with a size, the function for its kind stands for `E/π·s·ρ`, and the
+//! irradiance of the surface for `E·n·l`.
 
 mod truth;
 
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::field::reference::Directions;
+use diffraction_shaders::light::Light;
 use diffraction_shaders::optics::{REFERENCE_NM, window_sigma_um};
 use diffraction_shaders::plan::Coherence;
 use diffraction_shaders::runner::Placement;
 use diffraction_shaders::variant::mesh::{MeshParams, OrientationMap};
-use glam::DMat4;
+use diffraction_shaders::variant::{FUNCTIONS, Form};
+use glam::{DMat3, DMat4, DVec3, Vec3};
 
 use crate::drivers::gpu::{
     Colours, Gpu, MeshBuffers, MeshPass, MeshPipeline, MeshProgram, Targets, Texture,
     TextureFormat, TextureLayout,
 };
 use crate::drivers::{Prepared, table_texture};
-use crate::scene::{Light, MAX_LIGHTS, Mesh};
+use crate::scene::Mesh;
+use crate::scene::lights::{MAX_LIGHTS, refused};
 
-pub use truth::{Truth, truth};
+pub use truth::{Truth, truth, truth_under};
 
 /// The WGSL that the harness appends to a variant's shader.
 pub const SHADE: &str = include_str!("drawing/shade.wgsl");
@@ -32,7 +37,9 @@ const ORIENTATION_MAP: u32 = 9;
 const SHADE_BLOCK: u32 = 20;
 const BODY_COLOUR: u32 = 21;
 const BODY_SAMPLER: u32 = 22;
-const SHADE_NUMBERS: usize = 8 + 8 * MAX_LIGHTS;
+/// Corners of a polygon that the block has room for.
+const CORNERS: usize = diffraction_shaders::light::MAX_CORNERS;
+const SHADE_NUMBERS: usize = 12 + 4 * MAX_LIGHTS * (3 + CORNERS);
 const PARAMS_NUMBERS: usize = 56;
 
 /// Number of levels of widened lobes. In the last, lobes are 32 times as wide.
@@ -43,13 +50,23 @@ const PICTURE: Targets = Targets { pictures: 1, multisampled: true };
 /// Lights and blending of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
-    /// One to four directional lights.
+    /// Lights in the world: at least one, and at most [`MAX_LIGHTS`] of each kind.
     pub lights: Vec<Light>,
     /// Weight `w_d` of the unlit texture, 0 to 1.
     pub texture_weight: f64,
+    /// Radiance of the unlit texture where it is white.
+    pub unlit: f64,
 }
 
-/// A linear picture, `[row][column]` from the top: sRGB primaries, 1 is a white diffuser that faces a light. Alpha is coverage.
+impl Look {
+    /// Lights alone.
+    pub fn lit_by(lights: Vec<Light>) -> Look {
+        Look { lights, texture_weight: 0.0, unlit: 1.0 }
+    }
+}
+
+/// A linear picture, `[row][column]` from the top, sRGB primaries: radiance, where 1 is that of a white diffuser that faces a light of
+/// irradiance π. Alpha is coverage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hdr {
     /// Columns.
@@ -69,6 +86,8 @@ pub struct Drawing<'a> {
     levels: Vec<(MeshPipeline, f64)>,
     /// `(λ σf)²` of the variant at 550 nm.
     lobe: f64,
+    variant: String,
+    form: Form,
 }
 
 impl<'a> Drawing<'a> {
@@ -90,6 +109,7 @@ impl<'a> Drawing<'a> {
         }
         let buffers = gpu.mesh(&mesh.vertices, &mesh.triangles)?;
         let mut levels = Vec::new();
+        let form = Form::new(variant, placement.height)?;
         for level in 0..if widen { LEVELS } else { 1 } {
             let mut wider = variant.clone();
             wider.optics.coherence_um /= f64::from(1 << level);
@@ -102,7 +122,7 @@ impl<'a> Drawing<'a> {
         }
         let sigma = 1.0 / (std::f64::consts::TAU * window_sigma_um(&variant.optics, REFERENCE_NM));
         let lobe = (sigma * REFERENCE_NM * 1e-3).powi(2);
-        Ok(Drawing { gpu, mesh, buffers, levels, lobe })
+        Ok(Drawing { gpu, mesh, buffers, levels, lobe, variant: variant.name.clone(), form })
     }
 
     /// The drawn mesh.
@@ -112,15 +132,11 @@ impl<'a> Drawing<'a> {
 
     /// Draws a picture with four samples per pixel.
     pub fn draw(&self, params: &MeshParams, look: &Look, size: [u32; 2]) -> Result<Hdr> {
-        let fail = |cause: String| Err(Error::new(&self.mesh.name, cause));
-        if look.lights.is_empty() || look.lights.len() > MAX_LIGHTS {
-            return fail(format!(
-                "{} lights, but a picture has 1 to {MAX_LIGHTS}",
-                look.lights.len()
-            ));
-        }
-        if let Some(light) = look.lights.iter().find(|l| l.direction.try_normalize().is_none()) {
-            return fail(format!("the light {} is not a direction", light.direction));
+        check(&self.mesh.name, &self.variant, &self.form, &look.lights)?;
+        if self.levels.len() > 1
+            && let Some(light) = look.lights.iter().find(|l| !matches!(l, Light::Direction { .. }))
+        {
+            return Err(Error::new(&self.mesh.name, widened(light)));
         }
         let block = params_bytes(params);
         let shades: Vec<[f32; SHADE_NUMBERS]> =
@@ -136,24 +152,89 @@ impl<'a> Drawing<'a> {
     }
 
     fn shade(&self, look: &Look, level: usize) -> [f32; SHADE_NUMBERS] {
-        let mut numbers = [0.0; SHADE_NUMBERS];
         let last = if self.levels.len() > 1 { self.levels.len() as f32 - 1.0 } else { -1.0 };
-        let head = [
-            look.texture_weight as f32,
-            self.levels[level].1 as f32,
-            look.lights.len() as f32,
-            level as f32,
-            last,
-            self.lobe as f32,
-        ];
-        numbers[..head.len()].copy_from_slice(&head);
-        for (i, light) in look.lights.iter().enumerate() {
-            let direction = light.direction.as_vec3().normalize();
-            numbers[8 + 4 * i..][..3].copy_from_slice(&direction.to_array());
-            numbers[8 + 4 * (MAX_LIGHTS + i)..][..3].copy_from_slice(&light.colour);
-        }
-        numbers
+        let scale = self.levels[level].1;
+        shade_numbers(look, scale, [level as f32, last, self.lobe as f32])
     }
+}
+
+/// Why lobes are not widened under a light with a size.
+pub fn widened(light: &Light) -> String {
+    format!(
+        "lobes are widened by a shorter coherence length, which stands for the size of a light, but a light of kind {:?} has its own",
+        light.kind()
+    )
+}
+
+/// Returns an error if lights cannot be drawn on a variant. `subject` names the picture.
+fn check(subject: &str, variant: &str, form: &Form, lights: &[Light]) -> Result<()> {
+    let refused = lights.iter().find_map(|light| refused(subject, variant, form, light));
+    refused.map_or_else(|| check_counts(subject, lights), Err)
+}
+
+/// Returns an error if a picture has no light, or too many. `subject` names the lights.
+pub fn check_counts(subject: &str, lights: &[Light]) -> Result<()> {
+    if lights.is_empty() {
+        return Err(Error::new(subject, "has no light"));
+    }
+    for light in lights {
+        let kind = light.kind();
+        let count = lights.iter().filter(|other| other.kind() == kind).count();
+        if count > MAX_LIGHTS {
+            let cause = format!("has {count} lights of kind {kind:?}");
+            let remedy = format!("a picture has at most {MAX_LIGHTS} of each kind");
+            return Err(Error::new(subject, cause).remedy(remedy));
+        }
+    }
+    Ok(())
+}
+
+/// The uniform block `Shade`. `scale`: diffuser scale; `[level, last, lobe]`: level of the pass, last level, and `(λ σf)²`.
+fn shade_numbers(look: &Look, scale: f64, [level, last, lobe]: [f32; 3]) -> [f32; SHADE_NUMBERS] {
+    let mut numbers = [0.0; SHADE_NUMBERS];
+    let head = [look.texture_weight as f32, scale as f32, look.unlit as f32, level, last, lobe];
+    numbers[..head.len()].copy_from_slice(&head);
+    let (counts, directions) = (8, 12);
+    let discs = directions + 4 * MAX_LIGHTS;
+    let powers = discs + 4 * MAX_LIGHTS;
+    let corners = powers + 4 * MAX_LIGHTS;
+    let mut next = [0; 3];
+    let mut place = |kind: usize| {
+        next[kind] += 1;
+        next[kind] - 1
+    };
+    let mut set = |at: usize, vector: DVec3, number: f64| {
+        let vector = vector.as_vec3().extend(number as f32);
+        numbers[at..at + 4].copy_from_slice(&vector.to_array());
+    };
+    let mut powered = [[0.0; 3]; MAX_LIGHTS];
+    for light in &look.lights {
+        match light {
+            Light::Direction { direction, irradiance } => {
+                set(directions + 4 * place(0), *direction, *irradiance);
+            }
+            Light::Disc { cap, irradiance } => {
+                let i = place(1);
+                set(discs + 4 * i, cap.axis, cap.radius_rad);
+                powered[i][0] = *irradiance;
+            }
+            Light::Polygon { polygon, radiance } => {
+                let i = place(2);
+                let all = polygon.corners();
+                for (k, corner) in all.iter().enumerate() {
+                    set(corners + 4 * (CORNERS * i + k), *corner, 0.0);
+                }
+                powered[i][1] = *radiance;
+                powered[i][2] = all.len() as f64;
+            }
+            Light::Sky { .. } => {}
+        }
+    }
+    for (i, power) in powered.iter().enumerate() {
+        set(powers + 4 * i, DVec3::from(*power), 0.0);
+    }
+    set(counts, DVec3::from(next.map(|count| count as f64)), 0.0);
+    numbers
 }
 
 /// Draws by the package's own entry point `mesh`, with one sample per pixel: linear RGB of ρ; alpha is 0 outside the mesh.
@@ -166,8 +247,29 @@ pub fn relative_radiance(
 ) -> Result<Vec<[f32; 4]>> {
     let module = prepared.module(prepared.spectrum.width)?;
     let tables = textures(prepared, &mesh.orientation);
-    let pictures = single(gpu, prepared, mesh, params, size, (module.text(), "mesh", 1), tables)?;
+    let stage = Stage { wgsl: module.text(), entry: "mesh", pictures: 1, textures: tables };
+    let pictures = single(gpu, prepared, mesh, params, size, stage, None)?;
     Ok(pictures.into_iter().flatten().collect())
+}
+
+/// Draws what the lights contribute, with one sample per pixel: linear RGB of the diffracted radiance, with alpha 0 outside the mesh,
+/// and the radiance of a white body.
+pub fn lit_parts(
+    gpu: &Gpu,
+    prepared: &Prepared<'_>,
+    mesh: &Mesh,
+    params: &MeshParams,
+    lights: &[Light],
+    size: [u32; 2],
+) -> Result<Vec<([f32; 4], f32)>> {
+    let variant = prepared.placement.variant;
+    check(&mesh.name, &variant.name, &prepared.form, lights)?;
+    let scale = prepared.form.diffuser_scale(&variant.optics).unwrap_or_default();
+    let shade = shade_numbers(&Look::lit_by(lights.to_vec()), scale, [0.0, -1.0, 0.0]);
+    let textures = textures(prepared, &mesh.orientation);
+    let stage = Stage { wgsl: &text(prepared)?, entry: "scene_parts", pictures: 2, textures };
+    let pictures = single(gpu, prepared, mesh, params, size, stage, Some(&shade))?;
+    Ok(pictures[0].iter().zip(&pictures[1]).map(|(glints, white)| (*glints, white[0])).collect())
 }
 
 /// The directions that the entry point `mesh` uses in each pixel, and the distance from the viewer; `None` outside the mesh.
@@ -178,50 +280,101 @@ pub fn directions(
     params: &MeshParams,
     size: [u32; 2],
 ) -> Result<Vec<Option<(Directions, f64)>>> {
-    let text = text(prepared)?;
-    let map = vec![orientation_texture(&mesh.orientation)];
-    let pictures = single(gpu, prepared, mesh, params, size, (&text, "scene_directions", 2), map)?;
-    let vector = |c: &[f32; 4]| glam::Vec3::new(c[0], c[1], c[2]).as_dvec3();
-    let used = |(wi, wr): (&[f32; 4], &[f32; 4])| {
+    let used = |wi: &[f32; 4], wr: &[f32; 4]| {
         let directions = Directions { wi: vector(wi), wr: vector(wr) };
         (wr[3] > 0.0).then(|| (directions, f64::from(wi[3])))
     };
-    Ok(pictures[0].iter().zip(&pictures[1]).map(used).collect())
+    let pictures = frames(gpu, prepared, mesh, params, size, "scene_directions")?;
+    Ok(pictures[0].iter().zip(&pictures[1]).map(|(wi, wr)| used(wi, wr)).collect())
 }
 
-/// A pass with one sample to a pixel that reads nothing but the package's own parameters and `textures`; `(text, entry,
-/// number of pictures)`.
+/// The matrix from the world to the frame that each pixel uses; meaningless outside the mesh.
+fn axes(
+    gpu: &Gpu,
+    prepared: &Prepared<'_>,
+    mesh: &Mesh,
+    params: &MeshParams,
+    size: [u32; 2],
+) -> Result<Vec<DMat3>> {
+    let frame = |x: &[f32; 4], y: &[f32; 4]| {
+        let (side, x, y) = (f64::from(x[3]), vector(x), vector(y));
+        DMat3::from_cols(x, y, side * x.cross(y))
+    };
+    let pictures = frames(gpu, prepared, mesh, params, size, "scene_axes")?;
+    Ok(pictures[0].iter().zip(&pictures[1]).map(|(x, y)| frame(x, y)).collect())
+}
+
+fn vector(texel: &[f32; 4]) -> DVec3 {
+    Vec3::new(texel[0], texel[1], texel[2]).as_dvec3()
+}
+
+/// Draws an entry point with two pictures that needs no table.
+fn frames(
+    gpu: &Gpu,
+    prepared: &Prepared<'_>,
+    mesh: &Mesh,
+    params: &MeshParams,
+    size: [u32; 2],
+    entry: &str,
+) -> Result<Vec<Vec<[f32; 4]>>> {
+    let textures = vec![orientation_texture(&mesh.orientation)];
+    let stage = Stage { wgsl: &text(prepared)?, entry, pictures: 2, textures };
+    single(gpu, prepared, mesh, params, size, stage, None)
+}
+
+/// A fragment entry point: its text, its number of pictures, and what it reads.
+struct Stage<'a> {
+    wgsl: &'a str,
+    entry: &'a str,
+    pictures: usize,
+    textures: Vec<Texture<'a>>,
+}
+
+/// A pass with one sample to a pixel that reads the package's own parameters, `textures` and, if given, the block `Shade`.
 fn single(
     gpu: &Gpu,
     prepared: &Prepared<'_>,
     mesh: &Mesh,
     params: &MeshParams,
     size: [u32; 2],
-    (wgsl, fragment_entry, pictures): (&str, &str, usize),
-    textures: Vec<Texture<'_>>,
+    Stage { wgsl, entry, pictures, textures }: Stage<'_>,
+    shade: Option<&[f32; SHADE_NUMBERS]>,
 ) -> Result<Vec<Vec<[f32; 4]>>> {
     let targets = Targets { pictures, multisampled: false };
+    let mut uniforms = vec![(MESH_PARAMS, 4 * PARAMS_NUMBERS)];
+    let block = params_bytes(params);
+    let mut blocks: Vec<&[u8]> = vec![&block];
+    if let Some(shade) = shade {
+        uniforms.push((SHADE_BLOCK, 4 * SHADE_NUMBERS));
+        blocks.push(bytemuck::cast_slice(shade));
+    }
     let program = MeshProgram {
         name: &prepared.placement.variant.name,
         wgsl,
         vertex_entry: "mesh_vert",
-        fragment_entry,
+        fragment_entry: entry,
         textures,
         colours: None,
-        uniforms: vec![(MESH_PARAMS, 4 * PARAMS_NUMBERS)],
+        uniforms,
         add: false,
     };
     let pipeline = gpu.mesh_program(&program, targets)?;
     let buffers = gpu.mesh(&mesh.vertices, &mesh.triangles)?;
-    let block = params_bytes(params);
-    let passes: [MeshPass<'_>; 1] = [(&pipeline, &[&block])];
+    let passes: [MeshPass<'_>; 1] = [(&pipeline, &blocks)];
     gpu.draw_mesh(&mesh.name, &buffers, &passes, targets, size)
 }
 
-/// The shader of a variant with the harness's shading appended.
+/// The shader of a variant with the harness's shading appended, and the functions that the variant does not have.
 fn text(prepared: &Prepared<'_>) -> Result<String> {
     let module = prepared.module(prepared.spectrum.width)?;
-    Ok(format!("{}\n{SHADE}", module.text()))
+    let known = prepared.form.functions();
+    let is_absent = |light| !known.iter().any(|function| function.light() == light);
+    let absent: String = FUNCTIONS
+        .iter()
+        .filter(|function| is_absent(function.light()))
+        .map(|f| format!("fn {}{} {{ return vec3f(0.0); }}\n", f.name(), f.signature()))
+        .collect();
+    Ok(format!("{}\n{SHADE}{absent}", module.text()))
 }
 
 /// The pass of a level. The first one draws the body, too; the others add to it.

@@ -9,6 +9,7 @@ mod command_bench;
 mod command_compare;
 mod command_import;
 mod command_report;
+mod command_scene;
 mod command_testbench;
 mod command_tune;
 mod command_validate;

@@ -6,5 +6,6 @@
 mod support;
 
 mod scene;
+mod scene_lights;
 mod scene_files;
 mod mesh_bounds;

@@ -6,8 +6,9 @@ use diffraction_harness::drivers::Prepared;
 use diffraction_harness::drivers::gpu::{Backend, Gpu};
 use diffraction_harness::scene::drawing::{Drawing, Hdr, Look, Truth, relative_radiance, truth};
 use diffraction_harness::scene::tone_map::{display, exr, stacked};
-use diffraction_harness::scene::{Light, Mesh, Orbit, Snake, snake, sphere};
+use diffraction_harness::scene::{Mesh, Orbit, Snake, snake, sphere};
 use diffraction_shaders::encode::animation;
+use diffraction_shaders::light::Light;
 use diffraction_shaders::plan::{Auto, Basis, Coherence, Grating, Mode, Optics, Packing, Variant};
 use diffraction_shaders::runner::Placement;
 use diffraction_shaders::surface::HeightField;
@@ -25,7 +26,7 @@ const DIRECTION: f64 = 2e-4;
 /// 95th percentile of colour differences against the scene in f64.
 const COLOUR: f64 = 0.1;
 
-fn gpu() -> Option<Gpu> {
+pub fn gpu() -> Option<Gpu> {
     tools::found(Gpu::open(Backend::Vulkan, None))
 }
 
@@ -56,7 +57,7 @@ fn judged(gpu: &Gpu, prepared: &Prepared<'_>, mesh: &Mesh) -> Truth {
 
 /// A sphere with everything that a frame can have: both kinds of orientation, mirrored texture coordinates on a half, an
 /// uneven and mirroring model matrix.
-fn hard_sphere() -> Mesh {
+pub fn hard_sphere() -> Mesh {
     let mut mesh = sphere(48);
     for vertex in &mut mesh.vertices {
         vertex.orientation_angle = 0.4 * vertex.position.y;
@@ -103,11 +104,16 @@ fn the_picture_is_the_scene_in_f64_and_a_flipped_bitangent_is_caught() {
     }
 }
 
+/// A single direction under which a white diffuser that faces it has the radiance 1.
+fn star(direction: DVec3) -> Light {
+    Light::Direction { direction: direction.normalize(), irradiance: std::f64::consts::PI }
+}
+
 fn picture(gpu: &Gpu, mesh: &Mesh, light: DVec3, orbit: Orbit, widen: bool) -> Hdr {
     let (height, variant) = (height(), variant(Coherence::Ensemble));
     let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     let drawing = Drawing::new(gpu, placement, mesh.clone(), widen).unwrap();
-    let look = Look { lights: vec![Light::white(light)], texture_weight: 0.0 };
+    let look = Look::lit_by(vec![star(light)]);
     let params = orbit.params(mesh, SIZE, light).unwrap();
     drawing.draw(&params, &look, SIZE).unwrap()
 }
@@ -152,7 +158,7 @@ fn widened_lobes_keep_the_light() {
     let size = [40, 30];
     let (height, variant) = (height(), variant(Coherence::Ensemble));
     let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
-    let look = Look { lights: vec![Light::white(LIGHT)], texture_weight: 0.0 };
+    let look = Look::lit_by(vec![star(LIGHT)]);
     // the picture's light for a camera that moves by shares of a pixel: mean and standard deviation
     let light = |drawing: &Drawing<'_>, zoom: f64, steps: u32, factor: u32| {
         let orbit = Orbit { zoom, ..Orbit::around(&mesh, 4.0 / 3.0) };

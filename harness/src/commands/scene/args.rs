@@ -15,11 +15,31 @@ const EXAMPLE: &str = "Examples:
   cargo xtask scene --plan plans/scene.toml --surface fingers --variant baked --sweep zoom --filter footprint --size 480x360 --out zoom.png
   cargo xtask scene --plan plans/scene.toml --surface rows --variant lamp --sweep turntable --size 480x360 --out turntable.png
   cargo xtask scene --plan plans/scene.toml --surface fingers --variant baked --truth --size 640x360
+  cargo xtask scene --plan plans/scene.toml --surface cd --variant orders --mesh sphere --filter supersample --out sun.png
+  cargo xtask scene --plan plans/scene.toml --surface crossed --variant orders --mesh sphere --lights studio.toml --out studio.png
+  cargo xtask scene --plan plans/scene.toml --surface crossed --variant orders --mesh sphere --lights studio.toml --truth --size 320x240
+
+A studio.toml with a rectangular softbox to the upper left and a bulb to the right:
+  schema = 1
+  [[light]]
+  kind = \"polygon\"
+  corners = [[35, 95], [35, 145], [65, 145], [65, 95]]
+  radiance = 1.0
+  [[light]]
+  kind = \"disc\"
+  direction = [70, 40]
+  diameter_deg = 5.0
+  irradiance = 0.3
 
 The command for docs/snake.png:
   cargo xtask scene --plan plans/scene.toml --surface blazed,fingers,rows --variant lamp --sweep orientation --zoom 2.5 --target 1.9,0.1,0 --light -0.35,0.4,0.85 --filter supersample --size 244x150 --out docs/snake.png
 
-World: right-handed, y up. At azimuth and elevation 0 the camera is on +z.
+World: right-handed, y up. At azimuth and elevation 0 the camera is on +z. In a file of lights, theta counts from +y and phi from
++x towards +z, so [90, 90] is at the camera, [0, 0] above.
+
+Colours are radiances: 1 is what a white diffuser shows that faces a light of irradiance π. Each --light has the irradiance π. A light of
+a file has what the file states: under a disc of irradiance 1, a white diffuser that faces it shows 1/π; a polygon has its radiance.
+The body's colour is lit by the same lights.
 
 A PNG is tone-mapped: colours are multiplied by --exposure, negative components become 0. If the largest component m exceeds
 0.6, it becomes 1 - 0.4 exp(-(m - 0.6)/0.4), and the others are scaled alike. An EXR holds the linear colours.";
@@ -52,6 +72,14 @@ pub(crate) struct Args {
         allow_hyphen_values = true
     )]
     pub(crate) light: Vec<Vector>,
+    /// Angular diameter of each --light: a disc such as the sun, where the variant has a function for discs (mode = "orders"). 0: a
+    /// single direction, which is what other variants always have; their coherence length stands for the size of the light.
+    #[arg(long, value_name = "DEG", default_value = "0.53", value_parser = diameter)]
+    pub(crate) light_diameter_deg: f64,
+    /// Lights of a file in place of --light: up to 4 directions, 4 discs and 4 polygons. Discs and polygons need a variant with
+    /// mode = "orders". docs/lights.md describes the file; its angles here are of the world, see below.
+    #[arg(long, value_name = "FILE.toml", conflicts_with_all = ["light", "light_diameter_deg"])]
+    pub(crate) lights: Option<PathBuf>,
     /// Angle of the camera about the y axis, in degrees.
     #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true)]
     pub(crate) azimuth: f64,
@@ -67,10 +95,12 @@ pub(crate) struct Args {
     /// The point that the camera looks at. Default: the centre of the mesh.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     pub(crate) target: Option<Vector>,
-    /// Factor on the colours before the tone map.
-    #[arg(long, value_name = "V", default_value_t = 0.5, allow_hyphen_values = true)]
-    pub(crate) exposure: f64,
-    /// Weight of the body's own colour, shown unlit over everything: 0 (none) to 1 (only that).
+    /// Factor on the colours before the tone map. Default: 0.5; with --lights, 0.5 divided by what a white diffuser shows that faces all
+    /// of the lights.
+    #[arg(long, value_name = "V", allow_hyphen_values = true)]
+    pub(crate) exposure: Option<f64>,
+    /// Weight of the body's own colour, shown unlit over everything: 0 (none) to 1 (only that). Unlit white is as bright as a white
+    /// diffuser that faces a --light, or all lights of a file.
     #[arg(long, value_name = "W", default_value_t = 0.0)]
     pub(crate) texture_weight: f64,
     /// Angle by which the microstructure is turned everywhere, in degrees.
@@ -92,7 +122,8 @@ pub(crate) struct Args {
     #[arg(long)]
     pub(crate) unchecked: bool,
     /// Instead of drawing, compare the driver's picture and directions with the same scene in 64 bits and print the result as JSON;
-    /// then again with a flipped bitangent, which must fail. Exit code 1: over tolerance, or the flip was not caught.
+    /// then again with a flipped bitangent, and with lights 1.5 times as wide where they have a size; these must fail. Exit code 1: over
+    /// tolerance, or a fault was not caught.
     #[arg(long)]
     pub(crate) truth: bool,
     /// Draw each picture N more times and print the median time.
@@ -108,7 +139,7 @@ pub(crate) struct Args {
 pub(crate) enum Filter {
     /// Four samples per pixel at edges only.
     None,
-    /// Widen lobes by the pixel's footprint; needs coherence = "ensemble".
+    /// Widen lobes by the pixel's footprint; needs coherence = "ensemble", and lights of a single direction.
     Footprint,
     /// Shade 16 points per pixel.
     Supersample,
@@ -125,6 +156,13 @@ pub(crate) enum Sweep {
     Orientation,
     /// Once around the body, as an animated PNG.
     Turntable,
+}
+
+/// A diameter: 0, or what functions for discs take.
+fn diameter(text: &str) -> Result<f64, String> {
+    let value = text.parse::<f64>().ok();
+    let value = value.filter(|value| *value == 0.0 || (0.02..=179.9).contains(value));
+    value.ok_or_else(|| "expected 0, or a diameter in degrees from 0.02 to 179.9".to_owned())
 }
 
 /// Columns and rows of a picture.
@@ -167,8 +205,11 @@ impl Args {
         if !(0.0..=1.0).contains(&self.texture_weight) {
             bail!("--texture-weight {}: expected a number from 0 to 1", self.texture_weight);
         }
-        if !(self.exposure > 0.0 && self.exposure.is_finite()) {
-            bail!("--exposure {}: expected a positive number", self.exposure);
+        if let Some(exposure) = self.exposure.filter(|v| !(*v > 0.0 && v.is_finite())) {
+            bail!("--exposure {exposure}: expected a positive number");
+        }
+        if self.lights.is_some() && self.sweep == Some(Sweep::Lights) {
+            bail!("--sweep lights: has lights of its own, so it cannot be used with --lights");
         }
         if self.light.iter().any(|light| light.0 == [0.0; 3]) {
             bail!("--light 0,0,0: expected a direction, which has a length above 0");

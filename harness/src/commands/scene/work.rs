@@ -1,5 +1,6 @@
 //! From options to pictures.
 
+use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 use std::time::Instant;
 
@@ -9,19 +10,23 @@ use diffraction_cli::console::Console;
 use diffraction_cli::files::write_whole;
 use diffraction_cli::{memory, progress};
 use diffraction_shaders::input;
+use diffraction_shaders::light::{Cap, Light, Polygon};
 use diffraction_shaders::plan::{Plan, SurfaceSpec, Variant};
 use diffraction_shaders::runner::Placement;
 use diffraction_shaders::surface::{self, Surface};
+use diffraction_shaders::variant::Form;
 use glam::DVec3;
 
 use super::args::{Args, Filter, Sweep};
+use super::lights::{Lamps, has_disc};
 use crate::drivers::gpu::{Backend, Gpu};
 use crate::drivers::{Prepared, check};
 use crate::process::watched::{Place, child::enter};
 use crate::results::Part;
-use crate::scene::drawing::{Drawing, Hdr, Look, Truth, truth};
+use crate::scene::drawing::{Drawing, Hdr, Truth, truth, truth_under};
+use crate::scene::lights::middle;
 use crate::scene::tone_map::{display, exr, reduced, stacked, strip};
-use crate::scene::{Light, Mesh, Orbit, PRINTED_LIGHTS, PRINTED_ZOOMS, Snake, read, snake, sphere};
+use crate::scene::{Mesh, Orbit, PRINTED_LIGHTS, PRINTED_ZOOMS, Snake, read, snake, sphere};
 use diffraction_shaders::encode::{Picture, animation};
 
 /// Supersampled pictures are drawn N times as wide and as high.
@@ -33,6 +38,12 @@ const FRAME_MS: u16 = 80;
 /// Tolerances at the 95th percentile of a driver's picture against the scene in f64: of directions, and of colours
 /// (CIEDE2000). A corner that moves by 1/256 pixel turns the directions on scales by 1e-5, which steep lobes show as 0.05.
 const TRUTH: (f64, f64) = (1e-4, 0.15);
+/// Tolerances under lights as scenes draw them: of colours for the directions that the driver used (CIEDE2000), and of a white body,
+/// relative to its maximum; both at the 95th percentile.
+const LIT_SHADING: f64 = 0.05;
+const BODY: f64 = 1e-3;
+/// The negative control of lights with a size: a factor on their width.
+const WIDER: f64 = 1.5;
 /// Minimum number of lit pixels for a verdict.
 const MIN_LIT: usize = 64;
 /// The negative control: a frame of the other handedness.
@@ -44,10 +55,13 @@ struct Skin {
     surface: Surface,
     /// The variant as built on the surface.
     variant: Variant,
+    /// Whether it has a function for discs.
+    has_disc: bool,
 }
 
 pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let plan: Plan = args.plan.read(console)?;
+    let lamps = Lamps::read(args)?;
     let mut skins = Vec::new();
     for name in &args.surface {
         let spec = plan.surface(name)?.clone();
@@ -55,10 +69,18 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         let surface = input::load_surface(&spec)?;
         surface.notes.iter().for_each(|note| console.note(note));
         surface.field.check_pitch(&surface::subject(&spec), variant.wavelengths.min_nm)?;
-        skins.push(Skin { spec, surface, variant });
+        let form = Form::new(&variant, &surface.field)?;
+        lamps.check(&variant, &form, args.filter)?;
+        skins.push(Skin { spec, surface, variant, has_disc: has_disc(&form) });
+    }
+    if let (true, Some(skin)) = (lamps.wants_discs(), skins.iter().find(|skin| !skin.has_disc)) {
+        console.note(&format!(
+            "{} has no function for discs: each --light is a single direction, as wide as the coherence length makes it",
+            skin.variant.name
+        ));
     }
     let held = skins.iter().map(|skin| skin.surface.field.byte_count()).sum();
-    for Skin { spec, surface, variant } in &skins {
+    for Skin { spec, surface, variant, .. } in &skins {
         let needed = memory::of(&surface.field, variant)?.to_check_and_draw();
         args.memory.check(&spec.name, &variant.name, held, needed)?;
     }
@@ -77,17 +99,18 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     place.variant = skins.first().map(|skin| skin.variant.name.clone());
     enter(place);
     if args.truth {
-        return judge(args, &gpu, &skins, &mesh);
+        return judge(args, &gpu, &lamps, &skins, &mesh);
     }
     let mut rows = Vec::new();
     for skin in &skins {
-        rows.push(sweep(args, &gpu, skin, &mesh, console)?);
+        rows.push(sweep(args, &gpu, &lamps, skin, &mesh, console)?);
     }
     if args.sweep.is_none() {
         rows = vec![rows.concat()];
     }
     let Some(out) = &args.out else { return Ok(Outcome::Done) };
-    let shown = |p: &Hdr| display(p.width, p.height, &p.pixels, args.exposure);
+    let exposure = args.exposure.unwrap_or_else(|| lamps.exposure());
+    let shown = |p: &Hdr| display(p.width, p.height, &p.pixels, exposure);
     let is_exr = out.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
     let bytes = match (&rows[0][..], args.sweep) {
         ([one], _) if is_exr => exr(one.width, one.height, &one.pixels)?,
@@ -101,23 +124,31 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     };
     write_whole(out, &bytes)?;
     console.note(&format!(
-        "{}: {} pictures, exposure {}",
+        "{}: {} pictures, exposure {exposure:.4}",
         out.display(),
         rows.iter().map(Vec::len).sum::<usize>(),
-        args.exposure
     ));
     Ok(Outcome::Done)
 }
 
 /// Draws all pictures of one skin.
-fn sweep(args: &Args, gpu: &Gpu, skin: &Skin, mesh: &Mesh, console: &Console) -> Result<Vec<Hdr>> {
-    let lights: Vec<DVec3> = args.light.iter().map(|l| DVec3::from(l.0)).collect();
+fn sweep(
+    args: &Args,
+    gpu: &Gpu,
+    lamps: &Lamps,
+    skin: &Skin,
+    mesh: &Mesh,
+    console: &Console,
+) -> Result<Vec<Hdr>> {
+    let lights = lamps.on(skin.has_disc, None);
     let orbit = orbit(args, mesh);
-    let at = |orbit: Orbit, lights: &[DVec3], turned: f64| (orbit, lights.to_vec(), turned);
+    let at = |orbit: Orbit, lights: &[Light], turned: f64| (orbit, lights.to_vec(), turned);
     let shots = match args.sweep {
         None => vec![at(orbit, &lights, 0.0)],
         // the printed vectors point where the light goes
-        Some(Sweep::Lights) => PRINTED_LIGHTS.map(|l| at(orbit, &[-DVec3::from(l)], 0.0)).to_vec(),
+        Some(Sweep::Lights) => PRINTED_LIGHTS
+            .map(|l| at(orbit, &lamps.on(skin.has_disc, Some(&[-DVec3::from(l)])), 0.0))
+            .to_vec(),
         Some(Sweep::Zoom) => {
             PRINTED_ZOOMS.map(|zoom| at(Orbit { zoom, ..orbit }, &lights, 0.0)).to_vec()
         }
@@ -153,12 +184,11 @@ fn sweep(args: &Args, gpu: &Gpu, skin: &Skin, mesh: &Mesh, console: &Console) ->
         if mesh.holds(orbit.eye()) {
             console.note("the camera is inside the mesh: it sees back faces, which are black");
         }
-        let lights = lights.into_iter().map(Light::white).collect();
-        let look = Look { lights, texture_weight: args.texture_weight };
+        let look = lamps.look(lights, args.texture_weight);
         let picture = |times: &mut Vec<f64>| -> Result<Hdr> {
             let factor = if args.filter == Filter::Supersample { SUPER } else { 1 };
             let size = args.size.0.map(|side| side * factor);
-            let light = look.lights[0].direction;
+            let light = middle(&look.lights[0]);
             let params = orbit.params(drawing.mesh(), size, light)?;
             let begun = Instant::now();
             let drawn = drawing.draw(&params, &look, size)?;
@@ -193,65 +223,124 @@ fn sweep(args: &Args, gpu: &Gpu, skin: &Skin, mesh: &Mesh, console: &Console) ->
     Ok(pictures)
 }
 
-/// Compares each skin's picture with the scene in f64, and again with a flipped bitangent, which must fail.
-fn judge(args: &Args, gpu: &Gpu, skins: &[Skin], mesh: &Mesh) -> Result<Outcome> {
+/// Compares each skin's picture with the scene in f64; again with a flipped bitangent, and where lights have a size with wider ones,
+/// which must fail. Single directions of options are drawn by the package's entry point `mesh`, the first of them.
+fn judge(args: &Args, gpu: &Gpu, lamps: &Lamps, skins: &[Skin], mesh: &Mesh) -> Result<Outcome> {
     let mut outcome = Outcome::Done;
-    let light = DVec3::from(args.light[0].0);
-    let params = orbit(args, mesh).params(mesh, args.size.0, light)?;
     for skin in skins {
         let (height, rotate_deg) = (&skin.surface.field, skin.spec.rotate_deg);
         let variant = &skin.variant;
         let mut prepared = Prepared::new(Placement { height, rotate_deg, variant })?;
+        let lights = lamps.on(skin.has_disc, None);
+        let is_plain = lamps.are_plain(skin.has_disc);
+        let params = orbit(args, mesh).params(mesh, args.size.0, middle(&lights[0]))?;
+        let compared = |prepared: &Prepared<'_>, drawn: &[Light]| match is_plain {
+            true => truth(gpu, prepared, mesh, &params, args.size.0),
+            false => truth_under(gpu, prepared, mesh, &params, [&lights, drawn], args.size.0),
+        };
         let allowed = prepared.form.promise().tolerance(Part::Arithmetic);
         let allowed = allowed.and_then(|t| t.max_abs).unwrap_or_default();
+        let shading = |found: &Truth| match is_plain {
+            true => found.shading.max_abs <= allowed,
+            // a light has an edge, and a direction beside it may be on either side
+            false => found.shading.de2000.p95 <= LIT_SHADING,
+        };
         let agrees = |found: &Truth| {
-            found.shading.max_abs <= allowed
+            shading(found)
                 && found.direction <= TRUTH.0
                 && found.scene.de2000.p95 <= TRUTH.1
+                && found.body.is_none_or(|body| body <= BODY)
         };
-        let found = truth(gpu, &prepared, mesh, &params, args.size.0)?;
+        let found = compared(&prepared, &lights)?;
         let lit = (found.scene.lit * found.pixels as f64).round() as usize;
         if lit < MIN_LIT {
             bail!(
                 "{} on {}: {lit} lit pixels, but a verdict needs at least {MIN_LIT}: \
-                 raise --size or --zoom, or move --light",
+                 raise --size or --zoom, or move the light",
                 skin.spec.name,
                 mesh.name
             );
         }
+        let wider = wider(&lights);
+        let wider = wider.map(|drawn| compared(&prepared, &drawn)).transpose()?;
         let Some(text) = prepared.sources.0.get_mut("mesh").filter(|t| t.contains(FLIP.0)) else {
             bail!("the template `mesh` has no `{}` to flip", FLIP.0);
         };
         *text = text.replace(FLIP.0, FLIP.1);
-        let flipped = truth(gpu, &prepared, mesh, &params, args.size.0)?;
-        let (pass, caught) = (agrees(&found), !agrees(&flipped));
-        if !(pass && caught) {
+        let flipped = compared(&prepared, &lights)?;
+        let pass = agrees(&found);
+        let is_caught = !agrees(&flipped) && wider.as_ref().is_none_or(|found| !agrees(found));
+        if !(pass && is_caught) {
             outcome = Outcome::Findings;
         }
-        let record = serde_json::json!({
+        let mut limits = serde_json::json!({
+            "direction": TRUTH.0,
+            "scene_de2000_p95": TRUTH.1,
+        });
+        match is_plain {
+            true => limits["shading_max_abs"] = allowed.into(),
+            false => {
+                limits["shading_de2000_p95"] = LIT_SHADING.into();
+                limits["body"] = BODY.into();
+            }
+        }
+        let kinds: Vec<&str> = lights.iter().map(Light::kind).collect();
+        let mut record = serde_json::json!({
             "kind": "scene",
             "surface": skin.spec.name,
             "variant": variant.name,
             "route": format!("{}:{}", gpu.info().backend, gpu.info().name),
             "mesh": mesh.name,
+            "lights": kinds,
             "pass": pass,
-            "allowed": {
-                "shading_max_abs": allowed,
-                "direction": TRUTH.0,
-                "scene_de2000_p95": TRUTH.1,
-            },
+            "allowed": limits,
             "lit_pixels": lit,
             "truth": found,
-            "flipped_bitangent": {
-                "caught": caught,
-                "direction": flipped.direction,
-                "scene_de2000_p95": flipped.scene.de2000.p95,
-                "shading_max_abs": flipped.shading.max_abs,
-            },
+            "flipped_bitangent": control(&flipped, !agrees(&flipped)),
         });
+        if let Some(found) = &wider {
+            record["wider_lights"] = control(found, !agrees(found));
+        }
         println!("{record}");
     }
     Ok(outcome)
+}
+
+/// What a negative control found.
+fn control(found: &Truth, is_caught: bool) -> serde_json::Value {
+    serde_json::json!({
+        "caught": is_caught,
+        "direction": found.direction,
+        "scene_de2000_p95": found.scene.de2000.p95,
+        "shading_max_abs": found.shading.max_abs,
+    })
+}
+
+/// The lights [`WIDER`] times as wide: discs of the same irradiance, polygons of the same radiance. Those that would be wider than a
+/// hemisphere become narrower. `None` if that changes nothing.
+fn wider(lights: &[Light]) -> Option<Vec<Light>> {
+    let widened = |light: &Light| match light {
+        Light::Disc { cap: Cap { axis, radius_rad }, irradiance } => {
+            let factor = if WIDER * radius_rad < FRAC_PI_2 { WIDER } else { WIDER.recip() };
+            let cap = Cap { axis: *axis, radius_rad: factor * radius_rad };
+            Light::Disc { cap, irradiance: *irradiance }
+        }
+        Light::Polygon { polygon, radiance } => {
+            let middle = middle(light);
+            // along the plane that touches the sphere in the middle
+            let moved = |corner: &DVec3| {
+                (middle + WIDER * (*corner / corner.dot(middle) - middle)).normalize()
+            };
+            let corners: Vec<DVec3> = polygon.corners().iter().map(moved).collect();
+            Polygon::new(&corners).map_or_else(
+                |_| light.clone(),
+                |polygon| Light::Polygon { polygon, radiance: *radiance },
+            )
+        }
+        _ => light.clone(),
+    };
+    let all: Vec<Light> = lights.iter().map(widened).collect();
+    (all != lights).then_some(all)
 }
 
 fn orbit(args: &Args, mesh: &Mesh) -> Orbit {

@@ -1,14 +1,21 @@
-// The harness's shading of a body. It is appended to the shader of a variant, whose functions it calls.
+// The harness's shading of a body. It is appended to the shader of a variant, whose functions it calls. Functions that the
+// variant does not have are appended, too: they return black.
 
 struct Shade {
-    // x: weight w_d of the unlit texture; y: diffuser scale s; z: number of lights; w: level of this pass
+    // x: weight w_d of the unlit texture; y: diffuser scale s; z: radiance of an unlit white; w: level of this pass
     blend: vec4f,
     // x: last level, or below 0 if lobes are not widened; y: (λ σf)² of level 0; zw: unused
     widening: vec4f,
-    // xyz: direction to the light
+    // x: number of single directions; y: of discs; z: of polygons; w: unused
+    counts: vec4f,
+    // xyz: direction to the light; w: irradiance
     directions: array<vec4f, 4>,
-    // rgb: radiance of a white diffuser that faces the light
-    colours: array<vec4f, 4>,
+    // xyz: to the middle of the disc; w: angular radius in radians
+    discs: array<vec4f, 4>,
+    // x: irradiance of the disc of this index; y: radiance of the polygon; z: number of its corners; w: unused
+    powers: array<vec4f, 4>,
+    // xyz: corner; eight for each polygon
+    corners: array<vec4f, 32>,
 }
 @group(0) @binding(20) var<uniform> shade: Shade;
 @group(0) @binding(21) var body_colour: texture_2d<f32>;
@@ -37,34 +44,120 @@ fn scene_level(
     return vec4f(held(glints(place, normal, tangent, uv)), 0.0);
 }
 
-// (1 - w_d) (1 - R) c n·l + w_d c, summed over the lights; R is the Fresnel reflectance at the half vector.
+// (1 - w_d) times the lit texture, and w_d times the unlit one.
 fn body(place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
     let texture = textureSample(body_colour, body_sampler, uv).rgb;
-    let wr = in_frame(mesh_params.eye.xyz - place, normal, tangent, uv);
-    let amplitude = (REFRACTIVE_INDEX - 1.0) / (REFRACTIVE_INDEX + 1.0);
-    var lit = vec3f(0.0);
-    for (var i = 0; i < i32(shade.blend.z); i++) {
-        let wi = in_frame(shade.directions[i].xyz, normal, tangent, uv);
-        if (wi.z > 0.0 && wr.z > 0.0) {
-            let reflectance = amplitude * amplitude * fresnel_ratio(dot(normalize(wi + wr), wr));
-            lit += (1.0 - reflectance) * wi.z * shade.colours[i].rgb;
-        }
-    }
-    return ((1.0 - shade.blend.x) * lit + shade.blend.x) * texture;
+    let lit = diffuse(place, normal, tangent, uv);
+    return ((1.0 - shade.blend.x) * lit + shade.blend.x * shade.blend.z) * texture;
 }
 
-// (1 - w_d) s ρ, summed over the lights; if lobes are widened, the share of this pass's level.
+// Radiance of a white body: (1 - R) times irradiance over π, summed over the lights. R is the Fresnel reflectance at the half
+// vector between the viewer and the middle of the light.
+fn diffuse(place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> f32 {
+    let wr = in_frame(mesh_params.eye.xyz - place, normal, tangent, uv);
+    if (!(wr.z > 0.0)) {
+        return 0.0;
+    }
+    var irradiance = 0.0;
+    for (var i = 0; i < i32(shade.counts.x); i++) {
+        let wi = in_frame(shade.directions[i].xyz, normal, tangent, uv);
+        irradiance += shade.directions[i].w * transmitted(wi, wr) * max(wi.z, 0.0);
+    }
+    for (var i = 0; i < i32(shade.counts.y); i++) {
+        // a disc across the horizon counts whole or not at all
+        let wi = in_frame(shade.discs[i].xyz, normal, tangent, uv);
+        irradiance += shade.powers[i].x * transmitted(wi, wr) * max(wi.z, 0.0);
+    }
+    for (var i = 0; i < i32(shade.counts.z); i++) {
+        irradiance += shade.powers[i].y * polygon_share(i, wr, normal, tangent, uv);
+    }
+    return irradiance / 3.1415927;
+}
+
+// 1 - R for light from a direction.
+fn transmitted(wi: vec3f, wr: vec3f) -> f32 {
+    let amplitude = (REFRACTIVE_INDEX - 1.0) / (REFRACTIVE_INDEX + 1.0);
+    return 1.0 - amplitude * amplitude * fresnel_ratio(dot(unit(wi + wr, 1e-8), wr));
+}
+
+// 1 - R times the integral of the cosine over the part of a polygon above the horizon: half the sum over its edges (Lambert
+// 1760; Arvo 1995). Where the polygon is cut, the horizon is an edge.
+fn polygon_share(index: i32, wr: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> f32 {
+    let count = i32(shade.powers[index].z);
+    var start = corner(index, count - 1, normal, tangent, uv);
+    var middle = vec3f(0.0);
+    var sum = 0.0;
+    var sets = vec3f(0.0);
+    var rises = vec3f(0.0);
+    for (var i = 0; i < count; i++) {
+        let end = corner(index, i, normal, tangent, uv);
+        middle += end;
+        if (start.z > 0.0 || end.z > 0.0) {
+            var from_point = start;
+            var to_point = end;
+            if (end.z <= 0.0) {
+                to_point = normalize(mix(start, end, start.z / (start.z - end.z)));
+                sets = to_point;
+            }
+            if (start.z <= 0.0) {
+                from_point = normalize(mix(start, end, start.z / (start.z - end.z)));
+                rises = from_point;
+            }
+            sum += edge_share(from_point, to_point);
+        }
+        start = end;
+    }
+    sum += edge_share(sets, rises);
+    // a mirrored frame turns the corners round
+    return 0.5 * abs(sum) * transmitted(unit(middle, 1e-8), wr);
+}
+
+// The angle of an edge times the z of the normal of its plane. Short edges take a series, since the sum over the edges of a small
+// polygon is much smaller than its terms.
+fn edge_share(start: vec3f, end: vec3f) -> f32 {
+    let across = cross(start, end);
+    let squared = dot(across, across);
+    let along = dot(start, end);
+    if (squared < 0.09 && along >= 0.0) {
+        return across.z * (1.0 + squared * (1.0 / 6.0 + squared * (0.075 + squared * (5.0 / 112.0))));
+    }
+    let sine = sqrt(squared);
+    return across.z * atan2(sine, along) / max(sine, 1e-6);
+}
+
+// Corner of a polygon in the frame of a fragment.
+fn corner(index: i32, number: i32, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
+    return in_frame(shade.corners[8 * index + number].xyz, normal, tangent, uv);
+}
+
+// (1 - w_d) times the radiance that is diffracted, summed over the lights; if lobes are widened, the share of this pass's level.
 fn glints(place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
     let wr = in_frame(mesh_params.eye.xyz - place, normal, tangent, uv);
     var sum = vec3f(0.0);
-    for (var i = 0; i < i32(shade.blend.z); i++) {
+    for (var i = 0; i < i32(shade.counts.x); i++) {
         let wi = in_frame(shade.directions[i].xyz, normal, tangent, uv);
         let share = level_share(wi.xy + wr.xy);
         if (wi.z > 0.0 && wr.z > 0.0 && share > 0.0) {
-            sum += share * shade.colours[i].rgb * diffraction(wi, wr);
+            sum += share * shade.blend.y / 3.1415927 * shade.directions[i].w * diffraction(wi, wr);
         }
     }
-    return (1.0 - shade.blend.x) * shade.blend.y * sum;
+    // the functions take away what is below the horizon
+    for (var i = 0; i < i32(shade.counts.y); i++) {
+        let axis = in_frame(shade.discs[i].xyz, normal, tangent, uv);
+        sum += shade.powers[i].x * diffraction_disc(axis, shade.discs[i].w, wr);
+    }
+    for (var i = 0; i < i32(shade.counts.z); i++) {
+        // a fan of quadrilaterals; the last one may be a triangle
+        let last = i32(shade.powers[i].z) - 1;
+        let a = corner(i, 0, normal, tangent, uv);
+        for (var k = 1; k < last; k += 2) {
+            let b = corner(i, k, normal, tangent, uv);
+            let c = corner(i, k + 1, normal, tangent, uv);
+            let d = corner(i, min(k + 2, last), normal, tangent, uv);
+            sum += shade.powers[i].y * diffraction_rectangle(a, b, c, d, wr);
+        }
+    }
+    return (1.0 - shade.blend.x) * sum;
 }
 
 // Clamps to the range of 16-bit floats.
@@ -85,6 +178,26 @@ fn level_share(path: vec2f) -> f32 {
     return max(0.0, 1.0 - abs(min(level, shade.widening.x) - shade.blend.w));
 }
 
+struct Parts {
+    // rgb: diffracted radiance
+    @location(0) glints: vec4f,
+    // x: radiance of a white body
+    @location(1) diffuse: vec4f,
+}
+
+// What the lights contribute, part by part, to be compared with the scene in 64 bits.
+@fragment
+fn scene_parts(
+    @location(0) place: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) tangent: vec4f,
+    @location(3) uv: vec2f,
+) -> Parts {
+    let diffracted = glints(place, normal, tangent, uv);
+    let white = diffuse(place, normal, tangent, uv);
+    return Parts(vec4f(diffracted, 1.0), vec4f(white, 0.0, 0.0, 1.0));
+}
+
 struct Used {
     // xyz: direction to the light; w: distance from the viewer
     @location(0) wi: vec4f,
@@ -103,4 +216,25 @@ fn scene_directions(
     let wi = in_frame(mesh_params.light_direction.xyz, normal, tangent, uv);
     let wr = in_frame(mesh_params.eye.xyz - place, normal, tangent, uv);
     return Used(vec4f(wi, distance(mesh_params.eye.xyz, place)), vec4f(wr, 1.0));
+}
+
+struct Axes {
+    // xyz: the world's x axis in the frame of the fragment; w: 1, or -1 if the frame is mirrored
+    @location(0) x: vec4f,
+    // xyz: the y axis; w: 1
+    @location(1) y: vec4f,
+}
+
+// The frame into which lights are taken.
+@fragment
+fn scene_axes(
+    @location(0) place: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) tangent: vec4f,
+    @location(3) uv: vec2f,
+) -> Axes {
+    let x = in_frame(vec3f(1.0, 0.0, 0.0), normal, tangent, uv);
+    let y = in_frame(vec3f(0.0, 1.0, 0.0), normal, tangent, uv);
+    let z = in_frame(vec3f(0.0, 0.0, 1.0), normal, tangent, uv);
+    return Axes(vec4f(x, sign(dot(cross(x, y), z))), vec4f(y, 1.0));
 }

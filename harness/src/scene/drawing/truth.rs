@@ -1,26 +1,34 @@
 //! Compares a drawn picture with the same scene in f64.
 
 use diffraction_shaders::error::{Error, Result};
+use diffraction_shaders::field::reference::Directions;
+use diffraction_shaders::light::Light;
 use diffraction_shaders::optics::colour::from_rgb;
 use diffraction_shaders::optics::colour_difference::{ColourDifference, colour_difference};
+use diffraction_shaders::optics::{fresnel_ratio, normal_reflectance};
 use diffraction_shaders::tables::Table;
-use diffraction_shaders::variant::Twin;
-use diffraction_shaders::variant::mesh::{MeshParams, Vertex, in_frame, mesh as shaded};
+use diffraction_shaders::variant::mesh::{
+    MeshParams, MeshVertex, Vertex, in_frame, mesh as shaded,
+};
+use diffraction_shaders::variant::{Arguments, Twin};
+use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 
 use crate::drivers::Prepared;
 use crate::drivers::gpu::Gpu;
+use crate::scene::lights::{irradiance, middle};
 use crate::scene::{Mesh, raster};
 
-use super::{directions, relative_radiance};
+use super::{axes, directions, lit_parts, relative_radiance};
 
-/// The differences between a driver's picture by the entry point `mesh` and the scene in f64.
+/// The differences between a driver's picture and the scene in f64.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Truth {
     /// Number of pixels that both show.
     pub pixels: usize,
     /// Number of pixels on edges, where the two show different points, or only one shows the mesh. They are left out.
     pub edges: usize,
-    /// Number of pixels whose point faces both light and viewer.
+    /// Number of pixels whose point faces both the viewer and the middle of the first light.
     pub facing: usize,
     /// 95th percentile of the difference between the directions and those of the f64 rasteriser. A driver moves corners to a grid of
     /// 1/256 pixel.
@@ -31,6 +39,20 @@ pub struct Truth {
     pub scene: ColourDifference,
     /// The picture against the twin's colours for the directions that the driver used.
     pub shading: ColourDifference,
+    /// 95th percentile of the difference of a white body's radiance under the lights, divided by the maximum. `None` for the entry
+    /// point `mesh`, which has no body.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub body: Option<f64>,
+}
+
+/// A pixel that both the driver and the rasteriser show.
+struct Pixel {
+    /// Its number.
+    index: usize,
+    /// The point that the rasteriser sees.
+    at: MeshVertex,
+    /// The directions that the driver used.
+    used: Directions,
 }
 
 /// Draws `mesh` by the entry point `mesh` of a variant, reads the directions that the driver used, and computes both again in
@@ -43,51 +65,189 @@ pub fn truth(
     size: [u32; 2],
 ) -> Result<Truth> {
     let drawn = relative_radiance(gpu, prepared, mesh, params, size)?;
-    let used = directions(gpu, prepared, mesh, params, size)?;
-    let (mesh, params) = (received(mesh), received_params(params));
-    let seen = raster::visible(&mesh, &params, size)?;
-    let tables: Vec<Table> = [&prepared.terms, &prepared.spectrum, &prepared.coefficients]
-        .map(|t| t.clone().rounded())
-        .into();
-    let subject = prepared.placement;
-    let twin = Twin::new(&prepared.form, &tables, &subject.variant.optics, subject.rotate_deg);
-    let colour = subject.variant.optics.colour;
-    let (mut edges, mut facing, mut apart) = (0, 0, Vec::new());
-    let (mut exact, mut shading, mut picture) = (Vec::new(), Vec::new(), Vec::new());
-    for ((seen, used), drawn) in seen.iter().zip(&used).zip(&drawn) {
-        let (Some(seen), Some((used, away))) = (seen, used) else {
-            edges += usize::from(seen.is_some() != used.is_some());
-            continue;
-        };
-        let at = &seen.at;
-        if (at.place.distance(params.eye) - away).abs() > EDGE * away {
-            edges += 1;
-            continue;
+    let scene = Scene::new(gpu, prepared, mesh, params, size)?;
+    let (params, map) = (&scene.params, &scene.mesh.orientation);
+    scene.compared(
+        &|pixel| drawn[pixel.index],
+        &|twin, pixel| shaded(twin, params, map, &pixel.at),
+        &|twin, pixel| twin.tristimulus(pixel.used),
+    )
+}
+
+/// The same for the colours that lights of any kind diffract, as scenes draw them, and for the radiance of a white body. `drawn`: the
+/// lights that the driver gets, which are others only in negative controls.
+pub fn truth_under(
+    gpu: &Gpu,
+    prepared: &Prepared<'_>,
+    mesh: &Mesh,
+    params: &MeshParams,
+    [lights, drawn]: [&[Light]; 2],
+    size: [u32; 2],
+) -> Result<Truth> {
+    let drawn = lit_parts(gpu, prepared, mesh, params, drawn, size)?;
+    let frames = axes(gpu, prepared, mesh, params, size)?;
+    let scene = Scene::new(gpu, prepared, mesh, params, size)?;
+    let optics = &prepared.placement.variant.optics;
+    let scale = prepared.form.diffuser_scale(optics).unwrap_or_default();
+    let (eye, map) = (scene.params.eye, &scene.mesh.orientation);
+    let frame = |at: &MeshVertex| {
+        let [x, y, z] = DVec3::AXES.map(|axis| in_frame(map, axis, at));
+        DMat3::from_cols(x, y, z)
+    };
+    let lit = |twin: &Twin<'_>, frame: DMat3, wr: DVec3| {
+        lights.iter().map(|light| diffracted(twin, scale, light, frame, wr)).sum::<DVec3>()
+    };
+    let compared = scene.compared(
+        &|pixel| drawn[pixel.index].0,
+        &|twin, pixel| {
+            let wr = in_frame(map, eye - pixel.at.place, &pixel.at);
+            lit(twin, frame(&pixel.at), wr).to_array()
+        },
+        &|twin, pixel| lit(twin, frames[pixel.index], pixel.used.wr).to_array(),
+    )?;
+    let index = optics.refractive_index;
+    let white = |pixel: &Pixel| {
+        let wr = in_frame(map, eye - pixel.at.place, &pixel.at);
+        let to_frame = frame(&pixel.at);
+        lights.iter().map(|light| reflected(index, light, to_frame, wr)).sum::<f64>()
+    };
+    let whites: Vec<f64> = scene.pixels.iter().map(white).collect();
+    let most = whites.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let apart = |(pixel, white): (&Pixel, &f64)| (f64::from(drawn[pixel.index].1) - white).abs();
+    let apart = scene.pixels.iter().zip(&whites).map(apart).collect();
+    Ok(Truth { body: Some(sorted_p95(apart).0 / most), ..compared })
+}
+
+/// Tristimulus values of the radiance that a light of the world diffracts.
+fn diffracted(twin: &Twin<'_>, scale: f64, light: &Light, to_frame: DMat3, wr: DVec3) -> DVec3 {
+    if let Light::Direction { direction, irradiance } = light {
+        let wi = to_frame * *direction;
+        if !(wi.z > 0.0 && wr.z > 0.0) {
+            return DVec3::ZERO;
         }
-        let wi = in_frame(&mesh.orientation, params.light_direction, at);
-        let wr = in_frame(&mesh.orientation, params.eye - at.place, at);
-        facing += usize::from(wi.z > 0.0 && wr.z > 0.0);
-        apart.push(wi.distance(used.wi).max(wr.distance(used.wr)));
-        exact.push(shaded(&twin, &params, &mesh.orientation, at));
-        shading.push(twin.tristimulus(*used));
-        picture.push(from_rgb([drawn[0], drawn[1], drawn[2]].map(f64::from), colour));
+        let rho = DVec3::from(twin.tristimulus(Directions { wi, wr }));
+        return scale / std::f64::consts::PI * *irradiance * rho;
     }
-    if picture.is_empty() {
-        return Err(Error::new(
-            &mesh.name,
-            "is not visible in any pixel, so nothing can be compared",
-        ));
+    let calls = Arguments::under(light, wr).into_iter();
+    let calls = calls.map(|(call, factor)| {
+        let call = match call {
+            Arguments::Disc { axis, radius_rad, wr } => {
+                Arguments::Disc { axis: to_frame * axis, radius_rad, wr }
+            }
+            Arguments::Rectangle { corners, wr } => {
+                Arguments::Rectangle { corners: corners.map(|corner| to_frame * corner), wr }
+            }
+            Arguments::Direction(_) => call,
+        };
+        factor * DVec3::from(twin.evaluate(call).unwrap_or([f64::NAN; 3]))
+    });
+    calls.sum()
+}
+
+/// Radiance of a white body of this refractive index under a light of the world.
+fn reflected(index: f64, light: &Light, to_frame: DMat3, wr: DVec3) -> f64 {
+    if wr.z <= 0.0 {
+        return 0.0;
     }
-    apart.sort_by(f64::total_cmp);
-    Ok(Truth {
-        pixels: picture.len(),
-        edges,
-        facing,
-        direction: apart[(apart.len() - 1) * 95 / 100],
-        direction_max: apart[apart.len() - 1],
-        scene: colour_difference(&mesh.name, &exact, &picture, None)?,
-        shading: colour_difference(&mesh.name, &shading, &picture, None)?,
-    })
+    let half = (to_frame * middle(light) + wr).normalize_or_zero();
+    let reflectance = normal_reflectance(index) * fresnel_ratio(half.dot(wr), index);
+    let normal = to_frame.transpose() * DVec3::Z;
+    (1.0 - reflectance) * irradiance(light, normal) / std::f64::consts::PI
+}
+
+/// A scene as a driver and as the rasteriser see it.
+struct Scene<'a> {
+    prepared: &'a Prepared<'a>,
+    /// The tables as the driver got them.
+    tables: [Table; 3],
+    /// The mesh with its numbers rounded as the driver got them.
+    mesh: Mesh,
+    params: MeshParams,
+    pixels: Vec<Pixel>,
+    edges: usize,
+}
+
+/// The tristimulus values of a pixel by the twin.
+type Colour<'a> = &'a (dyn Fn(&Twin<'_>, &Pixel) -> [f64; 3] + Sync);
+
+impl<'a> Scene<'a> {
+    fn new(
+        gpu: &Gpu,
+        prepared: &'a Prepared<'a>,
+        mesh: &Mesh,
+        params: &MeshParams,
+        size: [u32; 2],
+    ) -> Result<Scene<'a>> {
+        let used = directions(gpu, prepared, mesh, params, size)?;
+        let (mesh, params) = (received(mesh), received_params(params));
+        let seen = raster::visible(&mesh, &params, size)?;
+        let (mut edges, mut pixels) = (0, Vec::new());
+        for (index, (seen, used)) in seen.into_iter().zip(used).enumerate() {
+            let (Some(seen), Some((used, away))) = (seen, used) else {
+                edges += usize::from(seen.is_some() != used.is_some());
+                continue;
+            };
+            if (seen.at.place.distance(params.eye) - away).abs() > EDGE * away {
+                edges += 1;
+                continue;
+            }
+            pixels.push(Pixel { index, at: seen.at, used });
+        }
+        if pixels.is_empty() {
+            let cause = "is not visible in any pixel, so nothing can be compared";
+            return Err(Error::new(&mesh.name, cause));
+        }
+        let tables = [&prepared.terms, &prepared.spectrum, &prepared.coefficients];
+        let tables = tables.map(|table| table.clone().rounded());
+        Ok(Scene { prepared, tables, mesh, params, pixels, edges })
+    }
+
+    /// `drawn`: the driver's linear RGB; `exact` and `shading`: colours for the directions of the rasteriser, and for those that the
+    /// driver used.
+    fn compared(
+        &self,
+        drawn: &dyn Fn(&Pixel) -> [f32; 4],
+        exact: Colour<'_>,
+        shading: Colour<'_>,
+    ) -> Result<Truth> {
+        let subject = self.prepared.placement;
+        let optics = &subject.variant.optics;
+        let twin = Twin::new(&self.prepared.form, &self.tables, optics, subject.rotate_deg);
+        let (mut facing, mut apart) = (0, Vec::new());
+        for Pixel { at, used, .. } in &self.pixels {
+            let wi = in_frame(&self.mesh.orientation, self.params.light_direction, at);
+            let wr = in_frame(&self.mesh.orientation, self.params.eye - at.place, at);
+            facing += usize::from(wi.z > 0.0 && wr.z > 0.0);
+            apart.push(wi.distance(used.wi).max(wr.distance(used.wr)));
+        }
+        let by_twin = |colour: Colour<'_>| -> Vec<[f64; 3]> {
+            self.pixels.par_iter().map(|pixel| colour(&twin, pixel)).collect()
+        };
+        let rgb = |pixel: &Pixel| {
+            let [r, g, b, _] = drawn(pixel).map(f64::from);
+            from_rgb([r, g, b], optics.colour)
+        };
+        let picture: Vec<[f64; 3]> = self.pixels.iter().map(rgb).collect();
+        let name = &self.mesh.name;
+        let (direction, direction_max) = sorted_p95(apart);
+        Ok(Truth {
+            pixels: picture.len(),
+            edges: self.edges,
+            facing,
+            direction,
+            direction_max,
+            scene: colour_difference(name, &by_twin(exact), &picture, None)?,
+            shading: colour_difference(name, &by_twin(shading), &picture, None)?,
+            body: None,
+        })
+    }
+}
+
+/// 95th percentile and maximum.
+fn sorted_p95(mut numbers: Vec<f64>) -> (f64, f64) {
+    numbers.sort_by(f64::total_cmp);
+    let last = numbers.len() - 1;
+    (numbers[last * 95 / 100], numbers[last])
 }
 
 /// Relative difference of distances above which a pixel counts as on an edge.

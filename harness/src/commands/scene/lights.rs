@@ -1,0 +1,120 @@
+//! The lights of the pictures: those of a file, or one for each `--light`.
+
+use std::f64::consts::PI;
+use std::path::Path;
+
+use anyhow::{Result, bail};
+use diffraction_cli::console::Errors;
+use diffraction_shaders::input;
+use diffraction_shaders::light::{Cap, Light, Lights};
+use diffraction_shaders::plan::{LightFunction, Variant};
+use diffraction_shaders::runner::check_scaling;
+use diffraction_shaders::variant::Form;
+use glam::DVec3;
+
+use super::args::{Args, Filter};
+use crate::scene::drawing::{Look, check_counts, widened};
+use crate::scene::lights::{facing, in_world, refused};
+
+/// Exposure of a picture in which a white diffuser that faces the lights has the radiance 1.
+const EXPOSURE: f64 = 0.5;
+
+/// Where the lights come from.
+pub(super) enum Lamps {
+    /// A file: its name, and its lights in the world.
+    File(String, Vec<Light>),
+    /// Options: directions, and the angular radius of the lights, 0 for single directions.
+    Options(Vec<DVec3>, f64),
+}
+
+impl Lamps {
+    pub(super) fn read(args: &Args) -> Result<Lamps> {
+        match &args.lights {
+            Some(path) => Lamps::of_file(path),
+            None => {
+                let directions = args.light.iter().map(|light| DVec3::from(light.0)).collect();
+                Ok(Lamps::Options(directions, 0.5 * args.light_diameter_deg.to_radians()))
+            }
+        }
+    }
+
+    fn of_file(path: &Path) -> Result<Lamps> {
+        let Lights { all } = input::read_lights(path).map_err(Errors)?;
+        let lights = all.iter().map(in_world).collect::<Result<_, _>>()?;
+        Ok(Lamps::File(path.display().to_string(), lights))
+    }
+
+    /// The lights on a variant with or without a function for discs. `directions` stand for those of the options.
+    pub(super) fn on(&self, has_disc: bool, directions: Option<&[DVec3]>) -> Vec<Light> {
+        match self {
+            Lamps::File(_, lights) => lights.clone(),
+            Lamps::Options(given, radius_rad) => {
+                let radius_rad = if has_disc { *radius_rad } else { 0.0 };
+                let directions = directions.unwrap_or(given);
+                directions.iter().map(|direction| from(*direction, radius_rad)).collect()
+            }
+        }
+    }
+
+    /// Refuses lights that a scene cannot show on a variant.
+    pub(super) fn check(&self, variant: &Variant, form: &Form, filter: Filter) -> Result<()> {
+        let lights = self.on(has_disc(form), None);
+        let (subject, remedy) = match self {
+            Lamps::File(name, _) => (name.as_str(), ""),
+            Lamps::Options(..) => ("--light", ", or --light-diameter-deg 0"),
+        };
+        for (i, light) in lights.iter().enumerate() {
+            let subject = format!("{subject}: light {}", i + 1);
+            if let Some(error) = refused(&subject, &variant.name, form, light) {
+                return Err(error.into());
+            }
+            if filter == Filter::Footprint && !matches!(light, Light::Direction { .. }) {
+                let cause = widened(light);
+                bail!("--filter footprint: {subject}: {cause} (use --filter supersample{remedy})");
+            }
+        }
+        check_counts(subject, &lights)?;
+        check_scaling(&variant.optics, &Lights { all: lights })?;
+        Ok(())
+    }
+
+    /// Whether the options ask for discs.
+    pub(super) fn wants_discs(&self) -> bool {
+        matches!(self, Lamps::Options(_, radius_rad) if *radius_rad > 0.0)
+    }
+
+    /// Whether these are single directions from options.
+    pub(super) fn are_plain(&self, has_disc: bool) -> bool {
+        matches!(self, Lamps::Options(_, radius_rad) if *radius_rad == 0.0 || !has_disc)
+    }
+
+    /// Radiance of a white diffuser that faces the lights: each light of the options shows it as 1.
+    fn white(&self) -> f64 {
+        let Lamps::File(_, lights) = self else { return 1.0 };
+        let sum: f64 = lights.iter().map(facing).sum();
+        if sum > 0.0 { sum } else { 1.0 }
+    }
+
+    /// The exposure unless the options say otherwise.
+    pub(super) fn exposure(&self) -> f64 {
+        EXPOSURE / self.white()
+    }
+
+    pub(super) fn look(&self, lights: Vec<Light>, texture_weight: f64) -> Look {
+        Look { lights, texture_weight, unlit: self.white() }
+    }
+}
+
+/// Whether a form has the function for discs.
+pub(super) fn has_disc(form: &Form) -> bool {
+    form.functions().iter().any(|function| function.light() == LightFunction::Disc)
+}
+
+/// A light under which a white diffuser that faces it has the radiance 1.
+fn from(direction: DVec3, radius_rad: f64) -> Light {
+    let axis = direction.normalize();
+    if radius_rad > 0.0 {
+        return Light::Disc { cap: Cap { axis, radius_rad }, irradiance: PI };
+    }
+    Light::Direction { direction: axis, irradiance: PI }
+}
