@@ -13,6 +13,7 @@ mod unit;
 use std::collections::{BTreeMap, BTreeSet};
 
 use diffraction_shaders::error::{Error, Result};
+use diffraction_shaders::field::orders::OrderSum;
 use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::input;
 use diffraction_shaders::light::Lights;
@@ -26,7 +27,7 @@ use glam::DVec3;
 
 use crate::drivers::Prepared;
 use crate::drivers::routes::Route;
-use crate::results::{Gap, Lit, Record};
+use crate::results::{Energy, Gap, Lit, Record};
 
 pub use controls::{CONTROLS, LAMP_CONTROLS, SURFACE as CONTROL_SURFACE};
 pub use pictures::{AMPLIFIED, difference, mean_flip};
@@ -278,6 +279,9 @@ fn run_surface(
                 // the number stays the same in a resumed run
                 let same = |other: &Option<Result<Variant>>| matches!(other, Some(Ok(other)) if other.optics == variant.optics);
                 let number = placed.iter().position(same).unwrap_or(index);
+                if light_index == 0 {
+                    record_energy(&spec.name, subject, sink)?;
+                }
                 let truth = unit::truth(request, &unit, subject, number, sink)?;
                 truths.insert(key.clone(), truth);
             }
@@ -295,6 +299,18 @@ fn run_surface(
         }
     }
     Ok(())
+}
+
+/// Records what a surface returns of all light, if that is worth its time.
+fn record_energy(surface: &str, subject: Placement<'_>, sink: &mut dyn Sink) -> Result<()> {
+    let Placement { height, rotate_deg, variant } = subject;
+    if !OrderSum::has_white_sky(height) {
+        return Ok(());
+    }
+    sink.begin(&format!("{surface}: under a white sky"));
+    let white_sky = OrderSum::new(height, rotate_deg, &variant.optics)?.white_sky();
+    let optics = serde_json::to_value(&variant.optics).unwrap_or_default();
+    sink.record(Record::Energy(Energy { surface: surface.to_owned(), optics, white_sky }))
 }
 
 /// The variants that slow routes take on a surface: the cheapest of each mode, then the second cheapest of each, and so on.

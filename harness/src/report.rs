@@ -3,6 +3,7 @@
 
 mod album;
 mod compared;
+mod energy;
 mod gap;
 mod merge;
 mod number;
@@ -40,6 +41,7 @@ pub fn page(folders: &[Folder]) -> Page {
     let sections = [
         ("summary", "Summary", summary::section(&results)),
         ("maps", "Maps", compared::section(&results)),
+        ("energy", "Energy", energy::section(&results)),
         ("pareto", "Error and time", pareto::section(&results)),
         ("tuned", "Tuned", tuned::section(&results)),
         ("routes", "Routes", routes::section(&results)),

@@ -33,6 +33,8 @@ pub enum Record {
     Compare(Compare),
     /// Colours of a deliberately wrong shader.
     Control(Control),
+    /// What a surface returns of all light.
+    Energy(Energy),
     /// Something that was not measured, or not to the end: a route, an adapter, a variant.
     Gap(Gap),
     /// Time of a variant on an adapter.
@@ -114,6 +116,17 @@ pub struct MapColours {
     pub lit: f64,
     /// CIEDE2000 over lit pixels.
     pub de2000: Percentiles,
+}
+
+/// What a surface returns of all light, by the exact sum over its orders.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Energy {
+    /// The surface's name.
+    pub surface: String,
+    /// The optics.
+    pub optics: Value,
+    /// Radiance under a sky of radiance 1, X, Y, Z relative to a white, towards viewers at 0, 30, 60 and 75 degrees.
+    pub white_sky: [[f64; 3]; 4],
 }
 
 /// A deliberately wrong shader. It is caught if its comparison fails.

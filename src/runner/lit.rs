@@ -76,6 +76,9 @@ pub fn missing(name: &str, form: &Form, light: &Light) -> Option<Error> {
     Some(Error::new(name, cause).remedy(remedy))
 }
 
+/// Computes the results of calls.
+pub type Calls<'a> = &'a dyn Fn(&[Arguments]) -> Result<Vec<[f64; 3]>>;
+
 /// Radiance towards viewers under a light with a size, from calls of functions. `call`: results of calls. A polygon of more
 /// than four corners takes several. It is an error if the form has no function for the light.
 pub fn lit_by(
@@ -83,7 +86,7 @@ pub fn lit_by(
     form: &Form,
     light: &Light,
     views: &[DVec3],
-    call: &dyn Fn(&[Arguments]) -> Result<Vec<[f64; 3]>>,
+    call: Calls<'_>,
 ) -> Result<Vec<[f64; 3]>> {
     if let Some(error) = missing(name, form, light) {
         return Err(error);

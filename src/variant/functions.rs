@@ -48,11 +48,6 @@ pub trait Function: Sync {
         Vec::new()
     }
 
-    /// The promised error of one call, as the 95th percentile of CIEDE2000 over viewers.
-    fn error(&self, _arguments: &Arguments) -> Option<f64> {
-        None
-    }
-
     /// Number of its probes.
     fn probe_count(&self) -> usize;
 

@@ -244,9 +244,8 @@ pub fn tolerance_under(form: &Form, lights: &Lights, part: Part) -> Option<Toler
             let single = of_direction?.de2000_p95?;
             let of = |light: &Light| {
                 let calls = Arguments::under(light, DVec3::Z);
-                let errors =
-                    calls.iter().filter_map(|(call, _)| function_of(call.light()).error(call));
-                errors.fold(0.0, f64::max)
+                let errors = calls.iter().flat_map(|(call, _)| function_of(call.light()).errors());
+                errors.map(|error| error.de2000_p95).fold(0.0, f64::max)
             };
             let mut most = lights.with_size().map(of).fold(0.0, f64::max);
             if lights.directions().next().is_some() {

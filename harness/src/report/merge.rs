@@ -7,7 +7,9 @@ use serde_json::Value;
 
 use super::album::{Album, Picture};
 use super::source::Folder;
-use crate::results::{Bench, Compare, Control, Gap, Lit, Part, Record, Scaling, Testbench, Tune};
+use crate::results::{
+    Bench, Compare, Control, Energy, Gap, Lit, Part, Record, Scaling, Testbench, Tune,
+};
 
 /// The results of a page.
 #[derive(Debug, Default)]
@@ -18,6 +20,8 @@ pub(super) struct Results<'a> {
     pub(super) units: Vec<Unit<'a>>,
     /// Deliberately wrong shaders.
     pub(super) controls: Vec<&'a Control>,
+    /// What surfaces return of all light.
+    pub(super) energies: Vec<&'a Energy>,
     /// Measurements that were not done.
     pub(super) gaps: Vec<&'a Gap>,
     /// Times.
@@ -126,6 +130,7 @@ impl<'a> Results<'a> {
                 self.unit(compare).compared.push((compare, strip));
             }
             Record::Control(control) => self.controls.push(control),
+            Record::Energy(energy) => self.energies.push(energy),
             Record::Gap(gap) => self.gaps.push(gap),
             Record::Bench(bench) => self.benches.push(bench),
             Record::Scaling(scaling) => self.scalings.push(scaling),
@@ -199,6 +204,7 @@ fn key(folder: &str, record: &Record) -> String {
         Record::Control(c) => {
             format!("{:?}", ("control", &c.surface, &c.variant, &c.route, &c.control, c.light))
         }
+        Record::Energy(e) => format!("{:?}", ("energy", &e.surface, e.optics.to_string())),
         Record::Gap(g) => format!("{:?}", ("gap", &g.route, &g.surface, &g.variant, &g.reason)),
         Record::Bench(b) => {
             let place = (&b.surface, &b.variant, &b.backend, &b.adapter);

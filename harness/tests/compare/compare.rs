@@ -6,14 +6,17 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::rc::Rc;
 
-use diffraction_harness::compare::{CONTROLS, Job, Sink, Unit, run, steps};
+use diffraction_harness::compare::{CONTROLS, Job, LAMP_CONTROLS, Shine, Sink, Unit, run, steps};
 use diffraction_harness::drivers::Prepared;
 use diffraction_harness::drivers::routes::{self, Route};
-use diffraction_harness::results::{Compare, Control, Gap, Part, Record};
+use diffraction_harness::results::{Compare, Control, Energy, Gap, Lit, Part, Record};
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::field::reference::Directions;
+use diffraction_shaders::light::{Cap, Light, Lights, Polygon};
+use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::Plan;
 use diffraction_shaders::runner::{Progress, Runner, TwinRunner};
+use glam::DVec3;
 
 const PLAN: &str = r#"schema = 1
 [[surface]]
@@ -94,6 +97,20 @@ impl Runner for MadeRunner<'_> {
         Ok(colours)
     }
 
+    fn under(
+        &self,
+        light: &Light,
+        views: &[DVec3],
+        progress: Progress<'_>,
+    ) -> Result<Vec<[f64; 3]>> {
+        let mut colours = self.twin.under(light, views, progress)?;
+        if self.behaviour == Behaviour::Off {
+            let most = colours.iter().flatten().fold(0.0, |a: f64, b| a.max(*b));
+            colours.iter_mut().flatten().for_each(|value| *value += 1e-3 * most);
+        }
+        Ok(colours)
+    }
+
     fn response(&self, directions: &[Directions], lambda_nm: f64) -> Result<Vec<f64>> {
         self.twin.response(directions, lambda_nm)
     }
@@ -151,6 +168,14 @@ impl Kept {
         one.collect()
     }
 
+    fn energies(&self) -> Vec<&Energy> {
+        let one = self.records.iter().filter_map(|record| match record {
+            Record::Energy(energy) => Some(energy),
+            _ => None,
+        });
+        one.collect()
+    }
+
     fn gaps(&self) -> Vec<&Gap> {
         let one = self.records.iter().filter_map(|record| match record {
             Record::Gap(gap) => Some(gap),
@@ -170,7 +195,7 @@ fn compared_of(plan: &str, routes: &[Box<dyn Route>], known: bool) -> Kept {
         surfaces: &plan.surfaces,
         variants: &plan.variants,
         routes,
-        lights: &[[20.0, 0.0], [0.0, 0.0]],
+        lights: &[Shine::Direction([20.0, 0.0]), Shine::Direction([0.0, 0.0])],
         size: 24,
         exposure: None,
         subset: 2,
@@ -379,7 +404,7 @@ coherence_um = 16
             surfaces: &[plan.surface(surface).unwrap().clone()],
             variants: &[find(variant)],
             routes: &[],
-            lights: &[light],
+            lights: &[Shine::Direction(light)],
             size,
             exposure: None,
             subset: 0,
@@ -427,4 +452,73 @@ fn real_routes_pass_and_catch_every_control() {
 fn an_unknown_route_is_refused() {
     let error = routes::open(&["directx".to_owned()]).err().unwrap().to_string();
     assert!(error.contains("directx") && error.contains("glsl-es300"), "{error}");
+}
+
+/// Under lights with a size: a right route passes and catches every fault, a route that is off fails, variants without the
+/// functions are gaps, and what the surface returns of all light is recorded.
+#[test]
+fn lights_with_a_size_are_compared_and_their_controls_are_caught() {
+    const PLAN: &str = r#"schema = 1
+[[surface]]
+name = "blazed"
+grating = { kind = "blazed", period_um = 2.5, height_um = 0.3, pixels = 60 }
+[optics]
+source_diameter_deg = 0.53
+coherence = "ensemble"
+[variants]
+mode = ["orders", "adaptive"]
+terms = [19]
+"#;
+    let corners = [[30.0, 80.0], [30.0, 100.0], [60.0, 100.0], [60.0, 80.0]];
+    let corners = corners.map(|[theta, phi]| direction(theta, phi));
+    let sun = Cap { axis: direction(20.0, 10.0), radius_rad: 0.265_f64.to_radians() };
+    let lights = Lights {
+        all: vec![
+            Light::Disc { cap: sun, irradiance: 1.0 },
+            Light::Polygon { polygon: Polygon::new(&corners).unwrap(), radiance: 10.0 },
+            Light::Direction { direction: direction(50.0, 200.0), irradiance: 1.0 },
+        ],
+    };
+    let plan = Plan::parse(PLAN, Path::new("plan.toml")).unwrap();
+    let compared = |routes: &[Box<dyn Route>]| {
+        let request = Job {
+            surfaces: &plan.surfaces,
+            variants: &plan.variants,
+            routes,
+            lights: &[Shine::Lights("lamps.toml 1234", &lights)],
+            size: 24,
+            exposure: None,
+            subset: 2,
+            memory: u64::MAX,
+        };
+        let mut kept = Kept::default();
+        run(&request, &mut kept).unwrap();
+        kept
+    };
+    let mut open = Vec::new();
+    for found in routes::open(&["vulkan:llvmpipe".to_owned()]).unwrap() {
+        open.extend(tools::found(found.route));
+    }
+    if open.is_empty() {
+        return;
+    }
+    let right = compared(&open);
+    let compares = right.compares();
+    assert!(compares.len() >= 4 && compares.iter().all(|c| c.pass), "{compares:#?}");
+    assert!(compares.iter().all(|c| c.light == Lit::Lights("lamps.toml 1234".to_owned())));
+    assert!(compares.iter().all(|c| c.variant.starts_with("orders")));
+    let total = compares.iter().find(|c| c.part == Part::Total && c.route == "twin").unwrap();
+    assert!(total.lit > 0.2 && total.de2000.p95 < 0.5, "{total:?}");
+    let controls: Vec<&Control> = right.controls();
+    assert_eq!(controls.len(), CONTROLS.len() + LAMP_CONTROLS.len());
+    assert!(controls.iter().all(|control| control.caught), "{controls:#?}");
+    let gaps: Vec<&Gap> = right.gaps();
+    assert!(gaps.iter().any(|gap| gap.reason.contains("no function for a light")), "{gaps:#?}");
+    let sky: Vec<&Energy> = right.energies();
+    assert!(sky.len() == 1 && (0.02..0.2).contains(&sky[0].white_sky[0][1]), "{sky:?}");
+
+    let made = Made { behaviour: Behaviour::Off, asked: Rc::default() };
+    let off = compared(&[Box::new(made)]);
+    let by_made = |c: &&&Compare| c.route == "made" && c.part == Part::Arithmetic;
+    assert!(off.compares().iter().find(by_made).is_some_and(|c| !c.pass));
 }

@@ -121,7 +121,9 @@ fn every_section_shows_its_numbers() {
 #[test]
 fn a_section_without_records_says_so() {
     let html = report(&[]).html;
-    for id in ["summary", "maps", "pareto", "tuned", "routes", "periods", "sweeps", "scaling"] {
+    for id in
+        ["summary", "maps", "energy", "pareto", "tuned", "routes", "periods", "sweeps", "scaling"]
+    {
         has(section(&html, id), &["Nothing recorded"]);
     }
 }

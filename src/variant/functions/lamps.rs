@@ -64,7 +64,7 @@ pub(super) fn probes(
         };
         let arguments = candidate(i, Place { axis, near: &near }).rounded();
         // at grazing angles a rounded direction is another one
-        if !(arguments.wr().z > 0.1) {
+        if arguments.wr().z <= 0.1 {
             continue;
         }
         let Some(lamp) = arguments.lamp() else { continue };

@@ -58,7 +58,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         _ if has_waited.get() => false,
         // missing routes are tried again: they may be there now
         Record::Gap(_) => true,
-        Record::Compare(_) | Record::Control(_) => !args.resume,
+        Record::Compare(_) | Record::Control(_) | Record::Energy(_) => !args.resume,
         _ => false,
     };
     let (log, known) = match crashes.is_empty() {

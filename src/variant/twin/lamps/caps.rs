@@ -38,7 +38,7 @@ impl Caps {
 
     /// X, Y, Z towards a viewer.
     pub fn seen(&self, twin: &Twin<'_>, form: &Orders, wr: DVec3) -> DVec3 {
-        if !(wr.z > 1e-6) {
+        if wr.z <= 1e-6 {
             return DVec3::ZERO;
         }
         let turned = |(axis, chord_squared): Cap| (in_surface(twin, axis), chord_squared);
