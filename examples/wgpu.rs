@@ -7,7 +7,10 @@ use std::{collections::BTreeMap, env, error::Error, fs, path::Path, sync::mpsc};
 use serde::Deserialize;
 use serde_json::Value;
 use wgpu::util::{BufferInitDescriptor, DeviceExt, DownloadBuffer, TextureDataOrder};
-use wgpu::{BindingResource, BufferUsages, Device, FilterMode, Queue, TextureFormat, TextureView};
+use wgpu::{
+    BindGroupLayoutEntry, BindingResource, BindingType, BufferUsages, Device, FilterMode, Queue,
+    ShaderStages, TextureFormat, TextureView, TextureViewDimension,
+};
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
@@ -60,14 +63,6 @@ pub fn run(
     let text = format!("{package}\nconst DIFFUSER_SCALE = {scale:?};\n{entry_point}");
     let source = wgpu::ShaderSource::Wgsl(text.into());
     let module = wgpu::ShaderModuleDescriptor { label: None, source };
-    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: None,
-        layout: None,
-        module: &device.create_shader_module(module),
-        entry_point: Some("main"),
-        compilation_options: Default::default(),
-        cache: None,
-    });
 
     // group 0 is the package's: tables, and a sampler in variants that let the driver interpolate
     let mut tables = BTreeMap::new();
@@ -77,27 +72,58 @@ pub fn run(
     let (mag_filter, min_filter) = (FilterMode::Linear, FilterMode::Linear);
     let sampler = wgpu::SamplerDescriptor { mag_filter, min_filter, ..Default::default() };
     let sampler = device.create_sampler(&sampler);
-    let mut entries = Vec::new();
+    let (mut entries, mut layout) = (Vec::new(), Vec::new());
     for described in Vec::<Value>::deserialize(&manifest["bindings"])? {
-        let resource = match tables.get(<&str>::deserialize(&described["name"])?) {
-            Some(table) => BindingResource::TextureView(table),
-            None if described["kind"] == "sampler" => BindingResource::Sampler(&sampler),
+        let filterable = described["sample_type"] == "float";
+        let (resource, ty) = match tables.get(<&str>::deserialize(&described["name"])?) {
+            Some(table) => {
+                let sample_type = wgpu::TextureSampleType::Float { filterable };
+                let view_dimension = dimension(&described);
+                let ty = BindingType::Texture { sample_type, view_dimension, multisampled: false };
+                (BindingResource::TextureView(table), ty)
+            }
+            None if described["kind"] == "sampler" => {
+                let ty = BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
+                (BindingResource::Sampler(&sampler), ty)
+            }
             None => continue, // of the package's own entry points
         };
         let binding = u32::deserialize(&described["binding"])?;
         entries.push(wgpu::BindGroupEntry { binding, resource });
+        layout.push(layout_entry(binding, ty));
     }
 
     // group 1 is ours
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
     let buffer = device.create_buffer_init(&BufferInitDescriptor { label: None, contents, usage });
-    let ours = [wgpu::BindGroupEntry { binding: 0, resource: buffer.as_entire_binding() }];
+    let ours = vec![wgpu::BindGroupEntry { binding: 0, resource: buffer.as_entire_binding() }];
+    let ty = wgpu::BufferBindingType::Storage { read_only: false };
+    let ty = BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+    let groups = [(entries, layout), (ours, vec![layout_entry(0, ty)])];
+
+    // an entry point may read some of the tables only, so the layouts are not derived from it
+    let layouts = groups.each_ref().map(|(_, entries)| {
+        let layout = wgpu::BindGroupLayoutDescriptor { label: None, entries };
+        device.create_bind_group_layout(&layout)
+    });
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: None,
+        bind_group_layouts: &layouts.each_ref().map(Some),
+        immediate_size: 0,
+    });
+    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: None,
+        layout: Some(&layout),
+        module: &device.create_shader_module(module),
+        entry_point: Some("main"),
+        compilation_options: Default::default(),
+        cache: None,
+    });
 
     let mut encoder = device.create_command_encoder(&Default::default());
     let mut pass = encoder.begin_compute_pass(&Default::default());
     pass.set_pipeline(&pipeline);
-    for (index, entries) in [(0, &entries[..]), (1, &ours)] {
-        let layout = &pipeline.get_bind_group_layout(index);
+    for (index, (layout, (entries, _))) in (0..).zip(layouts.iter().zip(&groups)) {
         let group = wgpu::BindGroupDescriptor { label: None, layout, entries };
         pass.set_bind_group(index, &device.create_bind_group(&group), &[]);
     }
@@ -139,9 +165,17 @@ fn upload(gpu: &(Device, Queue), folder: &Path, table: &Value) -> Result<Texture
     };
     let order = TextureDataOrder::LayerMajor;
     let texture = gpu.0.create_texture_with_data(&gpu.1, &descriptor, order, &texels);
-    let dimension = Some(match <&str>::deserialize(&shape["dimension"])? {
-        "2d-array" => wgpu::TextureViewDimension::D2Array, // also where it has one layer
-        _ => wgpu::TextureViewDimension::D2,
-    });
+    let dimension = Some(dimension(&shape));
     Ok(texture.create_view(&wgpu::TextureViewDescriptor { dimension, ..Default::default() }))
+}
+
+fn dimension(described: &Value) -> TextureViewDimension {
+    match described["dimension"] == "2d-array" {
+        true => TextureViewDimension::D2Array, // also where it has one layer
+        false => TextureViewDimension::D2,
+    }
+}
+
+fn layout_entry(binding: u32, ty: BindingType) -> BindGroupLayoutEntry {
+    BindGroupLayoutEntry { binding, visibility: ShaderStages::COMPUTE, ty, count: None }
 }

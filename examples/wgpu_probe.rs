@@ -2,10 +2,10 @@
 //!
 //!     cargo run --release -p diffraction-harness --example wgpu_probe -- generated/shaders/fingers/full-taylor-t19
 //!
-//! Prints JSON. `worst` is the greatest error over the tolerance of its direction; `controls` are the
-//! same for integrations that are wrong on purpose, and must be far above 1.
+//! Prints JSON. `worst` is the greatest error over the tolerance of its probe; `controls` are the same for
+//! integrations that are wrong on purpose, of the function that shows it least, and must be far above 1.
 
-use std::{env, error::Error, fs, path::Path};
+use std::{collections::BTreeMap, env, error::Error, fs, path::Path};
 
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -16,33 +16,65 @@ pub mod draw;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
-/// Directions come in, XYZ and RGB go out; of 64 pairs at once.
+/// Arguments come in, the number of a function in w of the first; XYZ and RGB go out in their place.
 const PROBE: &str = "
-@group(1) @binding(0) var<storage, read_write> pairs: array<array<vec4f, 2>>;
+struct Probe { first: vec4f, viewer: vec4f, second: vec4f, third: vec4f, fourth: vec4f }
+
+@group(1) @binding(0) var<storage, read_write> probes: array<Probe>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (id.x < arrayLength(&pairs)) {
-        let wi = pairs[id.x][0].xyz;
-        let wr = pairs[id.x][1].xyz;
-        pairs[id.x][0] = vec4f(tristimulus(wi, wr), 0.0);
-        pairs[id.x][1] = vec4f(diffraction(wi, wr), 0.0);
+    if (id.x >= arrayLength(&probes)) {
+        return;
     }
+    let a = probes[id.x].first.xyz;
+    let b = probes[id.x].second.xyz;
+    let c = probes[id.x].third.xyz;
+    let d = probes[id.x].fourth.xyz;
+    let radius = probes[id.x].viewer.w;
+    let wr = probes[id.x].viewer.xyz;
+    var xyz = vec3f(0.0);
+    var rgb = vec3f(0.0);
+    switch (i32(probes[id.x].first.w)) {
+        CASES
+        default: {}
+    }
+    probes[id.x].first = vec4f(xyz, 0.0);
+    probes[id.x].viewer = vec4f(rgb, 0.0);
 }";
+/// Functions of the variants with their arguments above.
+const FUNCTIONS: [(&str, &str); 3] = [
+    ("diffraction", "a, wr"),
+    ("diffraction_disc", "a, radius, wr"),
+    ("diffraction_rectangle", "a, b, c, d, wr"),
+];
 /// RGB may be wrong by as much more than XYZ: the greatest sum of moduli of a row of its matrix.
 const RGB: f64 = 5.3;
 
 #[derive(Deserialize)]
 struct Probes {
     probes: Vec<Probe>,
+    #[serde(default)]
+    lights: Vec<Probe>,
 }
 
+/// A probe of a single direction, or of a light with a size.
 #[derive(Deserialize)]
 struct Probe {
-    wi: [f32; 3],
+    function: Option<String>,
+    wi: Option<[f32; 3]>,
+    axis: Option<[f32; 3]>,
+    radius: Option<f32>,
+    corners: Option<[[f32; 3]; 4]>,
     wr: [f32; 3],
     expected: Expected,
     tolerance: f64,
+}
+
+impl Probe {
+    fn function(&self) -> &str {
+        self.function.as_deref().unwrap_or("diffraction")
+    }
 }
 
 #[derive(Deserialize)]
@@ -57,33 +89,93 @@ fn main() -> Result<()> {
     Ok(())
 }
 
+/// How an integration may be wrong.
+#[derive(Clone, Copy, PartialEq)]
+enum Fault {
+    None,
+    FlippedBitangent,
+    /// A disc of another radius, a quadrilateral without its last corner.
+    AnotherSize,
+}
+
 /// How far the variant in a folder is off.
 pub fn run(gpu: &(wgpu::Device, wgpu::Queue), folder: &Path) -> Result<Value> {
-    let Probes { probes } = serde_json::from_slice(&fs::read(folder.join("probe.json"))?)?;
-    let evaluate = |sign: f32| -> Result<Vec<[[f32; 4]; 2]>> {
-        let texel = |[x, y, z]: [f32; 3]| [x, sign * y, z, 0.0];
-        let pairs: Vec<_> = probes.iter().map(|p| [texel(p.wi), texel(p.wr)]).collect();
-        let workgroups = pairs.len().div_ceil(64) as u32;
-        let bytes = draw::run(gpu, folder, PROBE, workgroups, bytemuck::cast_slice(&pairs))?;
-        Ok(bytemuck::pod_collect_to_vec(&bytes))
+    let Probes { mut probes, lights } =
+        serde_json::from_slice(&fs::read(folder.join("probe.json"))?)?;
+    probes.extend(lights);
+    let mut functions = BTreeMap::new();
+    for probe in &probes {
+        *functions.entry(probe.function()).or_insert(0) += 1;
+    }
+    let cases = (0..).zip(FUNCTIONS).filter(|(_, (name, _))| functions.contains_key(name));
+    let cases = cases.map(|(case, (name, arguments))| {
+        let tristimulus = name.replace("diffraction", "tristimulus");
+        format!("case {case}: {{ xyz = {tristimulus}({arguments}); rgb = {name}({arguments}); }}\n")
+    });
+    let entry_point = PROBE.replace("CASES", &cases.collect::<String>());
+    let evaluate = |fault: Fault| -> Result<Vec<[[f32; 4]; 2]>> {
+        let texels: Result<Vec<_>> = probes.iter().map(|probe| arguments(probe, fault)).collect();
+        let workgroups = probes.len().div_ceil(64) as u32;
+        let texels = bytemuck::cast_slice(texels?.as_flattened()).to_vec();
+        let bytes = draw::run(gpu, folder, &entry_point, workgroups, &texels)?;
+        let results: Vec<[[f32; 4]; 5]> = bytemuck::pod_collect_to_vec(&bytes);
+        Ok(results.iter().map(|[xyz, rgb, ..]| [*xyz, *rgb]).collect())
     };
-    let (seen, flipped) = (evaluate(1.0)?, evaluate(-1.0)?);
+    let [seen, flipped, resized] =
+        [evaluate(Fault::None)?, evaluate(Fault::FlippedBitangent)?, evaluate(Fault::AnotherSize)?];
+    let off = |seen: &[[[f32; 4]; 2]], function: &str, order: [usize; 3]| {
+        let pairs = seen.iter().zip(&probes).filter(|(_, probe)| probe.function() == function);
+        worst(pairs, order)
+    };
+    // each function must show a fault
+    let least = |seen: &[[[f32; 4]; 2]], order: [usize; 3], lights_only: bool| {
+        let names = functions.keys().filter(|name| !lights_only || **name != "diffraction");
+        names.map(|name| off(seen, name, order)).fold(f64::MAX, f64::min)
+    };
+    let mut controls = json!({
+        "swapped channels": least(&seen, [2, 1, 0], false),
+        "flipped bitangent": least(&flipped, [0, 1, 2], false),
+    });
+    if functions.len() > 1 {
+        controls["another size of the light"] = least(&resized, [0, 1, 2], true).into();
+    }
     let info = gpu.0.adapter_info();
     let names = folder.iter().rev().map(|part| part.to_string_lossy()).collect::<Vec<_>>();
     Ok(json!({
         "driver": format!("{} {}", info.backend, info.name),
-        "surface": names[1], "variant": names[0], "count": probes.len(),
-        "worst": worst(&seen, &probes, [0, 1, 2]),
-        "controls": {
-            "swapped channels": worst(&seen, &probes, [2, 1, 0]),
-            "flipped bitangent": worst(&flipped, &probes, [0, 1, 2]),
-        },
+        "surface": names[1], "variant": names[0], "count": probes.len(), "functions": functions,
+        "worst": functions.keys().map(|name| off(&seen, name, [0, 1, 2])).fold(0.0, f64::max),
+        "controls": controls,
     }))
 }
 
+/// Arguments of a probe's function as the entry point reads them.
+fn arguments(probe: &Probe, fault: Fault) -> Result<[[f32; 4]; 5]> {
+    let known = FUNCTIONS.iter().position(|(name, _)| *name == probe.function());
+    let number = known.ok_or_else(|| format!("{}: not a known function", probe.function()))?;
+    let first = probe.wi.or(probe.axis).unwrap_or_default();
+    let [a, b, c, mut d] = probe.corners.unwrap_or([first; 4]);
+    let mut radius = probe.radius.unwrap_or_default();
+    if fault == Fault::AnotherSize {
+        (radius, d) = (1.5 * radius, c);
+    }
+    let sign = if fault == Fault::FlippedBitangent { -1.0 } else { 1.0 };
+    let texel = |[x, y, z]: [f32; 3], w: f32| [x, sign * y, z, w];
+    Ok([
+        texel(a, number as f32),
+        texel(probe.wr, radius),
+        texel(b, 0.0),
+        texel(c, 0.0),
+        texel(d, 0.0),
+    ])
+}
+
 /// The greatest error over what is allowed, of channels read in an order; no number is quite wrong.
-fn worst(seen: &[[[f32; 4]; 2]], probes: &[Probe], order: [usize; 3]) -> f64 {
-    let ratios = seen.iter().zip(probes).flat_map(|([xyz, rgb], probe)| {
+fn worst<'a>(
+    pairs: impl Iterator<Item = (&'a [[f32; 4]; 2], &'a Probe)>,
+    order: [usize; 3],
+) -> f64 {
+    let ratios = pairs.flat_map(|([xyz, rgb], probe)| {
         let allowed = probe.tolerance;
         let ratio = move |seen: &[f32; 4], expected: [f64; 3], allowed: f64| {
             [0, 1, 2].map(|c| (f64::from(seen[order[c]]) - expected[c]).abs() / allowed)

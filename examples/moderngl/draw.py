@@ -63,7 +63,8 @@ def draw(context, folder, main, size, **uniforms):
     program = context.program(vertex_shader=VERTEX, fragment_shader=text)
     for unit, table in enumerate(manifest["tables"]):
         upload(context, folder, table).use(unit)
-        program[table["binding"]] = unit
+        if table["binding"] in program:  # a function may read some of the tables only
+            program[table["binding"]] = unit
     for name, value in uniforms.items():
         program[name].write(np.asarray(value, "f4").tobytes())
     target = context.framebuffer([context.texture(size, 4, dtype="f4")])

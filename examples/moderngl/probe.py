@@ -2,8 +2,8 @@
 
     python3 probe.py generated
 
-`worst` is the greatest error over the tolerance of its direction; `controls` are the same for integrations that are wrong on
-purpose, and must be far above 1.
+`worst` is the greatest error over the tolerance of its probe; `controls` are the same for integrations that are wrong on
+purpose, of the function that shows it least, and must be far above 1.
 """
 
 import json
@@ -15,41 +15,95 @@ import numpy as np
 from draw import draw, open_context
 
 PROBE = """
-uniform vec3 wi[64];
-uniform vec3 wr[64];
+{uniforms}
 out vec4 colour;
-void main() {
+void main() {{
     ivec2 at = ivec2(gl_FragCoord.xy);
-    colour = vec4(at.y == 0 ? tristimulus(wi[at.x], wr[at.x]) : diffraction(wi[at.x], wr[at.x]), 1.0);
-}
+    colour = vec4(at.y == 0 ? {tristimulus}({arguments}) : {function}({arguments}), 1.0);
+}}
 """
+ARGUMENTS = {
+    "diffraction": ("wi", "wr"),
+    "diffraction_disc": ("axis", "radius", "wr"),
+    "diffraction_rectangle": ("a", "b", "c", "d", "wr"),
+}
 
 
-def evaluate(context, folder, wi, wr):
-    """XYZ and RGB of 64 pairs of directions."""
-    return draw(context, folder, PROBE, (64, 2), wi=wi, wr=wr)[..., :3]
+def read(path):
+    """Probes by functions: arguments, colours of XYZ and RGB, tolerances."""
+    text = json.loads(path.read_text())
+    found = {}
+    for probe in text["probes"] + text.get("lights", []):
+        if "corners" in probe:
+            probe |= zip("abcd", probe["corners"])
+        found.setdefault(probe.get("function", "diffraction"), []).append(probe)
+    arrays = {}
+    for function, probes in found.items():
+        arguments = {name: np.array([p[name] for p in probes]) for name in ARGUMENTS[function]}
+        expected = np.array([[p["expected"][kind] for p in probes] for kind in ("xyz", "rgb")])
+        arrays[function] = arguments, expected, np.array([p["tolerance"] for p in probes])
+    return arrays
 
 
-def worst(seen, probes):
+def evaluate(context, folder, function, arguments):
+    """XYZ and RGB of all probes of a function."""
+    count = len(arguments["wr"])
+    types = {name: "float" if values.ndim == 1 else "vec3" for name, values in arguments.items()}
+    main = PROBE.format(
+        uniforms="\n".join(f"uniform {kind} {name}[{count}];" for name, kind in types.items()),
+        function=function,
+        tristimulus=function.replace("diffraction", "tristimulus"),
+        arguments=", ".join(f"{name}[at.x]" for name in arguments),
+    )
+    return draw(context, folder, main, (count, 2), **arguments)[..., :3]
+
+
+def flipped(arguments):
+    """Vectors under a flipped bitangent."""
+    return {name: v if v.ndim == 1 else v * [1, -1, 1] for name, v in arguments.items()}
+
+
+def resized(arguments):
+    """A disc of another radius, or a quadrilateral without its last corner."""
+    changed = {"radius": 1.5 * arguments["radius"]} if "radius" in arguments else {"d": arguments["c"]}
+    return arguments | changed
+
+
+def worst(seen, expected, tolerances):
     """RGB may be wrong by 5.3 times as much: the greatest sum of moduli of a row of its matrix."""
-    expected = np.array([[p["expected"][kind] for p in probes] for kind in ("xyz", "rgb")])
-    allowed = np.array([p["tolerance"] for p in probes])[None, :, None] * np.array([1, 5.3])[:, None, None]
+    allowed = tolerances[None, :, None] * np.array([1, 5.3])[:, None, None]
     greatest = (np.abs(seen - expected) / allowed).max()
     return float(greatest) if np.isfinite(greatest) else sys.float_info.max
+
+
+def judge(context, folder, function, arguments, *truth):
+    """How far a function is off, and how far wrong integrations of it are."""
+    seen = evaluate(context, folder, function, arguments)
+    controls = {
+        "swapped channels": worst(seen[..., ::-1], *truth),
+        "flipped bitangent": worst(evaluate(context, folder, function, flipped(arguments)), *truth),
+    }
+    if function != "diffraction":
+        wrong = evaluate(context, folder, function, resized(arguments))
+        controls["another size of the light"] = worst(wrong, *truth)
+    return worst(seen, *truth), controls
 
 
 def main(package):
     context = open_context()
     results = []
     for path in sorted(Path(package).glob("shaders/*/*/probe.json")):
-        probes = json.loads(path.read_text())["probes"]
-        wi, wr = np.array([p["wi"] for p in probes]), np.array([p["wr"] for p in probes])
-        seen = evaluate(context, path.parent, wi, wr)
-        flipped = evaluate(context, path.parent, wi * [1, -1, 1], wr * [1, -1, 1])
-        controls = {"swapped channels": worst(seen[..., ::-1], probes), "flipped bitangent": worst(flipped, probes)}
+        probes = read(path)
+        judged = [judge(context, path.parent, function, *of) for function, of in probes.items()]
+        controls = {}
+        for _, found in judged:
+            for name, value in found.items():
+                controls[name] = min(value, controls.get(name, value))
+        functions = {function: len(tolerances) for function, (*_, tolerances) in probes.items()}
         surface, variant = path.parts[-3:-1]
-        results.append({"surface": surface, "variant": variant, "count": len(probes)})
-        results[-1] |= {"worst": worst(seen, probes), "controls": controls}
+        results.append({"surface": surface, "variant": variant, "count": sum(functions.values())})
+        worst_of_all = max(value for value, _ in judged)
+        results[-1] |= {"functions": functions, "worst": worst_of_all, "controls": controls}
     print(json.dumps({"driver": context.info["GL_RENDERER"], "results": results}))
 
 

@@ -2,12 +2,30 @@
 
 const PROFILES = { webgl2: "WebGL2", webgpu: "WebGPU", vulkan: "Vulkan" };
 
-/** Groups of `{ title, rows }`; a row is a pair of texts, what and how much. */
-export function facts(manifest) {
+/** Groups of `{ title, rows }` about one function of a variant; a row is a pair of texts, what and how much. */
+export function facts(manifest, name) {
+  const lamp = manifest.functions?.find((entry) => entry.name === name);
   return [
-    { title: "Stated error", rows: errors(manifest) },
-    { title: "Stated cost of a pixel", rows: costs(manifest) },
-    { title: "Light and table", rows: others(manifest) },
+    { title: "Stated error", rows: lamp ? lampErrors(lamp) : errors(manifest) },
+    { title: "Stated cost of a pixel", rows: lamp ? lampCosts(lamp) : costs(manifest) },
+    { title: "Light and table", rows: [["function", signature(lamp?.function ?? manifest.core.function)], ...others(manifest, lamp)] },
+  ];
+}
+
+/** Name and arguments of a function in WGSL, without types. */
+function signature(text) {
+  return text.replace(/^fn /, "").replace(/: \w+/g, "").replace(/ -> .*/, "");
+}
+
+/** Errors of a function of lights with a size, by what it is under. */
+function lampErrors({ errors }) {
+  return errors.map(({ under, de2000_p95 }) => [under, `ΔE ${round(de2000_p95)} (CIEDE2000) or less in 95\u00a0% of directions`]);
+}
+
+function lampCosts({ cost }) {
+  return [
+    ["texels read", range(cost.fetches_mean, cost.fetches)],
+    ["shares of orders", range(cost.evaluations_mean, cost.evaluations)],
   ];
 }
 
@@ -47,13 +65,14 @@ function costs({ cost, lobes, configuration }) {
   return rows;
 }
 
-function others({ configuration, cost, requires, core }) {
+function others({ configuration, cost, requires, core }, lamp) {
   const { coherence, coherence_um, table } = configuration;
   const kinds = { single: "one coherent patch", ensemble: "mean of many patches" };
-  const rows = [["coherence", `${round(coherence_um)} µm, ${kinds[coherence] ?? "replicas of the patch"}`]];
+  const patches = `${round(coherence_um)} µm, ${kinds[coherence] ?? "replicas of the patch"}`;
+  const rows = [["coherence", lamp ? "plays no part: the light itself has a size" : patches]];
   rows.push(["tables", `${round(cost.table_bytes / 2 ** 20)} MiB${table ? `, ${table}` : ""}`]);
   rows.push(["fits", requires.profiles.map((name) => PROFILES[name] ?? name).join(", ") || "no profile"]);
-  if (core.diffuser_scale) rows.push(["diffuser scale", round(core.diffuser_scale)]);
+  if (core.diffuser_scale && !lamp) rows.push(["diffuser scale", round(core.diffuser_scale)]);
   return rows;
 }
 
@@ -73,7 +92,10 @@ function atMost(share) {
 const SUPERSCRIPTS = Object.fromEntries([..."-0123456789"].map((c, i) => [c, "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"[i]]));
 
 function range(mean, worst) {
-  return mean === worst ? round(worst) : `${round(mean)} on average, at most ${round(worst)}`;
+  if (mean === worst) return round(worst);
+  const most = `at most ${round(worst)}`;
+  // a light may be too small to be met by the views of the mean
+  return round(mean) === "0" ? most : `${round(mean)} on average, ${most}`;
 }
 
 function round(number) {

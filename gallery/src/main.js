@@ -1,6 +1,7 @@
 // The page: pickers, knobs, and the one engine that is open.
 import { BODIES } from "./bodies.js";
 import { facts, short } from "./facts.js";
+import { LIGHTS, lightsOf } from "./lights.js";
 import { listVariants, loadVariant, openPackage } from "./package.js";
 import { lightPad, orbit } from "./pointers.js";
 import { probePackage, probeVariant } from "./probe.js";
@@ -11,12 +12,14 @@ import * as webgpu from "./webgpu.js";
 const APIS = { webgl2, webgpu };
 const BODY_NAMES = { snake: "snake", sphere: "sphere", disc: "disc (CD)", map: "BRDF map" };
 const API_NAMES = { webgl2: "WebGL2", webgpu: "WebGPU" };
+const LIGHT_NAMES = Object.fromEntries(Object.entries(LIGHTS).map(([name, { words }]) => [name, words]));
 
 const $ = (id) => document.getElementById(id);
 const asked = new URLSearchParams(location.search);
 const state = {
   body: "snake", azimuth: 0.1, elevation: 0.2, distance: 4, light: FIRST_LIGHT.clone(), stops: numberAsked("stops") ?? 0.5,
   ratio: numberAsked("ratio") ?? 0,
+  sizes: { diameter: numberAsked("diameter") ?? 12, width: numberAsked("width") ?? 40, height: numberAsked("height") ?? 20 },
 };
 const stage = createStage(state, showFrame);
 const drawDot = lightPad($("pad"), $("dot"), () => stage.toView(state.light), (v) => {
@@ -26,6 +29,8 @@ const drawDot = lightPad($("pad"), $("dot"), () => stage.toView(state.light), (v
 // an engine with its canvas for each interface: browsers allow few contexts, and free them late
 const engines = {};
 let files, places, engine, queue = Promise.resolve(), manifest, firstPicture, doing = "starting";
+// what the visitor would like, also where a variant does not have it
+let wishedLight = asked.get("light");
 
 /** For tests and the curious: what is under way, and the probes of all variants. */
 window.gallery = {
@@ -51,6 +56,11 @@ async function start() {
     fill($("api"), Object.keys(APIS), asked.get("api"), API_NAMES);
     state.body = $("body").value;
     $("stops").value = state.stops;
+    for (const size of Object.keys(state.sizes)) {
+      $(size).value = state.sizes[size];
+      // as the slider allows
+      state.sizes[size] = Number($(size).value);
+    }
     connect();
     await later(show);
   } catch (error) {
@@ -63,6 +73,16 @@ function connect() {
   $("surface").addEventListener("change", () => later(() => fillVariants($("variant").value).then(show)));
   $("variant").addEventListener("change", () => later(show));
   $("api").addEventListener("change", () => later(show));
+  $("light").addEventListener("change", () => {
+    wishedLight = $("light").value;
+    later(show);
+  });
+  for (const size of Object.keys(state.sizes)) {
+    $(size).addEventListener("input", () => {
+      state.sizes[size] = Number($(size).value);
+      changed();
+    });
+  }
   $("body").addEventListener("change", () => {
     state.body = $("body").value;
     changed();
@@ -83,6 +103,11 @@ function changed() {
 function label() {
   const sign = state.stops > 0 ? "+" : state.stops < 0 ? "−" : "";
   $("stops-shown").textContent = `${sign}${Math.abs(state.stops)} ${Math.abs(state.stops) === 1 ? "stop" : "stops"}`;
+  for (const [size, degrees] of Object.entries(state.sizes)) {
+    const knob = $(size).closest("label");
+    knob.querySelector("output").textContent = `${degrees}°`;
+    knob.hidden = !LIGHTS[$("light").value]?.sizes.includes(size);
+  }
   drawDot();
 }
 
@@ -102,9 +127,10 @@ async function show() {
   doing = "ending the last picture";
   await stage.halt();
   doing = "drawing";
+  fill($("light"), lightsOf(variant), wishedLight, LIGHT_NAMES);
   try {
     if ($("view").firstElementChild !== next.canvas) $("view").replaceChildren(next.canvas);
-    stage.show(next, next.canvas, variant);
+    stage.show(next, next.canvas, variant, $("light").value);
     [engine, manifest] = [next, variant.manifest];
   } finally {
     label();
@@ -170,7 +196,7 @@ function showFrame({ ms, width, height, samples }) {
   firstPicture ??= performance.now();
   const places = samples > 1 ? `, ${samples} places in each pixel` : "";
   const measured = [["frame", `${short(ms)} ms`], ["drawn", `${width} × ${height}${places}`], ["driver", engine.driver]];
-  const groups = [{ title: "Here", rows: measured }, ...facts(manifest)];
+  const groups = [{ title: "Here", rows: measured }, ...facts(manifest, LIGHTS[$("light").value].calls)];
   $("facts").replaceChildren(...groups.flatMap(({ title, rows }) => [made("h2", title), list(rows)]));
 }
 

@@ -31,7 +31,7 @@ export async function listVariants(files) {
 
 /**
  * A variant: `{ manifest, text, signature, tables }`. `text` is the function form for `target`, `signature` that of a
- * function in it; a table is `{ name, isArray, isFiltered, format, width, height, layers, bytes }`.
+ * function in it, if it is there; a table is `{ name, isArray, isFiltered, format, width, height, layers, bytes }`.
  */
 export async function loadVariant(files, { folder }, target) {
   const manifest = JSON.parse(await files.text(folder + "manifest.json"));
@@ -47,13 +47,19 @@ export async function loadVariant(files, { folder }, target) {
     return { name: table.binding, isArray, isFiltered, format, width, height, layers, bytes };
   };
   const [text, ...tables] = await Promise.all([files.text(folder + form.file), ...manifest.tables.map(read)]);
-  const signature = (name) => form.functions.find((f) => f.name === name).signature;
+  const signature = (name) => form.functions.find((f) => f.name === name)?.signature;
   return { manifest, text, signature, tables };
 }
 
-/** The probes of a variant. */
+/**
+ * The probes of a variant, those of lights with a size at the end: `{ calls, vectors, radius, wr, expected, tolerance }`. `calls` is
+ * a function, `vectors` are the direction, the axis or the corners.
+ */
 export async function loadProbes(files, { folder }) {
-  return JSON.parse(await files.text(folder + "probe.json")).probes;
+  const { probes, lights = [] } = JSON.parse(await files.text(folder + "probe.json"));
+  const single = probes.map(({ wi, ...rest }) => ({ calls: "diffraction", vectors: [wi], ...rest }));
+  const sized = lights.map(({ axis, corners, ...rest }) => ({ calls: rest.function, vectors: corners ?? [axis], ...rest }));
+  return [...single, ...sized];
 }
 
 function resolve(folder, relative) {

@@ -3,6 +3,10 @@ import { listVariants, loadProbes, loadVariant } from "./package.js";
 
 const SWAPPED = "swapped channels";
 const FLIPPED = "flipped bitangent";
+const RESIZED = "another size of the light";
+
+/** Pixels of a row that drivers give back together. */
+const BLOCK = 16;
 
 /** [`probeVariant`] for all variants. */
 export async function probePackage(files, engine, target) {
@@ -13,37 +17,54 @@ export async function probePackage(files, engine, target) {
 
 /**
  * Evaluates the probes of a variant: `worst` is the greatest error over its tolerance, `controls` the same for wrong
- * integrations.
+ * integrations, of the function that shows the fault least.
  */
 export async function probeVariant(files, engine, target, place) {
   const variant = await loadVariant(files, place, target);
   const probes = await loadProbes(files, place);
-  const pairs = probes.map(({ wi, wr }) => [wi, wr]);
-  const mirrored = pairs.map((pair) => pair.map(([x, y, z]) => [x, -y, z]));
-  // two rows, XYZ and RGB, of the probes and then of their mirror images: one shader, compiled once
-  const both = await engine.probe(variant, [...pairs, ...mirrored]);
-  const part = (from) => [0, 1].flatMap((row) => {
-    const start = 4 * (2 * row + from) * pairs.length;
-    return [...both.subarray(start, start + 4 * pairs.length)];
-  });
-  const [pixels, flipped] = [part(0), part(1)];
-  const swapped = pixels.slice();
-  for (let i = 0; i < pixels.length; i += 4) [swapped[i], swapped[i + 2]] = [pixels[i + 2], pixels[i]];
-  const controls = { [SWAPPED]: worst(swapped, probes), [FLIPPED]: worst(flipped, probes) };
-  return { surface: place.surface, variant: place.variant, count: probes.length, worst: worst(pixels, probes), controls };
+  const functions = {};
+  for (const { calls } of probes) functions[calls] = (functions[calls] ?? 0) + 1;
+  const missing = Object.keys(functions).find((name) => !variant.signature(name));
+  if (missing) throw new Error(`${place.folder}: probe.json has ${missing}, the function form for ${target} does not`);
+  // one shader, compiled once
+  const all = [...probes, ...probes.map(mirrored), ...probes.map(resized)];
+  while (all.length % BLOCK) all.push(probes[0]);
+  const pixels = await engine.probe(variant, all);
+  const part = (from) => probes.map((_, i) => [0, 1].map((row) => {
+    const start = 4 * (all.length * row + from * probes.length + i);
+    return [...pixels.subarray(start, start + 3)];
+  }));
+  const [seen, flipped, resizedSeen] = [part(0), part(1), part(2)];
+  const swapped = seen.map((colours) => colours.map(([x, y, z]) => [z, y, x]));
+  const names = Object.keys(functions);
+  const least = (wrong, of) => Math.min(...of.map((name) => worst(wrong, probes, name)));
+  const controls = { [SWAPPED]: least(swapped, names), [FLIPPED]: least(flipped, names) };
+  const sized = names.filter((name) => name !== "diffraction");
+  if (sized.length > 0) controls[RESIZED] = least(resizedSeen, sized);
+  const greatest = Math.max(...names.map((name) => worst(seen, probes, name)));
+  return { surface: place.surface, variant: place.variant, count: probes.length, functions, worst: greatest, controls };
+}
+
+/** A probe under a flipped bitangent. */
+function mirrored(probe) {
+  const flip = ([x, y, z]) => [x, -y, z];
+  return { ...probe, vectors: probe.vectors.map(flip), wr: flip(probe.wr) };
+}
+
+/** A probe under a wider disc, or under a quadrilateral that has lost a corner. */
+function resized(probe) {
+  const [a, b, c] = probe.vectors;
+  return { ...probe, radius: 1.5 * probe.radius, vectors: c ? [a, b, c, c] : probe.vectors };
 }
 
 /**
- * The greatest difference over its tolerance: XYZ, and RGB, whose matrix has rows of at most 5.3 in sum of moduli. What is
- * not a number counts as infinite.
+ * The greatest difference over its tolerance among the probes of a function: XYZ, and RGB, whose matrix has rows of at most 5.3
+ * in sum of moduli. What is not a number counts as infinite.
  */
-function worst(pixels, probes) {
-  const ratios = probes.flatMap(({ expected, tolerance }, i) =>
-    [expected.xyz, expected.rgb].flatMap((colour, row) =>
-      colour.map((value, channel) => {
-        const seen = pixels[4 * (row * probes.length + i) + channel];
-        return Math.abs(seen - value) / (tolerance * (row === 0 ? 1 : 5.3));
-      }),
+function worst(seen, probes, name) {
+  const ratios = probes.flatMap(({ calls, expected, tolerance }, i) =>
+    calls !== name ? [] : [expected.xyz, expected.rgb].flatMap((colour, row) =>
+      colour.map((value, channel) => Math.abs(seen[i][row][channel] - value) / (tolerance * (row === 0 ? 1 : 5.3))),
     ),
   );
   const greatest = Math.max(...ratios);

@@ -1,6 +1,7 @@
 // One body, one light, one camera: draws when something changed, coarsely while things move and finely at rest.
 import { DoubleSide, FrontSide, Mesh, OrthographicCamera, PerspectiveCamera, Scene, Vector3 } from "three";
 import { BODIES } from "./bodies.js";
+import { LIGHTS, uniformsOf } from "./lights.js";
 
 /** Longest picture while things move, and at rest, milliseconds. */
 const MOVING_MS = 70;
@@ -18,9 +19,9 @@ const REST_MS = 250;
 const FETCHES = 2e7;
 
 /**
- * The stage. `state` is `{ body, azimuth, elevation, distance, light, stops, ratio }`: angles in radians, `light` a unit vector
- * in world space, exposure in powers of two, the ratio of drawn to CSS pixels or 0 for what the time allows. `onFrame` gets
- * `{ ms, width, height, samples }`.
+ * The stage. `state` is `{ body, azimuth, elevation, distance, light, sizes, stops, ratio }`: angles in radians, `light` a unit
+ * vector in world space, its `sizes` in degrees, exposure in powers of two, the ratio of drawn to CSS pixels or 0 for what the
+ * time allows. `onFrame` gets `{ ms, width, height, samples }`.
  */
 export function createStage(state, onFrame) {
   const scene = new Scene();
@@ -85,7 +86,8 @@ export function createStage(state, onFrame) {
     // of closed bodies nobody sees the inside
     made.material.side = ["snake", "sphere"].includes(name) ? FrontSide : DoubleSide;
     const view = camera();
-    made.set({ eye: view.position, light: state.light, exposure: 2 ** state.stops, is_map: name === "map", samples });
+    const light = uniformsOf(made.lightName, state.light, state.sizes, made.diffuser);
+    made.set({ ...light, eye: view.position, exposure: 2 ** state.stops, is_map: name === "map", samples });
     const begun = performance.now();
     await engine.draw(scene, view);
     // clocks of browsers are coarse
@@ -150,15 +152,18 @@ export function createStage(state, onFrame) {
       isHalting = false;
       return touch();
     },
-    /** Takes another engine with its canvas, or another variant on it; to be called between [`halt`] and [`resume`]. */
-    show(newEngine, newCanvas, variant) {
+    /** Takes another engine with its canvas, or another variant or light on it; to be called between [`halt`] and [`resume`]. */
+    show(newEngine, newCanvas, variant, lightName) {
       made?.dispose();
       made = null;
       [engine, canvas] = [newEngine, newCanvas];
-      const next = engine.material(variant);
+      const { calls } = LIGHTS[lightName];
+      const { core, cost, functions = [] } = variant.manifest;
+      const next = engine.material(variant, calls);
       // arithmetic counts, too
-      next.fetches = 50 + variant.manifest.cost.fetches;
-      next.set({ diffuser: variant.manifest.core.diffuser_scale ?? 1 });
+      next.fetches = 50 + (functions.find(({ name }) => name === calls)?.cost ?? cost).fetches;
+      next.lightName = lightName;
+      next.diffuser = core.diffuser_scale ?? 1;
       lastMs = 0;
       scene.clear();
       mesh = new Mesh(undefined, next.material);

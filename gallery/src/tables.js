@@ -3,6 +3,7 @@ import {
   DataArrayTexture, DataTexture, FloatType, HalfFloatType, LinearFilter, NearestFilter, NoColorSpace, RGBAFormat, RGBFormat,
   RGFormat, UnsignedInt5999Type,
 } from "three";
+import { CALLS } from "./lights.js";
 
 /** By WebGPU's names: format and type of three.js, and the array that holds texels. */
 const FORMATS = {
@@ -18,14 +19,17 @@ export function textures(tables) {
   return Object.fromEntries(tables.map((table) => [table.name, texture(table)]));
 }
 
-/** Directions of probes: row 0 to the light, row 1 to the viewer. */
-export function directions(pairs) {
-  const texels = new Float32Array(pairs.length * 8);
-  pairs.forEach(([wi, wr], i) => {
-    texels.set(wi, 4 * i);
-    texels.set(wr, 4 * (pairs.length + i));
+/**
+ * Arguments of probes, a column each: the first vector with the number of its function in w; the viewer with the radius in w; the
+ * other vectors.
+ */
+export function probeArguments(probes) {
+  const texels = new Float32Array(probes.length * 20);
+  probes.forEach(({ calls, vectors: [first, ...others], radius = 0, wr }, i) => {
+    const rows = [[...first, Object.keys(CALLS).indexOf(calls)], [...wr, radius], ...others];
+    rows.forEach((row, k) => texels.set(row, 4 * (k * probes.length + i)));
   });
-  return texture({ isArray: false, format: "rgba32float", width: pairs.length, height: 2, bytes: texels.buffer });
+  return texture({ isArray: false, format: "rgba32float", width: probes.length, height: 5, bytes: texels.buffer });
 }
 
 function texture({ isArray, isFiltered, format, width, height, layers, bytes }) {

@@ -3,7 +3,8 @@ import {
   BufferAttribute, BufferGeometry, FloatType, GLSL3, Mesh, NearestFilter, NoBlending, OrthographicCamera,
   RawShaderMaterial, Scene, Vector3, WebGLRenderer, WebGLRenderTarget,
 } from "three";
-import { directions, textures } from "./tables.js";
+import { CALLS, functionsOf, lightUniforms, tristimulus } from "./lights.js";
+import { probeArguments, textures } from "./tables.js";
 
 export const target = "glsl-es300";
 
@@ -29,35 +30,50 @@ void main() {
 }`;
 
 // world space is the bodies' own; the same in WGSL is in webgpu.js
-const FRAGMENT = `
+const fragment = (calls) => `
 in vec3 v_place;
 in vec3 v_normal;
 in vec4 v_tangent;
 in vec3 v_body;
 uniform vec3 eye;
 uniform vec3 light;
-uniform float diffuser;
+uniform vec3 light_a;
+uniform vec3 light_b;
+uniform vec3 light_c;
+uniform vec3 light_d;
+uniform float radius;
+uniform float reach;
+uniform float scale;
 uniform float exposure;
 uniform bool is_map;
 uniform int samples;
 layout(location = 0) out vec4 colour;
 
+// radiance by diffraction; a vector times the frame is that vector in the frame
+vec3 diffracted(mat3 frame, vec3 wr) {
+    vec3 a = light_a * frame, b = light_b * frame, c = light_c * frame, d = light_d * frame;
+    return scale * ${calls}(${CALLS[calls]});
+}
+
 // radiance and cover of a place
 vec4 seen(vec3 place, vec3 normal, vec3 tangent) {
     if (is_map) {
         float inside = 1.0 - dot(place.xy, place.xy);
-        return inside > 0.0 ? vec4(diffuser * diffraction(light, vec3(place.xy, sqrt(inside))), 1.0) : vec4(0.0);
+        return inside > 0.0 ? vec4(diffracted(mat3(1.0), vec3(place.xy, sqrt(inside))), 1.0) : vec4(0.0);
     }
     vec3 n = normalize(normal);
     vec3 t = normalize(tangent - n * dot(n, tangent));
     vec3 b = cross(n, t) * v_tangent.w;
     vec3 to_eye = normalize(eye - place);
-    vec3 wi = vec3(dot(light, t), dot(light, b), dot(light, n));
-    vec3 wr = vec3(dot(to_eye, t), dot(to_eye, b), dot(to_eye, n));
-    if (wi.z <= 0.0 || wr.z <= 0.0) { return vec4(0.0, 0.0, 0.0, 1.0); }
+    mat3 frame = mat3(t, b, n);
+    vec3 wi = light * frame;
+    vec3 wr = to_eye * frame;
+    if (wi.z <= -reach || wr.z <= 0.0) { return vec4(0.0, 0.0, 0.0, 1.0); }
     float cos_half = dot(normalize(wi + wr), wr);
     float reflected = 0.04 + 0.96 * pow(1.0 - cos_half, 5.0);
-    return vec4(diffuser * diffraction(wi, wr) + (1.0 - reflected) * wi.z * v_body, 1.0);
+    // of a light that sets, nearly
+    float lit = wi.z >= reach ? wi.z : (wi.z + reach) * (wi.z + reach) / (4.0 * reach);
+    return vec4(diffracted(frame, wr) + (1.0 - reflected) * lit * v_body, 1.0);
 }
 
 void main() {
@@ -85,14 +101,19 @@ void main() {
     colour = vec4(cover * code, cover);
 }`;
 
-const PROBE = `
-uniform sampler2D engine_directions;
+const probeText = (functions) => `
+uniform sampler2D engine_arguments;
 layout(location = 0) out vec4 colour;
+vec4 argument(int row) { return texelFetch(engine_arguments, ivec2(int(gl_FragCoord.x), row), 0); }
 void main() {
-    ivec2 at = ivec2(gl_FragCoord.xy);
-    vec3 wi = texelFetch(engine_directions, ivec2(at.x, 0), 0).xyz;
-    vec3 wr = texelFetch(engine_directions, ivec2(at.x, 1), 0).xyz;
-    colour = vec4(at.y == 0 ? tristimulus(wi, wr) : diffraction(wi, wr), 1.0);
+    int which = int(argument(0).w);
+    bool is_xyz = gl_FragCoord.y < 1.0;
+    vec3 a = argument(0).xyz, b = argument(2).xyz, c = argument(3).xyz, d = argument(4).xyz, wr = argument(1).xyz;
+    float radius = argument(1).w;
+    colour = vec4(0.0);${functions.map((name) => `
+    if (which == ${Object.keys(CALLS).indexOf(name)}) {
+        colour = vec4(is_xyz ? ${tristimulus(name)}(${CALLS[name]}) : ${name}(${CALLS[name]}), 1.0);
+    }`).join("")}
 }`;
 
 const CORNERS = "in vec3 position;\nvoid main() { gl_Position = vec4(position, 1.0); }";
@@ -106,14 +127,14 @@ export async function open(canvas, onLost) {
   return {
     renderer,
     driver: gl.getParameter(unmasked?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER),
-    /** A material for bodies, with `set(uniforms)` and `dispose()`. */
-    material: (variant) => bodyMaterial(variant),
+    /** A material for bodies that calls a function of the variant, with `set(uniforms)` and `dispose()`. */
+    material: (variant, calls) => bodyMaterial(variant, calls),
     /** Draws, and returns when the picture is done. */
     draw: async (scene, camera) => {
       renderer.render(scene, camera);
       await done(gl);
     },
-    probe: (variant, pairs) => probe(renderer, variant, pairs),
+    probe: (variant, probes) => probe(renderer, variant, probes),
     dispose: () => renderer.dispose(),
   };
 }
@@ -128,17 +149,16 @@ async function done(gl) {
   gl.deleteSync(fence);
 }
 
-function bodyMaterial({ text, tables }) {
+function bodyMaterial({ text, tables }, calls) {
   const bound = textures(tables);
   const uniforms = {
     eye: { value: new Vector3() },
-    light: { value: new Vector3(0, 0, 1) },
-    diffuser: { value: 1 },
+    ...lightUniforms((value) => ({ value })),
     exposure: { value: 1 },
     is_map: { value: false },
     samples: { value: 1 },
   };
-  const material = raw(VERTEX, text + FRAGMENT, bound, uniforms);
+  const material = raw(VERTEX, text + fragment(calls), bound, uniforms);
   const set = (values) => {
     for (const [name, value] of Object.entries(values)) {
       if (value.isVector3) uniforms[name].value.copy(value);
@@ -148,11 +168,11 @@ function bodyMaterial({ text, tables }) {
   return { material, set, dispose: () => dispose(material, bound) };
 }
 
-/** XYZ and RGB for each pair of directions. */
-async function probe(renderer, { text, tables }, pairs) {
+/** A row of XYZ and one of RGB for probes. */
+async function probe(renderer, variant, probes) {
   if (!renderer.extensions.has("EXT_color_buffer_float")) throw new Error("no 32-bit float targets");
-  const bound = { ...textures(tables), engine_directions: directions(pairs) };
-  const material = raw(CORNERS, text + PROBE, bound, {});
+  const bound = { ...textures(variant.tables), engine_arguments: probeArguments(probes) };
+  const material = raw(CORNERS, variant.text + probeText(functionsOf(variant)), bound, {});
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]), 3));
   const mesh = new Mesh(geometry, material);
@@ -160,12 +180,12 @@ async function probe(renderer, { text, tables }, pairs) {
   const scene = new Scene();
   scene.add(mesh);
   const options = { type: FloatType, minFilter: NearestFilter, magFilter: NearestFilter, depthBuffer: false };
-  const picture = new WebGLRenderTarget(pairs.length, 2, options);
+  const picture = new WebGLRenderTarget(probes.length, 2, options);
   renderer.setRenderTarget(picture);
   renderer.render(scene, new OrthographicCamera());
   renderer.setRenderTarget(null);
-  const pixels = new Float32Array(pairs.length * 8);
-  renderer.readRenderTargetPixels(picture, 0, 0, pairs.length, 2, pixels);
+  const pixels = new Float32Array(probes.length * 8);
+  renderer.readRenderTargetPixels(picture, 0, 0, probes.length, 2, pixels);
   picture.dispose();
   geometry.dispose();
   dispose(material, bound);

@@ -2,12 +2,13 @@
 import { FloatType, LinearSRGBColorSpace, NearestFilter, NoBlending, NoToneMapping, RenderTarget, Vector3 } from "three";
 import { attribute, sampler, screenCoordinate, texture, uniform, varying, wgslFn } from "three/tsl";
 import { NodeMaterial, QuadMesh, WebGPURenderer } from "three/webgpu";
-import { directions, textures } from "./tables.js";
+import { CALLS, functionsOf, lightUniforms, tristimulus } from "./lights.js";
+import { probeArguments, textures } from "./tables.js";
 
 export const target = "wgsl";
 
 // world space is the bodies' own; the same in GLSL is in webgl2.js
-const shade = (parameters, tables) => `fn shade(place: vec3f, normal: vec3f, tangent: vec4f, body: vec3f, eye: vec3f, light: vec3f, diffuser: f32, exposure: f32, is_map: f32, samples: f32${parameters}) -> vec4f {
+const shade = (calls) => (parameters, tables) => `fn shade(place: vec3f, normal: vec3f, tangent: vec4f, body: vec3f, eye: vec3f, light: vec3f, light_a: vec3f, light_b: vec3f, light_c: vec3f, light_d: vec3f, radius: f32, reach: f32, scale: f32, exposure: f32, is_map: f32, samples: f32${parameters}) -> vec4f {
     // a lobe may be much narrower than what a pixel sees: places over the pixel, by the plastic number
     let place_x = dpdx(place);
     let place_y = dpdy(place);
@@ -20,25 +21,41 @@ const shade = (parameters, tables) => `fn shade(place: vec3f, normal: vec3f, tan
     for (var i = 0.0; i < samples; i += 1.0) {
         let at = fract(0.5 + i * vec2f(0.7548777, 0.5698403)) - 0.5;
         let here = place + at.x * place_x + at.y * place_y;
+        var frame = mat3x3f(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
+        var wr = here;
         if (is_map > 0.5) {
             let inside = 1.0 - dot(here.xy, here.xy);
-            if (inside > 0.0) {
-                sum += vec4f(diffuser * diffraction(light, vec3f(here.xy, sqrt(inside))${tables}), 1.0);
+            if (inside <= 0.0) {
+                continue;
             }
+            wr.z = sqrt(inside);
+        } else {
+            let n = normalize(normal + at.x * normal_x + at.y * normal_y);
+            let along = tangent.xyz + at.x * tangent_x + at.y * tangent_y;
+            let t = normalize(along - n * dot(n, along));
+            frame = mat3x3f(t, cross(n, t) * tangent.w, n);
+            wr = normalize(eye - here) * frame;
+        }
+        sum.a += 1.0;
+        // a vector times the frame is that vector in the frame
+        let wi = light * frame;
+        if (wi.z <= -reach || wr.z <= 0.0) {
             continue;
         }
-        let n = normalize(normal + at.x * normal_x + at.y * normal_y);
-        let along = tangent.xyz + at.x * tangent_x + at.y * tangent_y;
-        let t = normalize(along - n * dot(n, along));
-        let b = cross(n, t) * tangent.w;
-        let to_eye = normalize(eye - here);
-        let wi = vec3f(dot(light, t), dot(light, b), dot(light, n));
-        let wr = vec3f(dot(to_eye, t), dot(to_eye, b), dot(to_eye, n));
-        sum.a += 1.0;
-        if (wi.z > 0.0 && wr.z > 0.0) {
+        let a = light_a * frame;
+        let b = light_b * frame;
+        let c = light_c * frame;
+        let d = light_d * frame;
+        sum += vec4f(scale * ${calls}(${CALLS[calls]}${tables(calls)}), 0.0);
+        if (is_map < 0.5) {
             let cos_half = dot(normalize(wi + wr), wr);
             let reflected = 0.04 + 0.96 * pow(1.0 - cos_half, 5.0);
-            sum += vec4f(diffuser * diffraction(wi, wr${tables}) + (1.0 - reflected) * wi.z * body, 0.0);
+            // of a light that sets, nearly
+            var lit = wi.z;
+            if (wi.z < reach) {
+                lit = (wi.z + reach) * (wi.z + reach) / (4.0 * reach);
+            }
+            sum += vec4f((1.0 - reflected) * lit * body, 0.0);
         }
     }
     if (sum.a == 0.0) { return vec4f(0.0); }
@@ -51,12 +68,23 @@ const shade = (parameters, tables) => `fn shade(place: vec3f, normal: vec3f, tan
     return vec4f(cover * select(high, low, shown <= vec3f(0.0031308)), cover);
 }`;
 
-const probeText = (parameters, tables) => `fn engine_probe(place: vec2f, engine_directions: texture_2d<f32>${parameters}) -> vec4f {
-    let at = vec2i(place);
-    let wi = textureLoad(engine_directions, vec2i(at.x, 0), 0).xyz;
-    let wr = textureLoad(engine_directions, vec2i(at.x, 1), 0).xyz;
-    if (at.y == 0) { return vec4f(tristimulus(wi, wr${tables}), 1.0); }
-    return vec4f(diffraction(wi, wr${tables}), 1.0);
+const probeText = (functions) => (parameters, tables) => `fn engine_probe(place: vec2f, engine_arguments: texture_2d<f32>${parameters}) -> vec4f {
+    let column = i32(place.x);
+    let first = textureLoad(engine_arguments, vec2i(column, 0), 0);
+    let viewer = textureLoad(engine_arguments, vec2i(column, 1), 0);
+    let a = first.xyz;
+    let b = textureLoad(engine_arguments, vec2i(column, 2), 0).xyz;
+    let c = textureLoad(engine_arguments, vec2i(column, 3), 0).xyz;
+    let d = textureLoad(engine_arguments, vec2i(column, 4), 0).xyz;
+    let radius = viewer.w;
+    let wr = viewer.xyz;
+    let is_xyz = place.y < 1.0;
+    let which = i32(first.w);${functions.map((name) => `
+    if (which == ${Object.keys(CALLS).indexOf(name)}) {
+        if (is_xyz) { return vec4f(${tristimulus(name)}(${CALLS[name]}${tables(name)}), 1.0); }
+        return vec4f(${name}(${CALLS[name]}${tables(name)}), 1.0);
+    }`).join("")}
+    return vec4f(0.0);
 }`;
 
 /** What a driver may take to answer, milliseconds. */
@@ -85,13 +113,13 @@ export async function open(canvas, onLost) {
   return {
     renderer,
     driver: [vendor, architecture, description].filter(Boolean).join(" "),
-    material: (variant) => bodyMaterial(variant),
+    material: (variant, calls) => bodyMaterial(variant, calls),
     draw: async (scene, camera) => {
       if (isLost) return;
       renderer.render(scene, camera);
       await Promise.race([device.queue.onSubmittedWorkDone(), lost]);
     },
-    probe: (variant, pairs) => probe(renderer, variant, pairs),
+    probe: (variant, probes) => probe(renderer, variant, probes),
     dispose: () => renderer.dispose(),
   };
 }
@@ -104,25 +132,30 @@ function soon(promise) {
   return Promise.race([promise, late]);
 }
 
-/** A shell's node around a variant: `make(parameters, tables)` is its text, given the tables' declarations and names. */
-function shell(variant, bound, make, inputs) {
-  const declared = variant.signature("diffraction").match(/wr: vec3f((?:, [^)]*)?)\)/)[1];
-  const parameters = [...declared.matchAll(/, (\w+): (\w+)/g)].map(([, name, type]) => ({ name, type }));
-  const names = parameters.map(({ name }) => name);
+/**
+ * A shell's node around functions of a variant: `make(parameters, tables)` is its text, given the declarations of all tables that they
+ * read, and the names of those that one of them reads.
+ */
+function shell(variant, functions, bound, make, inputs) {
+  const read = (name) => {
+    const declared = variant.signature(name).match(/wr: vec3f((?:, [^)]*)?)\)/)[1];
+    return [...declared.matchAll(/, (\w+): (\w+)[^,]*/g)].map(([text, table, type]) => ({ text, table, type }));
+  };
+  const all = new Map(functions.flatMap(read).map((parameter) => [parameter.table, parameter]));
   const filtered = variant.tables.find((table) => table.isFiltered)?.name;
-  const text = make(declared, names.map((name) => `, ${name}`).join(""));
+  const parameters = [...all.values()].map(({ text }) => text).join("");
+  const text = make(parameters, (name) => read(name).map(({ table }) => `, ${table}`).join(""));
   // a sampler is that of the table which it reads
-  const node = ({ name, type }) => (type === "sampler" ? sampler(texture(bound[filtered])) : texture(bound[name]));
-  const nodes = Object.fromEntries(parameters.map((parameter) => [parameter.name, node(parameter)]));
+  const node = ({ table, type }) => (type === "sampler" ? sampler(texture(bound[filtered])) : texture(bound[table]));
+  const nodes = Object.fromEntries([...all.values()].map((parameter) => [parameter.table, node(parameter)]));
   return wgslFn(text, [wgslFn(variant.text)])({ ...inputs, ...nodes });
 }
 
-function bodyMaterial(variant) {
+function bodyMaterial(variant, calls) {
   const bound = textures(variant.tables);
   const knobs = {
     eye: uniform(new Vector3()),
-    light: uniform(new Vector3(0, 0, 1)),
-    diffuser: uniform(1),
+    ...lightUniforms(uniform),
     exposure: uniform(1),
     is_map: uniform(0),
     samples: uniform(1),
@@ -136,7 +169,7 @@ function bodyMaterial(variant) {
   };
   const material = new NodeMaterial();
   material.blending = NoBlending;
-  material.fragmentNode = shell(variant, bound, shade, inputs);
+  material.fragmentNode = shell(variant, [calls], bound, shade(calls), inputs);
   const set = (values) => {
     for (const [name, value] of Object.entries(values)) {
       if (value.isVector3) knobs[name].value.copy(value);
@@ -146,19 +179,20 @@ function bodyMaterial(variant) {
   return { material, set, dispose: () => dispose(material, bound) };
 }
 
-/** XYZ and RGB for each pair of directions. */
-async function probe(renderer, variant, pairs) {
-  const bound = { ...textures(variant.tables), engine_directions: directions(pairs) };
+/** A row of XYZ and one of RGB for probes. */
+async function probe(renderer, variant, probes) {
+  const bound = { ...textures(variant.tables), engine_arguments: probeArguments(probes) };
   const material = new NodeMaterial();
   material.blending = NoBlending;
-  const inputs = { place: screenCoordinate.xy, engine_directions: texture(bound.engine_directions) };
-  material.fragmentNode = shell(variant, bound, probeText, inputs);
+  const inputs = { place: screenCoordinate.xy, engine_arguments: texture(bound.engine_arguments) };
+  const functions = functionsOf(variant);
+  material.fragmentNode = shell(variant, functions, bound, probeText(functions), inputs);
   const options = { type: FloatType, minFilter: NearestFilter, magFilter: NearestFilter, depthBuffer: false };
-  const picture = new RenderTarget(pairs.length, 2, options);
+  const picture = new RenderTarget(probes.length, 2, options);
   renderer.setRenderTarget(picture);
   new QuadMesh(material).render(renderer);
   renderer.setRenderTarget(null);
-  const pixels = await renderer.readRenderTargetPixelsAsync(picture, 0, 0, pairs.length, 2);
+  const pixels = await renderer.readRenderTargetPixelsAsync(picture, 0, 0, probes.length, 2);
   picture.dispose();
   dispose(material, bound);
   return pixels;

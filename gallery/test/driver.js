@@ -107,10 +107,7 @@ const ACTS = {
   orbit: (at) => drag(at, at.gallery.canvas(), [0.4, 0.5], [0.6, 0.55]),
   "orbit by keys": (at) => press(at, at.gallery.canvas(), "ArrowLeft", 4),
   nearer: (at) => press(at, at.gallery.canvas(), "+", 3),
-  exposure: (at) => {
-    at.$("stops").value = Number(at.$("stops").value) + 3;
-    at.$("stops").dispatchEvent(new at.page.Event("input", { bubbles: true }));
-  },
+  exposure: (at) => slide(at, "stops", Number(at.$("stops").value) + 3),
   sphere: (at) => choose(at, "body", "sphere"),
   variant: (at) => choose(at, "variant"),
   "another variant": (at) => choose(at, "variant"),
@@ -119,6 +116,35 @@ const ACTS = {
   map: (at) => choose(at, "body", "map"),
   "light on the map": (at) => drag(at, at.$("pad"), [0.5, 0.5], [0.4, 0.6]),
 };
+
+/** Acts on a variant that has functions of lights with a size. Each begins with the light `before`, of the sizes that come with it. */
+const LIGHT_ACTS = {
+  "lamp for a direction": { before: ["direction"], after: ["lamp", { diameter: 12 }] },
+  "wider lamp": { before: ["lamp", { diameter: 12 }], after: ["lamp", { diameter: 24 }] },
+  "softbox for a direction": { before: ["direction"], after: ["softbox", { width: 40, height: 20 }] },
+  "wider softbox": { before: ["softbox", { width: 40, height: 20 }], after: ["softbox", { width: 70, height: 20 }] },
+  "higher softbox": { before: ["softbox", { width: 70, height: 20 }], after: ["softbox", { width: 70, height: 50 }] },
+  "same lamp again": { before: ["lamp", { diameter: 12 }], after: ["lamp", { diameter: 12 }] },
+  "sizes of another light": { before: ["lamp", { width: 40, height: 20 }], after: ["lamp", { width: 70, height: 50 }] },
+  "softbox as large as the lamp": { before: ["lamp", { diameter: 12.5 }], after: ["softbox", { width: 11, height: 11 }] },
+  "lamp as small as the sun": { before: ["sun"], after: ["lamp", { diameter: 0.5 }] },
+};
+
+/** Chooses a light and its sizes. */
+async function shine(at, [light, sizes = {}]) {
+  choose(at, "light", light);
+  for (const [id, degrees] of Object.entries(sizes)) slide(at, id, degrees);
+  return picture(at);
+}
+
+function slide(at, id, value) {
+  at.$(id).value = value;
+  at.$(id).dispatchEvent(new at.page.Event("input", { bubbles: true }));
+}
+
+function lights(at) {
+  return [...at.$("light").options].map(({ value }) => value);
+}
 
 function press(at, element, key, times) {
   for (let i = 0; i < times; i++) element.dispatchEvent(new at.page.KeyboardEvent("keydown", { key, bubbles: true }));
@@ -140,6 +166,26 @@ async function run() {
     before = after;
     if (!variants.includes(at.$("variant").value)) variants.push(at.$("variant").value);
   }
+  const chosen = { [at.$("variant").value]: lights(at) };
+  step("a surface for lamps");
+  choose(at, "surface", "crossed");
+  choose(at, "body", "sphere");
+  await picture(at);
+  step("a variant for lamps");
+  choose(at, "variant", "sun");
+  await picture(at);
+  chosen.sun = lights(at);
+  const first = at.$("light").value;
+  for (const [name, { before, after }] of Object.entries(LIGHT_ACTS)) {
+    step(`${name}: before`);
+    const from = await shine(at, before);
+    step(name);
+    const to = await shine(at, after);
+    changes[name] = difference(from, to);
+    pictures[name] = to.png;
+  }
+  before = await shine(at, ["sun"]);
+  pictures.sun = before.png;
   step("the probes of all variants");
   const probes = await gallery.probe();
   step("the button of the probes");
@@ -152,7 +198,7 @@ async function run() {
   changes["another renderer and back"] = difference(before, last);
   const message = at.$("message").hidden ? null : at.$("message").textContent;
   return {
-    driver: gallery.driver(), first_picture_ms: gallery.firstPicture(), changes, variants, probes,
+    driver: gallery.driver(), first_picture_ms: gallery.firstPicture(), changes, variants, probes, lights: chosen, light: first,
     message, errors: at.errors, checked, pictures,
   };
 }

@@ -117,7 +117,8 @@ pub struct LightEntry {
     pub clamped: bool,
     /// Functions that the engine must supply.
     pub host: Vec<&'static str>,
-    /// Cost of one lit pixel: mean over viewers under a light of usual size, maximum under the widest light.
+    /// Cost of one lit pixel: mean over viewers under a disc of 5° in radius or a rectangle of 24 × 10°, maximum under the widest
+    /// light.
     pub cost: Cost,
     /// Errors that it promises.
     pub errors: Vec<StatedError>,

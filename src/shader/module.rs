@@ -6,6 +6,7 @@
 
 pub mod lint;
 mod locate;
+pub(in crate::shader) mod shell;
 
 use std::collections::BTreeSet;
 
@@ -165,6 +166,13 @@ pub fn compile_with(
     if !findings.is_empty() {
         return Err(findings);
     }
+    // functions that only engines call must stay
+    let offered = ir.functions.iter().filter(|(_, function)| {
+        function.name.as_deref().is_some_and(|name| contract.functions.contains(&name))
+    });
+    let offered: Vec<_> = offered.map(|(handle, _)| handle).collect();
+    let keeper = shell::shell(&ir, KEEPER, offered.into_iter());
+    ir.entry_points.push(keeper);
     compact(&mut ir, KeepUnused::No);
     let (ir, info) = rewrite(&ir).map_err(|reason| {
         let message = format!("the shader cannot be brought into canonical form: {reason}");
@@ -173,6 +181,9 @@ pub fn compile_with(
     let functions = contract.functions.clone();
     Ok(Module { name: variant.to_owned(), functions, specialised: specialised.clone(), ir, info })
 }
+
+/// Name of an entry point that exists while unused functions are removed.
+const KEEPER: &str = "keeper";
 
 /// Validates with the features of every target: no capability beyond the core of WGSL.
 fn validate(ir: &naga::Module) -> Result<ModuleInfo, Box<naga::WithSpan<ValidationError>>> {
@@ -186,6 +197,7 @@ fn rewrite(compacted: &naga::Module) -> Result<(naga::Module, ModuleInfo), Strin
         .map_err(|error| error.to_string())?;
     let mut ir =
         naga::front::wgsl::parse_str(&text).map_err(|error| error.emit_to_string(&text))?;
+    ir.entry_points.retain(|entry| entry.name != KEEPER);
     restore_names(&mut ir);
     let info = validate(&ir).map_err(|error| innermost(error.as_inner()))?;
     Ok((ir, info))

@@ -49,9 +49,9 @@ impl Function for Disc {
     }
 
     fn cost(&self, form: &Form) -> Cost {
-        let sun = |wr| Arguments::Disc { axis: direction(20.0, 0.0), radius_rad: SUN_RAD, wr };
+        let bulb = |wr| Arguments::Disc { axis: direction(20.0, 0.0), radius_rad: BULB_RAD, wr };
         let widest = |wr| Arguments::Disc { axis: direction(20.0, 0.0), radius_rad: FRAC_PI_2, wr };
-        lamps::cost(form, &sun, &widest)
+        lamps::cost(form, &bulb, &widest)
     }
 
     fn errors(&self) -> Vec<StatedError> {
@@ -76,5 +76,5 @@ impl Function for Disc {
     }
 }
 
-/// Angular radius of the sun, rad.
-const SUN_RAD: f64 = 0.2665 / 180.0 * std::f64::consts::PI;
+/// Angular radius of the disc under which the mean cost is counted, rad. A grid of viewers would miss the sun.
+const BULB_RAD: f64 = 5.0 / 180.0 * std::f64::consts::PI;

@@ -1,14 +1,15 @@
 //! Some functions of a module, extracted into a module of their own.
 
 use naga::{
-    AddressSpace, EntryPoint, Expression, Handle, ShaderStage, Span, Statement, TypeInner,
+    AddressSpace, Handle, TypeInner,
     compact::{KeepUnused, compact},
     valid::{Capabilities, ModuleInfo, ValidationFlags, Validator},
 };
 
 use crate::shader::module::Module;
+use crate::shader::module::shell::shell;
 
-/// Name of the entry point that calls the functions, so that they do not count as unused.
+/// Name of the entry point that calls the functions.
 pub const SHELL: &str = "main";
 
 /// Functions with everything that they call, and an entry point that calls them.
@@ -60,7 +61,7 @@ pub fn extract(module: &Module, names: &[&str]) -> Result<Core, String> {
             return Err(format!("`{name}` reads `{global}`, which is not a texture"));
         }
     }
-    let shell = shell(&bound, found.iter().map(|(_, handle)| *handle));
+    let shell = shell(&bound, SHELL, found.iter().map(|(_, handle)| *handle));
     bound.entry_points = vec![shell];
     compact(&mut bound, KeepUnused::No);
     let mut unbound = bound.clone();
@@ -72,36 +73,6 @@ pub fn extract(module: &Module, names: &[&str]) -> Result<Core, String> {
     let info = validate(&unbound)?;
     let names = found.into_iter().map(|(name, _)| name.to_owned()).collect();
     Ok(Core { names, bound, unbound, info })
-}
-
-/// A fragment shader without inputs and outputs that calls each function with zeros as arguments.
-fn shell(ir: &naga::Module, functions: impl Iterator<Item = Handle<naga::Function>>) -> EntryPoint {
-    let mut function = naga::Function::default();
-    for handle in functions {
-        let arguments = ir.functions[handle].arguments.iter().map(|argument| {
-            let zero = Expression::ZeroValue(argument.ty);
-            function.expressions.append(zero, Span::UNDEFINED)
-        });
-        let arguments = arguments.collect();
-        let result = ir.functions[handle]
-            .result
-            .as_ref()
-            .map(|_| function.expressions.append(Expression::CallResult(handle), Span::UNDEFINED));
-        let call = Statement::Call { function: handle, arguments, result };
-        function.body.push(call, Span::UNDEFINED);
-    }
-    function.body.push(Statement::Return { value: None }, Span::UNDEFINED);
-    EntryPoint {
-        name: SHELL.to_owned(),
-        stage: ShaderStage::Fragment,
-        early_depth_test: None,
-        workgroup_size: [0; 3],
-        workgroup_size_overrides: None,
-        function,
-        mesh_info: None,
-        task_payload: None,
-        incoming_ray_payload: None,
-    }
 }
 
 /// Validates like elsewhere, but globals need no bindings.

@@ -1,0 +1,79 @@
+// What shines on the bodies, and the functions of a variant that know it. All lights have the same irradiance.
+import { Vector3 } from "three";
+
+/** Functions that a variant may offer, and their arguments in the shells: `a` is the direction or the axis, or a corner with `b` to `d`. */
+export const CALLS = {
+  diffraction: "a, wr",
+  diffraction_disc: "a, radius, wr",
+  diffraction_rectangle: "a, b, c, d, wr",
+};
+
+/** The function with the same arguments that returns XYZ. */
+export const tristimulus = (name) => name.replace("diffraction", "tristimulus");
+
+/**
+ * Lights by their names in the address, the first one is the default: words, function, the sizes that a visitor chooses. Sizes are
+ * angles in degrees, as seen from the bodies.
+ */
+export const LIGHTS = {
+  sun: { words: "sun, 0.53°", calls: "diffraction_disc", sizes: [], diameter: 0.53 },
+  lamp: { words: "lamp", calls: "diffraction_disc", sizes: ["diameter"] },
+  softbox: { words: "softbox", calls: "diffraction_rectangle", sizes: ["width", "height"] },
+  direction: { words: "single direction", calls: "diffraction", sizes: [] },
+};
+
+/** Functions that a variant offers. */
+export function functionsOf(variant) {
+  return Object.keys(CALLS).filter((name) => variant.signature(name));
+}
+
+/** Names of the lights that a variant has the functions for. */
+export function lightsOf(variant) {
+  return Object.keys(LIGHTS).filter((name) => variant.signature(LIGHTS[name].calls));
+}
+
+/**
+ * Uniforms of a light. `light` is the unit vector to its middle, `sizes` holds degrees, `diffuser` is the variant's scale under a
+ * single direction. `scale` makes radiance relative to that of a white diffuser which faces the light; `reach` is the sine of
+ * the angle from the middle to the farthest edge.
+ */
+export function uniformsOf(name, light, sizes, diffuser) {
+  const point = { light, light_a: light, light_b: light, light_c: light, light_d: light, radius: 0, reach: 0, scale: diffuser };
+  if (LIGHTS[name].calls === "diffraction") return point;
+  if (LIGHTS[name].calls === "diffraction_disc") {
+    const radius = radians(LIGHTS[name].diameter ?? sizes.diameter) / 2;
+    return { ...point, radius, reach: Math.sin(radius), scale: Math.PI };
+  }
+  const corners = rectangle(light, radians(sizes.width), radians(sizes.height));
+  const [light_a, light_b, light_c, light_d] = corners;
+  const reach = Math.sqrt(1 - light.dot(light_a) ** 2);
+  return { ...point, light_a, light_b, light_c, light_d, reach, scale: Math.PI / irradiance(corners, light) };
+}
+
+/** The uniforms of any light, as a renderer makes them of values. */
+export function lightUniforms(make) {
+  const first = Object.entries(uniformsOf("direction", new Vector3(0, 0, 1), {}, 1));
+  return Object.fromEntries(first.map(([name, value]) => [name, make(value.isVector3 ? value.clone() : value)]));
+}
+
+/** Unit vectors to the corners of an upright rectangle that faces the bodies, of angles seen across its middle. */
+function rectangle(middle, width, height) {
+  const up = Math.abs(middle.y) < 0.999 ? new Vector3(0, 1, 0) : new Vector3(0, 0, -1);
+  const right = up.cross(middle).normalize().multiplyScalar(Math.tan(width / 2));
+  const above = middle.clone().cross(right).normalize().multiplyScalar(Math.tan(height / 2));
+  const corner = (x, y) => middle.clone().addScaledVector(right, x).addScaledVector(above, y).normalize();
+  return [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)];
+}
+
+/** Irradiance of a plane under a polygon of radiance 1 above it (Lambert's formula). */
+function irradiance(corners, normal) {
+  const edges = corners.map((from, i) => {
+    const to = corners[(i + 1) % corners.length];
+    return from.angleTo(to) * from.clone().cross(to).normalize().dot(normal);
+  });
+  return edges.reduce((sum, edge) => sum + edge) / 2;
+}
+
+function radians(degrees) {
+  return (degrees * Math.PI) / 180;
+}
