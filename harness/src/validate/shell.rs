@@ -61,7 +61,7 @@ fn shells(language: &str, text: &str) -> Result<Vec<(String, String)>, String> {
     match language {
         "wgsl" => Ok(vec![(format!("{NAME}.wgsl"), wgsl(text)?)]),
         "glsl" => {
-            let sum = calls(text, "vec3 ", "vec3(0.0, 0.6, 0.8)")?;
+            let sum = calls(text, "vec3")?;
             let whole = |head: &str| {
                 format!(
                     "{head}\n{text}\nout vec4 colour;\nvoid main() {{\n    colour = vec4({sum}, 1.0);\n}}\n"
@@ -78,7 +78,7 @@ fn shells(language: &str, text: &str) -> Result<Vec<(String, String)>, String> {
             ])
         }
         _ => {
-            let sum = calls(text, "float3 ", "float3(0.0, 0.6, 0.8)")?;
+            let sum = calls(text, "float3")?;
             let main =
                 format!("float4 main() : SV_Target0 {{\n    return float4({sum}, 1.0);\n}}\n");
             Ok(vec![(format!("{NAME}.hlsl"), format!("{text}\n{main}"))])
@@ -86,18 +86,29 @@ fn shells(language: &str, text: &str) -> Result<Vec<(String, String)>, String> {
     }
 }
 
-/// The sum of all functions, each called with this direction twice.
-fn calls(text: &str, begin: &str, direction: &str) -> Result<String, String> {
-    let declared = function_names(&FUNCTIONS)
-        .into_iter()
-        .filter(|name| text.contains(&format!("\n{begin}{name}(")));
-    let calls: Vec<String> =
-        declared.map(|name| format!("{name}({direction}, {direction})")).collect();
+/// The sum of all functions, each called with some arguments. `vector`: the type of directions and results.
+fn calls(text: &str, vector: &str) -> Result<String, String> {
+    let call = |name: &str| {
+        let (_, declared) = text.split_once(&format!("\n{vector} {name}("))?;
+        let (parameters, _) = declared.split_once(')')?;
+        let types = parameters.split(", ").filter_map(|parameter| parameter.split(' ').next());
+        let arguments: Vec<String> = types.map(argument).collect();
+        Some(format!("{name}({})", arguments.join(", ")))
+    };
+    let calls: Vec<String> = function_names(&FUNCTIONS).into_iter().filter_map(call).collect();
     let first = DIRECTIONAL.name();
     if !calls.iter().any(|call| call.starts_with(first)) {
         return Err(format!("has no function `{first}`"));
     }
     Ok(calls.join(" + "))
+}
+
+/// Some argument of a type: a direction or an angle.
+fn argument(ty: &str) -> String {
+    match ty {
+        "f32" | "float" => "0.1".to_owned(),
+        vector => format!("{vector}(0.0, 0.6, 0.8)"),
+    }
 }
 
 /// A shell for WGSL. Textures and the sampler are parameters, so the shell binds one for each.
@@ -119,7 +130,7 @@ fn wgsl(text: &str) -> Result<String, String> {
         for parameter in parameters.split(", ") {
             let (name, ty) = parameter.split_once(": ").ok_or("a parameter has no type")?;
             if !(ty.starts_with("texture") || ty == "sampler") {
-                arguments.push(format!("{ty}(0.0, 0.6, 0.8)"));
+                arguments.push(argument(ty));
                 continue;
             }
             let bound_name = format!("{name}_of_shell");

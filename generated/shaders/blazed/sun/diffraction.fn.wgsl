@@ -604,8 +604,8 @@ fn tristimulus_rectangle(a: vec3f, b: vec3f, c: vec3f, d: vec3f, wr: vec3f, effi
             let late = vec4f(three, four);
             from_um = max(range.x, passed_um);
             // the nearest edge beyond
-            let ahead = select(range.yyyy, early, early > vec4f(from_um));
-            let behind = select(range.yyyy, late, late > vec4f(from_um));
+            let ahead = select(vec4f(range.y), early, early > vec4f(from_um));
+            let behind = select(vec4f(range.y), late, late > vec4f(from_um));
             let nearest = min(ahead, behind);
             to_um = min(range.y, min(min(nearest.x, nearest.y), min(nearest.z, nearest.w)));
             let middle = arrival(frequency, 0.5 * (from_um + to_um), viewer);

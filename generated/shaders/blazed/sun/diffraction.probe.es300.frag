@@ -775,8 +775,8 @@ vec3 tristimulus_rectangle(vec3 a, vec3 b, vec3 c, vec3 d, vec3 wr_13) {
     bool loop_init_5 = true;
     while(true) {
         if (!loop_init_5) {
-            int _e201 = hit_2;
-            hit_2 = (_e201 + 1);
+            int _e203 = hit_2;
+            hit_2 = (_e203 + 1);
         }
         loop_init_5 = false;
         int _e82 = hit_2;
@@ -790,8 +790,8 @@ vec3 tristimulus_rectangle(vec3 a, vec3 b, vec3 c, vec3 d, vec3 wr_13) {
             bool loop_init_6 = true;
             while(true) {
                 if (!loop_init_6) {
-                    int _e190 = tried_2;
-                    tried_2 = (_e190 + 1);
+                    int _e192 = tried_2;
+                    tried_2 = (_e192 + 1);
                 }
                 loop_init_6 = false;
                 int _e87 = tried_2;
@@ -826,27 +826,27 @@ vec3 tristimulus_rectangle(vec3 a, vec3 b, vec3 c, vec3 d, vec3 wr_13) {
                     float _e113 = passed_um_1;
                     from_um_6 = max(_e102.x, _e113);
                     float _e116 = from_um_6;
-                    vec4 ahead = mix(_e102.yyyy, early, greaterThan(early, vec4(_e116)));
-                    float _e121 = from_um_6;
-                    vec4 behind = mix(_e102.yyyy, late, greaterThan(late, vec4(_e121)));
+                    vec4 ahead = mix(vec4(_e102.y), early, greaterThan(early, vec4(_e116)));
+                    float _e122 = from_um_6;
+                    vec4 behind = mix(vec4(_e102.y), late, greaterThan(late, vec4(_e122)));
                     vec4 nearest = min(ahead, behind);
                     to_um_6 = min(_e102.y, min(min(nearest.x, nearest.y), min(nearest.z, nearest.w)));
-                    float _e136 = from_um_6;
-                    float _e137 = to_um_6;
-                    vec3 _e141 = arrival(_e101, (0.5 * (_e136 + _e137)), _e39);
-                    int _e142 = column_4;
-                    int _e144 = columns_1.y;
-                    if ((_e142 <= _e144)) {
-                        float _e146 = from_um_6;
-                        local_7 = (_e146 < _e102.y);
+                    float _e138 = from_um_6;
+                    float _e139 = to_um_6;
+                    vec3 _e143 = arrival(_e101, (0.5 * (_e138 + _e139)), _e39);
+                    int _e144 = column_4;
+                    int _e146 = columns_1.y;
+                    if ((_e144 <= _e146)) {
+                        float _e148 = from_um_6;
+                        local_7 = (_e148 < _e102.y);
                     } else {
                         local_7 = false;
                     }
                     bool is_open_1 = local_7;
-                    bool _e152 = within(_e141, _e59, 2.0);
-                    if (_e152) {
-                        bool _e154 = within(_e141, _e61, 2.0);
-                        local_8 = _e154;
+                    bool _e154 = within(_e143, _e59, 2.0);
+                    if (_e154) {
+                        bool _e156 = within(_e143, _e61, 2.0);
+                        local_8 = _e156;
                     } else {
                         local_8 = false;
                     }
@@ -856,65 +856,65 @@ vec3 tristimulus_rectangle(vec3 a, vec3 b, vec3 c, vec3 d, vec3 wr_13) {
                     } else {
                         local_9 = false;
                     }
-                    bool _e158 = local_9;
-                    if (_e158) {
-                        bool _e160 = within(_e141, _e63, 2.0);
-                        local_10 = _e160;
+                    bool _e160 = local_9;
+                    if (_e160) {
+                        bool _e162 = within(_e143, _e63, 2.0);
+                        local_10 = _e162;
                     } else {
                         local_10 = false;
                     }
-                    bool _e162 = local_10;
-                    if (_e162) {
-                        bool _e164 = within(_e141, _e65, 2.0);
-                        local_11 = _e164;
+                    bool _e164 = local_10;
+                    if (_e164) {
+                        bool _e166 = within(_e143, _e65, 2.0);
+                        local_11 = _e166;
                     } else {
                         local_11 = false;
                     }
-                    bool _e166 = local_11;
-                    lit_1 = _e166;
+                    bool _e168 = local_11;
+                    lit_1 = _e168;
                     if (!(!(is_open_1))) {
-                        float _e169 = to_um_6;
-                        local_12 = (_e169 >= _e102.y);
+                        float _e171 = to_um_6;
+                        local_12 = (_e171 >= _e102.y);
                     } else {
                         local_12 = true;
                     }
-                    bool _e173 = local_12;
-                    if (_e173) {
-                        int _e174 = column_4;
-                        column_4 = (_e174 + 1);
-                        int _e177 = column_4;
-                        int _e179 = columns_1.y;
-                        if ((_e177 > _e179)) {
-                            int _e181 = row_5;
-                            row_5 = (_e181 + 1);
-                            int _e184 = row_5;
-                            ivec2 _e185 = order_columns(_e184, offset_5, reach_6);
-                            columns_1 = _e185;
-                            int _e187 = columns_1.x;
-                            column_4 = _e187;
+                    bool _e175 = local_12;
+                    if (_e175) {
+                        int _e176 = column_4;
+                        column_4 = (_e176 + 1);
+                        int _e179 = column_4;
+                        int _e181 = columns_1.y;
+                        if ((_e179 > _e181)) {
+                            int _e183 = row_5;
+                            row_5 = (_e183 + 1);
+                            int _e186 = row_5;
+                            ivec2 _e187 = order_columns(_e186, offset_5, reach_6);
+                            columns_1 = _e187;
+                            int _e189 = columns_1.x;
+                            column_4 = _e189;
                         }
                         passed_um_1 = 0.0;
                     } else {
-                        float _e189 = to_um_6;
-                        passed_um_1 = _e189;
+                        float _e191 = to_um_6;
+                        passed_um_1 = _e191;
                     }
                 }
             }
-            bool _e193 = lit_1;
-            if (!(_e193)) {
+            bool _e195 = lit_1;
+            if (!(_e195)) {
                 break;
             }
-            vec3 _e195 = xyz_3;
-            ivec2 _e196 = order_6;
-            float _e197 = from_um_6;
-            float _e198 = to_um_6;
-            vec3 _e199 = order_colour(_e196, _e197, _e198, _e39);
-            xyz_3 = (_e195 + _e199);
+            vec3 _e197 = xyz_3;
+            ivec2 _e198 = order_6;
+            float _e199 = from_um_6;
+            float _e200 = to_um_6;
+            vec3 _e201 = order_colour(_e198, _e199, _e200, _e39);
+            xyz_3 = (_e197 + _e201);
         }
     }
-    float _e204 = normal_reflectance();
-    vec3 _e205 = xyz_3;
-    return (_e204 * _e205);
+    float _e206 = normal_reflectance();
+    vec3 _e207 = xyz_3;
+    return (_e206 * _e207);
 }
 
 vec2 pixel_of(vec2 place_2) {

@@ -31,8 +31,29 @@ pub(super) struct Job {
 
 struct Expected {
     xyz: DVec3,
-    rgb: DVec3,
+    /// `None` for functions of lights with a size, which only the entry point `probe` calls.
+    rgb: Option<DVec3>,
     tolerance: f64,
+}
+
+/// The arguments of a probe as rows of texels, as the template `probe` reads them.
+fn arguments(probe: &Value) -> Vec<[f64; 4]> {
+    let row = |value: &Value, w: f64| {
+        let v = vector(value);
+        [v.x, v.y, v.z, w]
+    };
+    let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
+    match probe["function"].as_str() {
+        None => vec![row(&probe["wi"], 0.0), row(&probe["wr"], 0.0)],
+        Some("diffraction_disc") => {
+            vec![row(&probe["axis"], 1.0), row(&probe["wr"], number(&probe["radius"]))]
+        }
+        Some(_) => {
+            let corners = [0, 1, 2, 3].map(|i| &probe["corners"][i]);
+            let others = corners[1..].iter().map(|corner| row(corner, 0.0));
+            [row(corners[0], 2.0), row(&probe["wr"], 0.0)].into_iter().chain(others).collect()
+        }
+    }
 }
 
 impl Job {
@@ -40,8 +61,11 @@ impl Job {
     pub(super) fn read(file: &Path, text: &str, folder: &Path) -> Result<Job, String> {
         let manifest = json(&file.with_file_name("manifest.json"))?;
         let probes = json(&file.with_file_name("probe.json"))?;
-        let probes = probes["probes"].as_array().filter(|probes| !probes.is_empty());
-        let probes = probes.ok_or("probe.json: has no probes")?;
+        let all = |key: &str| probes[key].as_array().into_iter().flatten();
+        if all("probes").next().is_none() {
+            return Err("probe.json: has no probes".to_owned());
+        }
+        let probes: Vec<&Value> = all("probes").chain(all("lights")).collect();
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         let targets = manifest["targets"]["msl"].as_array().map_or(&[][..], Vec::as_slice);
         let target = targets.iter().find(|target| target["file"] == *name);
@@ -86,13 +110,17 @@ impl Job {
                 .map_err(|error| format!("{}: {error}", place("data").display()))?;
             texture(number, channels, size, binding, &data);
         }
-        // two rows, directions to the light and to the viewer
+        // two rows, directions to the light and to the viewer; five with functions of lights with a size
         let count = probes.len() as u64;
-        let rows = ["wi", "wr"].map(|key| probes.iter().map(move |probe| vector(&probe[key])));
-        let texels = rows.into_iter().flatten().flat_map(|v| [v.x, v.y, v.z, 0.0]);
+        let height = if manifest["functions"].is_array() { 5 } else { 2 };
+        let columns: Vec<Vec<[f64; 4]>> = probes.iter().map(|probe| arguments(probe)).collect();
+        let texel =
+            |row: usize, column: &Vec<[f64; 4]>| column.get(row).copied().unwrap_or_default();
+        let rows = (0..height).flat_map(|row| columns.iter().map(move |column| texel(row, column)));
+        let texels = rows.flatten();
         let directions = folder.join("directions");
         floats(&directions, texels)?;
-        texture(0, 4, [count, 2, 1], bindings.number("directions")?, &directions);
+        texture(0, 4, [count, height as u64, 1], bindings.number("directions")?, &directions);
         let mesh_block = Block::of(&manifest, "mesh_params");
         if mesh.is_some() {
             // a map of one texel: the frame is not turned further
@@ -108,7 +136,10 @@ impl Job {
         let size = mesh_block.as_ref().map_or(0, |block| block.size);
         let _ = writeln!(data, "{count} {size}");
         for (index, probe) in probes.iter().enumerate() {
-            let (wi, wr) = (vector(&probe["wi"]), vector(&probe["wr"]));
+            // of a light with a size, any direction of it
+            let wi =
+                columns[index].first().map_or(DVec3::Z, |row| DVec3::new(row[0], row[1], row[2]));
+            let wr = vector(&probe["wr"]);
             let frame = Frame::number(index);
             let mut numbers = [wi, wr, frame.normal, frame.tangent].map(|v| v.to_array()).concat();
             numbers.extend([frame.hand, frame.angle]);
@@ -120,7 +151,7 @@ impl Job {
         }
         let expected = probes.iter().map(|probe| Expected {
             xyz: vector(&probe["expected"]["xyz"]),
-            rgb: vector(&probe["expected"]["rgb"]),
+            rgb: probe["function"].is_null().then(|| vector(&probe["expected"]["rgb"])),
             tolerance: probe["tolerance"].as_f64().unwrap_or_default(),
         });
         Ok(Job { main, data, probes: expected.collect(), mesh: mesh.is_some() })
@@ -141,12 +172,12 @@ impl Job {
             let mut numbers = line.split_whitespace().map(|word| word.parse().unwrap_or(f64::NAN));
             let mut three =
                 || DVec3::from_array([(); 3].map(|()| numbers.next().unwrap_or(f64::NAN)));
-            let mut compared = vec![
-                ("XYZ of the entry point probe", three(), probe.xyz, 1.0),
-                ("RGB of diffraction()", three(), probe.rgb, RGB),
-            ];
-            if self.mesh {
-                compared.push(("RGB of the entry point mesh", three(), probe.rgb, RGB));
+            let mut compared = vec![("XYZ of the entry point probe", three(), probe.xyz, 1.0)];
+            if let Some(rgb) = probe.rgb {
+                compared.push(("RGB of diffraction()", three(), rgb, RGB));
+                if self.mesh {
+                    compared.push(("RGB of the entry point mesh", three(), rgb, RGB));
+                }
             }
             for (what, found, expected, factor) in compared {
                 let difference = found - expected;
