@@ -279,7 +279,7 @@ fn run_surface(
                 // the number stays the same in a resumed run
                 let same = |other: &Option<Result<Variant>>| matches!(other, Some(Ok(other)) if other.optics == variant.optics);
                 let number = placed.iter().position(same).unwrap_or(index);
-                if light_index == 0 {
+                if light_index == 0 && matches!(light, Shine::Lights(..)) {
                     record_energy(&spec.name, subject, sink)?;
                 }
                 let truth = unit::truth(request, &unit, subject, number, sink)?;

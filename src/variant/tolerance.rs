@@ -228,8 +228,8 @@ const LIGHT_ARITHMETIC: f64 = 1e-4;
 /// Rounding of the tables under lights with a size, relative to the maximum.
 const LIGHT_PACKING: f64 = 2e-5;
 
-/// The tolerance of a comparison under lights. It is that of the widest error among them. `None` as for
-/// [`Promise::tolerance`].
+/// The tolerance of a comparison under lights. It is that of the widest error among them. `None` as for a
+/// comparison under one direction.
 pub fn tolerance_under(form: &Form, lights: &Lights, part: Part) -> Option<Tolerance> {
     let values =
         |max_abs| Some(Tolerance { max_abs: Some(max_abs), de2000_p95: None, map_p95: None });

@@ -113,7 +113,8 @@ fn lights_add_up() {
 fn what_has_no_meaning_is_refused() {
     let place = Place::new();
     let eval = "eval --surface cd --lights sun.toml --views views.csv";
-    place.refused(&format!("{eval} --runner twin --variant lobes"), "use --runner exact");
+    place.refused(&format!("{eval} --runner twin --variant lobes"), "or --runner exact");
+    place.refused(&format!("{eval} --runner twin --variant lobes"), "mode = \"orders\"");
     place.refused(&format!("{eval} --variant fixed"), "orders would carry energy");
     place.refused(&format!("{eval} --wavelength-nm 550"), "cannot be used with");
     place.refused("eval --surface cd --lights sun.toml", "--views");
@@ -127,6 +128,33 @@ fn what_has_no_meaning_is_refused() {
     place.refused(eval, "the header must be \"theta_r,phi_r\"");
     place.put("views.csv", "theta_r,phi_r\n0,x\n");
     place.refused(eval, "views.csv:2: phi_r = \"x\" is not a number");
+}
+
+/// The closed forms of a variant give what the exact sum gives, of discs and of polygons, in eval and in render.
+#[test]
+fn a_variant_with_the_functions_is_near_the_exact_sum() {
+    let place = Place::new();
+    let sun = "[[preset]]\nname = \"sun\"\nmode = \"orders\"\ncoherence = \"ensemble\"\n";
+    place.put("plan.toml", &format!("{PLAN}{sun}"));
+    let polygon = "[[light]]\nkind = \"polygon\"\ncorners = [[10, 3], [34, 3], [40, 25], [34, 47], [10, 47]]\n";
+    place.put("lamps.toml", &format!("{}{polygon}", SUN.replace("0.53", "12")));
+    let views: Vec<String> = (0..30).map(|i| format!("{},{}\n", 2 * i, 175 + i % 20)).collect();
+    place.put("views.csv", &format!("theta_r,phi_r\n{}", views.concat()));
+    let eval = "eval --surface cd --variant sun --lights lamps.toml --views views.csv";
+    let (exact, twin) = (place.rows(eval), place.rows(&format!("{eval} --runner twin")));
+    let largest = exact.iter().map(|row| row[3]).fold(0.0, f64::max);
+    assert!(largest > 1e-3, "{exact:?}");
+    for (exact, twin) in exact.iter().zip(&twin) {
+        for c in 2..5 {
+            assert!((exact[c] - twin[c]).abs() < 5e-3 * largest, "{exact:?} {twin:?}");
+        }
+    }
+    let render = "render --surface cd --variant sun --runner twin --lights lamps.toml";
+    let done = place.run(&format!("{render} --size 32 --out a.png"));
+    assert_eq!(done.status.code(), Some(0), "{}", said(&done));
+    let sky = "schema = 1\n[[light]]\nkind = \"sky\"\n";
+    place.put("sky.toml", sky);
+    place.refused(&eval.replace("lamps", "sky").replace("eval", "eval --runner twin"), "\"sky\"");
 }
 
 #[test]

@@ -11,7 +11,7 @@ use crate::results::Energy;
 /// The section.
 pub(super) fn section(results: &Results<'_>) -> Markup {
     if results.energies.is_empty() {
-        return nothing("no radiance under a white sky", "cargo xtask compare");
+        return nothing("no radiance under a white sky", "cargo xtask compare --lights FILE.toml");
     }
     let rows: Vec<Row> = results.energies.iter().map(|energy| row(energy)).collect();
     let names = heads(["surface", "optics", "Y at 0°", "30°", "60°", "75°", "X, Y, Z at 0°"]);

@@ -7,13 +7,15 @@ pub(super) type Grid = &'static [Choices];
 pub(super) type Choices = (&'static str, &'static [&'static str]);
 
 /// All grids. Words that this version does not know are tried as well: its parser refuses them with a reason.
-pub(super) const GRIDS: [Grid; 5] = [
+pub(super) const GRIDS: [Grid; 6] = [
     // one or a few lookups
     &[
         ("mode", &["\"baked\""]),
         ("sampling", &["\"filter\"", "\"load\""]),
         ("table", &["\"f16\"", "\"f32\"", "\"rgb9e5\""]),
     ],
+    // orders of a cell that has few of them
+    &[("mode", &["\"orders\""]), ("lights", &["[\"direction\"]"])],
     // the bins near the path of a direction's wavelengths
     &[("mode", &["\"adaptive\""]), BASIS, TERMS, TABLE],
     // the window applied in space
@@ -74,6 +76,7 @@ pub(super) fn name(keys: &[(&str, String)]) -> String {
             "window_radius" => Some(format!("r{word}")),
             "wavelengths" => Some(format!("by{word}")),
             "table" if word == "f32" => None,
+            "lights" => None,
             _ => Some(word),
         }
     };
@@ -87,7 +90,7 @@ mod tests {
     #[test]
     fn names_are_unique_and_products_whole() {
         let rows: Vec<_> = GRIDS.into_iter().flat_map(product).collect();
-        assert_eq!(rows.len(), 6 + 30 + 240 + 480 + 20);
+        assert_eq!(rows.len(), 6 + 1 + 30 + 240 + 480 + 20);
         let mut names: Vec<String> = rows
             .iter()
             .map(|row| name(&row.iter().map(|(k, v)| (*k, (*v).to_owned())).collect::<Vec<_>>()))

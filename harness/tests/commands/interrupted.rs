@@ -74,7 +74,7 @@ fn commands_in_the_middle_of_their_work_end_soon() {
     let mut lines = vec![
         "eval --surface deep --directions d.csv",
         "render --surface deep --light 20,0 --size 2048 --out map.png",
-        "testbench --surface deep --variant exact",
+        "testbench --surface deep --variant exact --wavelengths 380,780,0.25",
         "compare --route twin --size 256 --out out",
     ];
     if has_driver {

@@ -48,6 +48,10 @@ fn everything() -> Vec<Value> {
     records.push(tune("best", "winner", Some(0.33), ""));
     records.push(tune("near", "over", Some(0.99), ""));
     records.push(tune("wide", "unfit", None, "its table is larger than webgl2 guarantees"));
+    records.push(json!({
+        "kind": "energy", "surface": "blazed", "optics": { "refractive_index": 1.5, "illuminant": "D65" },
+        "white_sky": [[0.0392, 0.0411, 0.041], [0.039, 0.0422, 0.0465], [0.0263, 0.0267, 0.0149], [0.194, 0.203, 0.193]],
+    }));
     records.push(gap("not applicable: the mode gems has no wavelength axis"));
     records
 }
@@ -91,6 +95,10 @@ fn every_section_shows_its_numbers() {
     has(
         section(&html, "pareto"),
         &["<svg", "12.4", "117×", "112–121", "246", "1.50 MiB", "On the front"],
+    );
+    has(
+        section(&html, "energy"),
+        &["blazed", "refractive_index 1.5, illuminant D65", "0.0411", "0.203"],
     );
     has(section(&html, "routes"), &["8.88×10⁻⁵", "fails", "4.48×10⁻⁶", "3.37×10⁻⁶"]);
     has(

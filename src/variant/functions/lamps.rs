@@ -32,8 +32,7 @@ pub(super) struct Place<'a> {
     pub(super) near: &'a dyn Fn(f64) -> DVec3,
 }
 
-/// The first lit candidates, with their exact colours. Light comes from anywhere above the horizon and a little below;
-/// viewers look where orders, the mirror's among them, send visible light from it.
+/// The first lit candidates, with their exact colours. The middle of the light is anywhere above the horizon; viewers look where orders, the mirror's among them, send visible light from it.
 pub(super) fn probes(
     height: &HeightField,
     rotate_deg: f64,

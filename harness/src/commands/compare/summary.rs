@@ -61,7 +61,7 @@ pub(super) fn summary(records: &[Record]) -> (String, Outcome) {
     for record in records {
         if let Record::Gap(gap) = record {
             failures += usize::from(gap.failed);
-            if gap.failed || gap.surface.is_none() {
+            if gap.failed || gap.surface.is_none() || compares.is_empty() {
                 text += &format!("not run: {}: {}\n", gap.route, gap.reason);
             }
         }
