@@ -136,7 +136,7 @@ fn a_variant_with_the_functions_is_near_the_exact_sum() {
     let place = Place::new();
     let sun = "[[preset]]\nname = \"sun\"\nmode = \"orders\"\ncoherence = \"ensemble\"\n";
     place.put("plan.toml", &format!("{PLAN}{sun}"));
-    let polygon = "[[light]]\nkind = \"polygon\"\ncorners = [[10, 3], [34, 3], [40, 25], [34, 47], [10, 47]]\n";
+    let polygon = "[[light]]\nkind = \"polygon\"\ncorners = [[10, 2.5], [34, 2.5], [40, 25], [34, 47], [10, 47]]\n";
     place.put("lamps.toml", &format!("{}{polygon}", SUN.replace("0.53", "12")));
     let views: Vec<String> = (0..30).map(|i| format!("{},{}\n", 2 * i, 175 + i % 20)).collect();
     place.put("views.csv", &format!("theta_r,phi_r\n{}", views.concat()));

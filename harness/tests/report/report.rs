@@ -98,7 +98,7 @@ fn every_section_shows_its_numbers() {
     );
     has(
         section(&html, "energy"),
-        &["blazed", "refractive_index 1.5, illuminant D65", "0.0411", "0.203"],
+        &["blazed", "illuminant D65, refractive_index 1.5", "0.0411", "0.203"],
     );
     has(section(&html, "routes"), &["8.88×10⁻⁵", "fails", "4.48×10⁻⁶", "3.37×10⁻⁶"]);
     has(
