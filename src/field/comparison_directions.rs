@@ -55,7 +55,7 @@ pub fn under_lights(
         for _ in 0..OF_LIGHT {
             let wi = within(light, &mut random);
             if wi.z > 0.05 {
-                let seed = (SplitMix64::share(&mut random) * 1e9) as u64;
+                let seed = (random.share() * 1e9) as u64;
                 let drawn = on_orders(height, optics, rotate_deg, wi, each, seed);
                 all.extend(drawn.into_iter().map(|directions| directions.wr));
             }

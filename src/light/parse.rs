@@ -74,9 +74,9 @@ fn light(table: &Table) -> Option<Light> {
         "disc" => {
             let item =
                 table.require("diameter_deg", "the diameter in degrees; the sun has 0.53")?;
-            let what = "the diameter in degrees; use a sky for a whole hemisphere";
+            let what = "the diameter in degrees; a narrower light is kind = \"direction\", a whole hemisphere a sky";
             let diameter =
-                item.number("from 0.001 to 179.9", what, |x| (1e-3..=179.9).contains(&x));
+                item.number("from 0.012 to 179.9", what, |x| (0.012..=179.9).contains(&x));
             let irradiance = power(table, "irradiance")?;
             let axis = towards(table)?;
             Some(Light::Disc {

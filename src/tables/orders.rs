@@ -17,7 +17,7 @@ use super::{COEFFICIENTS, TERMS, Table, TexelFormat};
 const COLUMN_PHASE: f64 = 0.4;
 
 /// Powers of the wavelength whose moments are in the table.
-pub const MOMENTS: usize = 4;
+const MOMENTS: usize = 4;
 
 /// Wavelength at which `t`, the variable of the moments, is zero, nm.
 pub const CENTRE_NM: f64 = 580.0;

@@ -27,7 +27,7 @@ pub use full_prefiltered::FullPrefiltered;
 pub use full_window::FullWindow;
 pub use gems::Gems;
 pub use lobes::{LobeSum, Lobes};
-pub use orders::{MAX_ORDERS, Orders};
+pub use orders::Orders;
 pub use pq::Pq;
 pub use warped::Warped;
 

@@ -71,8 +71,12 @@ fn what_is_wrong_is_named_with_line_and_remedy() {
         (one("kind = \"direction\"\ndirection = [20]"), "is not two numbers"),
         (one("kind = \"direction\"\ndirection = [20, inf]"), "must be from -360 to 360"),
         (one("kind = \"disc\"\ndirection = [20, 0]"), "light[1].diameter_deg is missing"),
-        (one("kind = \"disc\"\ndirection = [20, 0]\ndiameter_deg = 0"), "must be from 0.001"),
-        (one("kind = \"disc\"\ndirection = [20, 0]\ndiameter_deg = 180"), "use a sky"),
+        (one("kind = \"disc\"\ndirection = [20, 0]\ndiameter_deg = 0"), "must be from 0.012"),
+        (one("kind = \"disc\"\ndirection = [20, 0]\ndiameter_deg = 0.011"), "a narrower light is"),
+        (
+            one("kind = \"disc\"\ndirection = [20, 0]\ndiameter_deg = 180"),
+            "a whole hemisphere a sky",
+        ),
         (one("kind = \"polygon\"\ncorners = [[1, 2], [3, 4]]"), "has 2 corners"),
         (one("kind = \"polygon\"\ncorners = [[9, 0], [9, 0], [9, 90]]"), "coincide"),
         (

@@ -8,14 +8,12 @@ use crate::tables::orders::{EfficiencyAxes, moment_columns};
 use crate::tables::{EfficienciesSpec, MomentsSpec, SettingsSpec, TableSpec};
 use crate::variant::judge::Light;
 use crate::variant::tolerance::{Promise, is_visible};
-use crate::variant::{
-    Computation, Cost, DIRECTIONAL, DISC, Function, Ground, LobeBounds, RECTANGLE,
-};
+use crate::variant::{Computation, Cost, Function, Ground, LobeBounds, function_of};
 
 use super::LobeSum;
 
 /// Maximum number of orders. Each is a row of a table, and a pixel examines all that may meet its light.
-pub const MAX_ORDERS: usize = 1024;
+const MAX_ORDERS: usize = 1024;
 /// Maximum number of columns of the table of efficiencies: every profile allows textures of this size.
 const MAX_COLUMNS: u32 = 2048;
 /// Maximum phase from the lowest to the highest point, over which the share of an order is one cubic. Through four nodes of
@@ -143,14 +141,7 @@ impl Computation for Orders {
     }
 
     fn functions(&self) -> Vec<&'static dyn Function> {
-        let function = |light: &LightFunction| -> &'static dyn Function {
-            match light {
-                LightFunction::Direction => &DIRECTIONAL,
-                LightFunction::Disc => &DISC,
-                LightFunction::Polygon => &RECTANGLE,
-            }
-        };
-        self.functions.iter().map(function).collect()
+        self.functions.iter().map(|light| function_of(*light)).collect()
     }
 
     fn lobe_bounds(&self) -> Option<LobeBounds> {

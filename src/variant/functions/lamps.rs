@@ -58,8 +58,7 @@ pub(super) fn probes(
         let near = |away: f64| {
             let jitter = away * part(6).sqrt() * DVec2::from_angle(TAU * part(7));
             let plane = -axis.truncate() - lambda_um * frequency + jitter;
-            let limited = plane.clamp_length_max(1.5);
-            limited.extend((1.0 - limited.length_squared()).max(-1.0).sqrt().max(0.0))
+            plane.extend((1.0 - plane.length_squared()).max(0.0).sqrt())
         };
         let arguments = candidate(i, Place { axis, near: &near }).rounded();
         // at grazing angles a rounded direction is another one

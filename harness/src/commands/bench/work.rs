@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use diffraction_cli::console::Console;
 use diffraction_cli::{Outcome, interrupt, memory, progress};
 use diffraction_shaders::input;
-use diffraction_shaders::plan::{LightFunction, Mode, SurfaceSpec, Variant};
+use diffraction_shaders::plan::{LightFunction, SurfaceSpec, Variant};
 use diffraction_shaders::surface::{self, Surface};
 use diffraction_shaders::survey::memory::Memory;
 use diffraction_shaders::variant::Form;
@@ -209,7 +209,7 @@ impl Run<'_> {
                 others.push(map(variant));
             }
             let Some(disc_deg) = self.args.disc_deg else { continue };
-            if variant.mode == Mode::Orders && variant.lights.contains(&LightFunction::Disc) {
+            if variant.has_function(LightFunction::Disc) {
                 others.push(lit(variant, Some(disc_deg)));
             } else {
                 let why = "has no function for a light of kind \"disc\"";

@@ -11,8 +11,10 @@ use diffraction_cli::{interrupt, progress};
 use diffraction_shaders::error::shell_path;
 use diffraction_shaders::hash::sha256;
 use diffraction_shaders::input;
-use diffraction_shaders::light::{Light, Lights};
-use diffraction_shaders::plan::{LightFunction, Mode, Variant};
+use diffraction_shaders::light::Lights;
+use diffraction_shaders::plan::Variant;
+use diffraction_shaders::variant::Arguments;
+use glam::DVec3;
 
 use super::sink::Recorder;
 use super::{Args, summary};
@@ -119,15 +121,9 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
 fn read(path: &Path, variants: &[Variant]) -> Result<(String, Lights)> {
     let lights = input::read_lights(path).map_err(Errors)?;
     for light in lights.with_size() {
-        let wanted = match light {
-            Light::Disc { .. } => Some(LightFunction::Disc),
-            Light::Polygon { .. } => Some(LightFunction::Polygon),
-            _ => None,
-        };
-        let has = |v: &Variant| {
-            v.mode == Mode::Orders && wanted.is_some_and(|wanted| v.lights.contains(&wanted))
-        };
-        if !variants.iter().any(has) {
+        let calls = Arguments::under(light, DVec3::Z);
+        let has = |v: &Variant| calls.iter().all(|(call, _)| v.has_function(call.light()));
+        if calls.is_empty() || !variants.iter().any(has) {
             bail!(
                 "--lights {}: none of the variants has a function for a light of kind {:?}; discs and polygons are for mode = \"orders\"",
                 path.display(),
