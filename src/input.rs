@@ -9,24 +9,24 @@ use std::io::{self, Read};
 use std::path::Path;
 use std::sync::OnceLock;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::disk::open_regular;
 use crate::error::{Error, Result};
 use crate::hash::{of_value, sha256};
 use crate::light::Lights;
-use crate::optics::spectrum;
-use crate::plan::{FileSource, Illuminant, Plan, SurfaceSource, SurfaceSpec};
+use crate::optics::{Matter, spectrum};
+use crate::plan::{Data, FileSource, Plan, SurfaceSource, SurfaceSpec};
 use crate::surface::read::{MAX_FILE_BYTES, Reading};
 use crate::surface::{self, Origin, Surface};
 
 /// Maximum size of a plan, in bytes.
 pub const MAX_PLAN_BYTES: u64 = 4 << 20;
 
-/// Maximum size of an illuminant table, in bytes.
-const MAX_ILLUMINANT_BYTES: u64 = 1 << 20;
+/// Maximum size of a table of an illuminant or of a medium, in bytes.
+const MAX_DATA_BYTES: u64 = 1 << 20;
 
-/// Reads and checks a plan and the illuminants that it names. Paths are relative to the plan's folder. Returns all
+/// Reads and checks a plan, and the tables of illuminants and media that it names. Paths are relative to the plan's folder. Returns all
 /// errors; errors of the plan itself are in the order of its text.
 pub fn read_plan(path: &Path) -> Result<Plan, Vec<Error>> {
     let text = read_text(path, PLAN_REMEDY).map_err(|error| vec![error])?;
@@ -35,21 +35,57 @@ pub fn read_plan(path: &Path) -> Result<Plan, Vec<Error>> {
     let mut errors = Vec::new();
     let folder = plan.folder.clone();
     let optics = plan.variants.iter_mut().map(|variant| &mut variant.optics);
-    let optics = optics.chain([&mut plan.optics]).map(|optics| &mut optics.illuminant);
-    let own = plan.surfaces.iter_mut().filter_map(|surface| surface.optics.illuminant_mut());
-    for illuminant in optics.chain(own) {
-        if spectrum::is_named(illuminant.name()) {
-            continue;
+    let own = plan.surfaces.iter_mut().map(|surface| surface.optics.values_mut());
+    for optics in optics.chain([&mut plan.optics]).chain(own) {
+        let mut read = |data: &mut Data, of: &Kind| {
+            let read = known.entry((of.what, data.name().to_owned())).or_insert_with(|| {
+                read_data(path, &folder, data, of).map_err(|error| errors.push(error)).ok()
+            });
+            if let Some(read) = read {
+                *data = read.clone();
+            }
+        };
+        if !spectrum::is_named(optics.illuminant.name()) {
+            read(&mut optics.illuminant, &ILLUMINANT);
         }
-        let name = illuminant.name().to_owned();
-        let read = known.entry(name).or_insert_with(|| {
-            read_illuminant(path, &folder, illuminant).map_err(|error| errors.push(error)).ok()
-        });
-        if let Some(read) = read {
-            *illuminant = read.clone();
-        }
+        optics.media_mut().for_each(|data| read(data, &MEDIUM));
+    }
+    if errors.is_empty() {
+        errors = matter(&mut plan, path);
     }
     if errors.is_empty() { Ok(plan) } else { Err(errors) }
+}
+
+/// Checks what surfaces are made of, and adds notes about it to the plan. Returns all errors.
+fn matter(plan: &mut Plan, path: &Path) -> Vec<Error> {
+    let own = plan.surfaces.iter().map(|surface| surface.optics.over(&plan.optics));
+    let variants = plan.variants.iter().map(|variant| variant.optics.clone());
+    let (mut known, mut errors): (Vec<Option<Value>>, Vec<Error>) = Default::default();
+    for optics in variants.chain(own) {
+        let identity = optics.matter();
+        if identity.is_none() || known.contains(&identity) {
+            continue;
+        }
+        known.push(identity);
+        match Matter::new(&optics) {
+            Ok(matter) => {
+                for note in matter.notes() {
+                    if !plan.notes.contains(note) {
+                        plan.notes.push(note.clone());
+                    }
+                }
+            }
+            Err(error) => {
+                let subject = format!("{}: {}", path.display(), error.subject());
+                let again = Error::new(subject, error.message());
+                errors.push(match error.advice() {
+                    Some(advice) => again.remedy(advice),
+                    None => again,
+                });
+            }
+        }
+    }
+    errors
 }
 
 /// Reads a whole file. Whatever is not a regular file is refused before it is opened, since a pipe or a device might never
@@ -108,26 +144,47 @@ pub fn read_lights(path: &Path) -> Result<Lights, Vec<Error>> {
     Lights::parse(&text, path)
 }
 
-/// Reads the file of an illuminant. `plan`: the plan's path, for errors.
-fn read_illuminant(plan: &Path, folder: &Path, illuminant: &Illuminant) -> Result<Illuminant> {
-    let path = folder.join(illuminant.name());
+/// What a file of the plan's optics is for.
+struct Kind {
+    what: &'static str,
+    /// What it is, if there is no such file.
+    absent: &'static str,
+    subject: fn(&Data) -> String,
+    remedy: &'static str,
+}
+
+const ILLUMINANT: Kind = Kind {
+    what: "an illuminant table",
+    absent: "is neither a known illuminant nor a file relative to the plan's folder",
+    subject: spectrum::illuminant_subject,
+    remedy: spectrum::ILLUMINANT_REMEDY,
+};
+
+const MEDIUM: Kind = Kind {
+    what: "a table of n and k",
+    absent: "is not a file relative to the plan's folder",
+    subject: |data| format!("optics: nk = {:?}", data.name()),
+    remedy: "name a CSV file with columns wavelength_nm, n and k",
+};
+
+/// Reads a file of the plan's optics. `plan`: the plan's path, for errors.
+fn read_data(plan: &Path, folder: &Path, data: &Data, of: &Kind) -> Result<Data> {
+    let path = folder.join(data.name());
     let fail = |cause: String| {
-        let subject = format!("{}: {}", plan.display(), spectrum::illuminant_subject(illuminant));
-        Error::new(subject, cause).remedy(spectrum::ILLUMINANT_REMEDY)
+        let subject = format!("{}: {}", plan.display(), (of.subject)(data));
+        Error::new(subject, cause).remedy(of.remedy)
     };
     if !path.is_file() {
-        return Err(fail(
-            "is neither a known illuminant nor a file relative to the plan's folder".to_owned(),
-        ));
+        return Err(fail(of.absent.to_owned()));
     }
-    let bytes = read_file(&path, MAX_ILLUMINANT_BYTES).map_err(|e| match e.kind() {
+    let bytes = read_file(&path, MAX_DATA_BYTES).map_err(|e| match e.kind() {
         io::ErrorKind::InvalidInput => {
-            fail("is larger than 1 MiB, the limit for an illuminant table".to_owned())
+            fail(format!("is larger than 1 MiB, the limit for {}", of.what))
                 .remedy("check that this is the right file; a few thousand lines suffice")
         }
         _ => fail("cannot be read".to_owned()).source(e),
     })?;
-    Ok(illuminant.clone().with_content(bytes))
+    Ok(data.clone().with_content(bytes))
 }
 
 /// A surface of a plan with the bytes of its file. They are decoded when the heights are first needed.

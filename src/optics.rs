@@ -5,12 +5,16 @@
 
 mod directions;
 mod gain;
+mod medium;
+mod matter;
 mod coherence;
 pub mod colour;
 pub mod spectrum;
 pub mod brdf_map;
 pub mod colour_difference;
 
-pub use coherence::{REFERENCE_NM, diffuser_scale, replica_diffuser_scale, window_sigma_um};
+pub use coherence::{REFERENCE_NM, diffuser_scale, window_sigma_um};
 pub use directions::{direction, path_difference};
-pub use gain::{define, fresnel_ratio, gain, normal_reflectance, shadowing};
+pub use gain::{fresnel_ratio, normal_reflectance, shadowing};
+pub use matter::{Facing, Matter, reflectances};
+pub use medium::Index;

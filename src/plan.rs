@@ -3,6 +3,7 @@
 mod axis;
 mod item;
 mod local;
+mod material;
 mod mode;
 mod reads;
 mod constraints;
@@ -27,8 +28,9 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize, Serializer};
 
 pub use local::SurfaceOptics;
+pub use material::{Film, Material, Medium, Obliquity};
 pub use mode::Mode;
-pub use optics::{Coherence, CoherenceScaling, Colour, Illuminant, Optics, Window};
+pub use optics::{Coherence, CoherenceScaling, Colour, Data, Illuminant, Optics, Window};
 pub use target::Target;
 pub use variant::Variant;
 pub use variants::MAX_VARIANTS;

@@ -13,6 +13,7 @@ use serde::Serialize;
 use crate::error::Result;
 use crate::field::orders::OrderSum;
 use crate::input::SurfaceInput;
+use crate::optics::Matter;
 use crate::plan::{Basis, Plan, SurfaceSource, SurfaceSpec};
 use crate::surface::facts::{Facts, Periods, facts, periods};
 use crate::surface::{self, HeightField, Origin};
@@ -118,7 +119,7 @@ pub fn survey(plan: &Plan, spec: &SurfaceSpec) -> Result<(Survey, HeightField)> 
         }
     }
     let optics = spec.optics.over(&plan.optics);
-    let white_sky = match OrderSum::has_white_sky(&field) {
+    let white_sky = match OrderSum::has_white_sky(&field, &Matter::new(&optics)?) {
         true => Some(OrderSum::new(&field, spec.rotate_deg, &optics)?.white_sky()),
         false => None,
     };

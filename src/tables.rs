@@ -7,6 +7,7 @@ pub mod bake;
 pub mod container;
 mod corridor;
 mod lobes;
+mod matter;
 mod meaning;
 mod number;
 pub mod orders;
@@ -28,6 +29,7 @@ use crate::tables::terms::Terms;
 
 pub use axes::{Aim, BEND, BakedAxes, octant};
 pub use corridor::{BROADEST, Corridor, LobeGeometry, MIN_SQUARED, OUTER_NODES, REACH_SIGMAS};
+pub use matter::MatterSpec;
 pub use meaning::{Meaning, NODE_LEVELS};
 pub use period::{strongest_period_bytes, strongest_period_um};
 pub use series::{Choice, LaidExpansion, Reach, Series};
@@ -382,12 +384,27 @@ fn coefficients_shape(terms: u32, width: usize) -> Table {
 }
 
 /// Numbers in row 1 of every spectrum table.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// Rotation of the surface, degrees.
     pub rotate_deg: f64,
     /// Scales of the terms.
     pub scale: TermScale,
+    /// Rows about the matter, below all others.
+    pub matter: Option<MatterSpec>,
+}
+
+impl Settings {
+    /// Only a rotation.
+    pub fn rotated(rotate_deg: f64) -> Settings {
+        Settings { rotate_deg, scale: TermScale::NONE, matter: None }
+    }
+
+    fn append(&self, table: &mut Table) {
+        if let Some(matter) = &self.matter {
+            matter.append(table);
+        }
+    }
 }
 
 /// The spectrum table, 2-D. Row 0: one texel per node, with X, Y, Z weights (for uniform wavelengths with the
@@ -396,7 +413,9 @@ pub struct Settings {
 pub fn spectrum_table(samples: &[Sample], settings: Settings) -> Table {
     let texels =
         samples.iter().map(|s| [s.xyz[0], s.xyz[1], s.xyz[2], s.lambda_nm * 1e-3]).collect();
-    two_rows(texels, settings)
+    let mut table = two_rows(texels, &settings);
+    settings.append(&mut table);
+    table
 }
 
 /// A spectrum table of one wavelength in nm with weight 1. A shader with it returns `C·|P|²` at that wavelength.
@@ -405,30 +424,32 @@ pub fn single_wavelength(lambda_nm: f64, settings: Settings) -> Table {
 }
 
 /// The spectrum table of nodes that depend on `|(u, v)|`. Each level has a row: the first level row 0, the others rows
-/// from 2 on. Row 1 is as in [`spectrum_table`]. Texels after the last node of a row are 0.
-pub fn levels_table(levels: &[Vec<Sample>], settings: Settings) -> Table {
-    let width = levels.iter().map(Vec::len).max().unwrap_or(1);
+/// from 2 on. Row 1 is as in [`spectrum_table`]. Texels after the last node of a row are 0. `columns`: the least number
+/// of columns.
+pub fn levels_table(levels: &[Vec<Sample>], columns: usize, settings: Settings) -> Table {
+    let width = levels.iter().map(Vec::len).max().unwrap_or(1).max(columns);
     let mut rows = levels.iter().map(|samples| {
         let texel = |s: &Sample| [s.xyz[0], s.xyz[1], s.xyz[2], s.lambda_nm * 1e-3];
         let mut row: Vec<[f64; 4]> = samples.iter().map(texel).collect();
         row.resize(width, [0.0; 4]);
         row
     });
-    let mut table = two_rows(rows.next().unwrap_or_default(), settings);
+    let mut table = two_rows(rows.next().unwrap_or_default(), &settings);
     table.texels.extend(rows.flatten().flatten());
     table.height = levels.len() + 1;
+    settings.append(&mut table);
     table
 }
 
 /// Spectrum table of the order sum `gems`. Row 0, first texel: the grating's period in µm, as a vector from one groove
 /// to the next. Row 1 is as in [`spectrum_table`].
 pub fn grating_table([x_um, y_um]: [f64; 2], rotate_deg: f64) -> Table {
-    two_rows(vec![[x_um, y_um, 0.0, 0.0]], Settings { rotate_deg, scale: TermScale::NONE })
+    two_rows(vec![[x_um, y_um, 0.0, 0.0]], &Settings::rotated(rotate_deg))
 }
 
 /// Spectrum table for shaders that need only the rotation. Row 1 is as in [`spectrum_table`].
 pub fn rotation_table(rotate_deg: f64) -> Table {
-    two_rows(vec![[0.0; 4]], Settings { rotate_deg, scale: TermScale::NONE })
+    two_rows(vec![[0.0; 4]], &Settings::rotated(rotate_deg))
 }
 
 /// The spectrum table of sums over lobes. Row 0: one texel per node, with X, Y, Z of the lobe about it and the
@@ -442,13 +463,14 @@ pub fn lobe_table(
 ) -> Table {
     let mut first = nodes;
     first.resize(columns, [0.0; 4]);
-    let mut table = two_rows(first, settings);
+    let mut table = two_rows(first, &settings);
     table.height += narrow.len() / columns;
     table.texels.extend(narrow.into_iter().flatten());
+    settings.append(&mut table);
     table
 }
 
-fn two_rows(first: Vec<[f64; 4]>, settings: Settings) -> Table {
+fn two_rows(first: Vec<[f64; 4]>, settings: &Settings) -> Table {
     let (sin, cos) = settings.rotate_deg.to_radians().sin_cos();
     let width = first.len();
     let mut texels = first.concat();

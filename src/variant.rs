@@ -2,6 +2,7 @@
 //! and description; the [`Function`]s that shaders offer; and the [`Twin`], the algorithm of each form in f64.
 
 mod bound;
+mod coat;
 mod computation;
 mod cost;
 mod forms;
@@ -15,6 +16,7 @@ mod twin;
 pub use bound::{
     AUTO_TAIL, AUTO_TAIL_PQ, ErrorBound, ISOLATED, LobeBounds, replica_tail, window_tail,
 };
+pub use coat::Coat;
 pub use computation::{Computation, Ground};
 pub use cost::Cost;
 pub use forms::*;

@@ -22,13 +22,21 @@ fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
     if (factor == 0.0) {
         return vec3f(0.0);
     }
+#ifdef MATERIAL
+    return factor * corridor(path_difference(wi, wr), facing_of(wi, wr));
+#else
     return factor * corridor(path_difference(wi, wr));
+#endif
 }
 
 // X, Y, Z without the gain: the sum over the bins of a strip along the segment. The loop goes through the strip column
 // by column, with a few bins each, or row by row where the segment is steep. Where lobes are broad, the sum is over the
 // bins about each node.
+#ifdef MATERIAL
+fn corridor(path: vec3f, facing: vec2f) -> vec3f {
+#else
 fn corridor(path: vec3f) -> vec3f {
+#endif
     let steep = abs(path.y) > abs(path.x);
     let patch_um = vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM);
     let uv = select(path.xy, path.yx, steep);
@@ -93,10 +101,21 @@ fn corridor(path: vec3f) -> vec3f {
         if (exponent >= REACH_SIGMAS * REACH_SIGMAS) {
             break;
         }
+#ifdef MATERIAL
+        let light = lobe_light(wavenumber, node, row, side, range);
+        let weight = window_share(exponent, squared, window_width(wavenumber), pace);
+        let share = weight * reflectance(light.w, facing);
+#else
         let share = window_share(exponent, squared, window_width(wavenumber), pace);
         let light = lobe_light(wavenumber, node, row, side, range);
+#endif
 #ifdef MODE_ORDERS
+#ifdef DISPERSION
+        let turns = dispersed(path.z, light.w) / light.w;
+        xyz += share * efficiency(vec2i(select(bin, bin.yx, steep)), turns) * light.xyz;
+#else
         xyz += share * efficiency(vec2i(select(bin, bin.yx, steep)), path.z / light.w) * light.xyz;
+#endif
 #else
         let argument = series_argument(path.z, light.w);
         let amplitude = bin_amplitude(vec2i(select(bin, bin.yx, steep)), argument);

@@ -2,8 +2,14 @@
 
 // Colours from a table over the path difference (u, v, w). The integral over wavelengths is in the table.
 
+#ifdef MATERIAL
+// X, Y, Z with the reflectance of the material and without the gain, divided by COLOUR_UNIT. Columns: angle of (u, v),
+// divided into pages; each page ends with the first column of the next. Rows: asinh of |(u, v)|. Layers: w² between its
+// least and its greatest, page after page.
+#else
 // X, Y, Z without the gain, divided by COLOUR_UNIT. Columns: angle of (u, v), divided into pages; each page ends with
 // the first column of the next. Rows: asinh of |(u, v)|. Layers: w² relative to its maximum, page after page.
+#endif
 @group(0) @binding(1) var colours: texture_2d_array<f32>;
 #ifdef ROTATED
 // Row 1: cosine and sine of the surface's rotation.
@@ -29,7 +35,12 @@ fn colour_between(path: vec3f) -> vec3f {
     let turn = column_at(path.xy);
     let page = min(floor(turn / f32(PAGE_COLUMNS)), f32(PAGE_COUNT - 1));
     let place = vec2f(turn - page * f32(PAGE_COLUMNS), row_at(squared));
+#ifdef COVER
+    let above = path.z * path.z - LEAST_W_SQUARED;
+    let share = clamp(above / max(4.0 - squared, 1e-6), 0.0, 1.0);
+#else
     let share = min(path.z * path.z / max(4.0 - squared, 1e-6), 1.0);
+#endif
     let level = share * f32(LEVEL_COUNT - 1);
     let below = min(floor(level), f32(LEVEL_COUNT - 2));
     let layer = i32(page) * LEVEL_COUNT + i32(below);

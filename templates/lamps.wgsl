@@ -47,8 +47,12 @@ fn edge_normal(start: vec3f, end: vec3f, side: f32, centre: vec3f) -> vec3f {
 #endif
 // Reflectance at normal incidence.
 fn normal_reflectance() -> f32 {
+#ifdef MATERIAL
+    return textureLoad(spectrum, vec2i(0, MATTER_ROW), 0).y;
+#else
     let amplitude = (REFRACTIVE_INDEX - 1.0) / (REFRACTIVE_INDEX + 1.0);
     return amplitude * amplitude;
+#endif
 }
 
 // First and last row of orders that may take light from within `reach` of a direction; `offset` is the sum of the
@@ -164,9 +168,20 @@ fn panel_count(frequency: vec2f, from_um: f32, to_um: f32, wr: vec3f) -> i32 {
     let middle_um = 0.5 * (from_um + to_um);
     let middle = arrival(frequency, middle_um, wr);
     // the phase changes fastest in the half of the shorter wavelengths
+#ifdef COVER
+    let turns = 2.0 * abs(depth(first, wr) / from_um - depth(middle, wr) / middle_um);
+    let columns = 0.5 * PHASE_MIN_UM * f32(EFFICIENCY_COLUMNS) * turns;
+#else
     let turns = 2.0 * abs((first.z + wr.z) / from_um - (middle.z + wr.z) / middle_um);
     let columns = 0.5 * WAVELENGTH_MIN_UM * f32(EFFICIENCY_COLUMNS) * turns;
+#endif
+#ifdef MATERIAL
+    let coloured = PANEL_PACE * abs(1.0 / from_um - 1.0 / to_um);
+    let curved = max(distance(first, last) / PANEL_ARC, coloured);
+    let needed = max(columns / PANEL_COLUMNS, curved);
+#else
     let needed = max(columns / PANEL_COLUMNS, distance(first, last) / PANEL_ARC);
+#endif
     return min(i32(needed), PANEL_COUNT - 1) + 1;
 }
 
@@ -265,5 +280,19 @@ fn moment(column: i32, row: i32) -> vec4f {
 // Share of the light that an order sends to the viewer, relative to the reflectance at normal incidence.
 fn order_share(order: vec2i, frequency: vec2f, lambda_um: f32, wr: vec3f) -> f32 {
     let wi = arrival(frequency, lambda_um, wr);
+#ifdef MATERIAL
+#ifdef COVER
+#ifdef DISPERSION
+    let turns = dispersed(depth(wi, wr), lambda_um) / lambda_um;
+#else
+    let turns = depth(wi, wr) / lambda_um;
+#endif
+#else
+    let turns = -(wi.z + wr.z) / lambda_um;
+#endif
+    let reflected = reflectance(lambda_um, facing_of(wi, wr));
+    return gain(wi, wr) / max(wi.z, 1e-6) * reflected * efficiency(order, turns);
+#else
     return gain(wi, wr) / max(wi.z, 1e-6) * efficiency(order, -(wi.z + wr.z) / lambda_um);
+#endif
 }

@@ -13,10 +13,17 @@ fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let path = path_difference(wi, wr);
+#ifdef MATERIAL
+    let facing = facing_of(wi, wr);
+#endif
     var xyz = vec3f(0.0);
     for (var node = 0; node < WAVELENGTH_COUNT; node++) {
         let texel = textureLoad(spectrum, vec2i(node, 0), 0);
+#ifdef MATERIAL
+        xyz += texel.xyz * response(path, texel.w) * reflectance(texel.w, facing);
+#else
         xyz += texel.xyz * response(path, texel.w);
+#endif
     }
     return factor * xyz;
 }

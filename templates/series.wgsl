@@ -21,7 +21,11 @@
 
 // Argument of the series: the column in the table of coefficients, from 0.
 fn series_argument(w: f32, lambda_um: f32) -> f32 {
+#ifdef COVER
+    let tau = covered_argument(w, lambda_um);
+#else
     let tau = 0.5 * w * WAVELENGTH_MIN_UM / lambda_um;
+#endif
     return clamp(1.0 + tau, 0.0, 1.0) * f32(COEFFICIENT_COUNT - 1);
 }
 #else
@@ -31,12 +35,27 @@ fn series_argument(w: f32, lambda_um: f32) -> f32 {
 // Argument τ of the series: w/λ relative to its largest magnitude, -1 to 0.
 #endif
 fn series_argument(w: f32, lambda_um: f32) -> f32 {
+#ifdef COVER
+    let tau = covered_argument(w, lambda_um);
+#else
     let tau = 0.5 * w * WAVELENGTH_MIN_UM / lambda_um;
+#endif
 #ifdef HALF
     // terms are stored divided by a geometric sequence of scales
     return tau * textureLoad(spectrum, vec2i(0, 1), 0).w;
 #else
     return tau;
+#endif
+}
+#endif
+
+#ifdef COVER
+// Phase per height under the cover relative to its largest magnitude, -1 to 0.
+fn covered_argument(w: f32, lambda_um: f32) -> f32 {
+#ifdef DISPERSION
+    return 0.5 * dispersed(w, lambda_um) * PHASE_MIN_UM / lambda_um;
+#else
+    return 0.5 * w * PHASE_MIN_UM / lambda_um;
 #endif
 }
 #endif

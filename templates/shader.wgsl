@@ -21,6 +21,11 @@
 #constants
 
 #import gain
+#ifdef MATERIAL
+#ifdef SPECTRAL
+#import matter
+#endif
+#endif
 #ifdef MODE_FULL
 #import nodes
 #import series

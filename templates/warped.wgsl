@@ -15,6 +15,9 @@ fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let path = path_difference(wi, wr);
+#ifdef MATERIAL
+    let facing = facing_of(wi, wr);
+#endif
     let row = node_row(path.xy);
     var xyz = vec3f(0.0);
     for (var node = 0; node < WAVELENGTH_COUNT; node++) {
@@ -22,7 +25,11 @@ fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
         if (texel.w == 0.0) {
             break;
         }
+#ifdef MATERIAL
+        xyz += texel.xyz * intensity(path, texel.w) * reflectance(texel.w, facing);
+#else
         xyz += texel.xyz * intensity(path, texel.w);
+#endif
     }
 #ifdef HALF
     return factor * series_scale() * series_scale() * xyz;

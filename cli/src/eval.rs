@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow, bail};
 use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::input::{self, read_file};
-use diffraction_shaders::optics::{direction, gain};
+use diffraction_shaders::optics::{Matter, direction};
 use glam::DVec3;
 
 use crate::Outcome;
@@ -105,9 +105,10 @@ fn under_directions(
                     .field
                     .check_pitch(&diffraction_shaders::surface::subject(&job.spec), lambda_nm)?;
             }
-            let optics = &job.variant.optics;
+            let matter = Matter::new(&job.variant.optics)?;
             let rows = runner.response(&directions, lambda_nm)?;
-            let rho = |(d, p2): (&Directions, f64)| vec![gain(d.wi, d.wr, optics) * p2, p2];
+            let rho =
+                |(d, p2): (&Directions, f64)| vec![matter.gain(d.wi, d.wr, lambda_nm) * p2, p2];
             ("rho,p2", directions.iter().zip(rows).map(rho).collect())
         }
         None => {

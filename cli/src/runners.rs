@@ -5,7 +5,7 @@ use diffraction_shaders::field::orders::OrderSum;
 use diffraction_shaders::field::reference::{Reference, Span};
 use diffraction_shaders::input;
 use diffraction_shaders::light::{Cap, Light, Lights};
-use diffraction_shaders::optics::{REFERENCE_NM, diffuser_scale};
+use diffraction_shaders::optics::{Matter, REFERENCE_NM, diffuser_scale};
 use diffraction_shaders::plan::{Plan, SurfaceSource, SurfaceSpec, Variant};
 use diffraction_shaders::runner::{
     Exact, Placement, Progress, Runner, TwinRunner, check_scaling, radiance_with, variant_scale,
@@ -74,7 +74,8 @@ impl Job {
         surface.field.check_pitch(&surface::subject(&spec), min_nm)?;
         let needed = match runner.runner {
             Kind::Exact => {
-                Reference::working_bytes(&surface.field, &variant.optics, Span::ANYWHERE)
+                let matter = Matter::new(&variant.optics)?;
+                Reference::working_bytes(&surface.field, &variant.optics, &matter, Span::ANYWHERE)
             }
             Kind::Twin => memory::of(&surface.field, &variant)?.to_evaluate(),
             _ => memory::of(&surface.field, &variant)?.to_check_and_draw(),
@@ -97,7 +98,7 @@ impl Job {
         check_scaling(&job.variant.optics, lights)?;
         let field = &job.surface.field;
         if args.runner == Kind::Exact && lights.with_size().next().is_some() {
-            let needed = OrderSum::working_bytes(field);
+            let needed = OrderSum::working_bytes(field, &Matter::new(&job.variant.optics)?);
             budget.check(&job.spec.name, "exact", field.byte_count(), needed)?;
         }
         for note in job.narrow(lights) {
@@ -135,7 +136,7 @@ impl Job {
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>> {
         let scale = match args.runner {
-            Kind::Exact => diffuser_scale(&self.variant.optics),
+            Kind::Exact => diffuser_scale(&self.variant.optics)?,
             _ => variant_scale(self.placement())?,
         };
         Ok(radiance_with(runner, scale, lights, views, progress)?)

@@ -17,6 +17,7 @@ use diffraction_shaders::field::orders::OrderSum;
 use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::input;
 use diffraction_shaders::light::Lights;
+use diffraction_shaders::optics::Matter;
 use diffraction_shaders::optics::brdf_map::BrdfMap;
 use diffraction_shaders::plan::{Mode, Optics, SurfaceSpec, Variant};
 use diffraction_shaders::runner::{Placement, Runner, check_scaling, missing, radiance_with};
@@ -304,7 +305,7 @@ fn run_surface(
 /// Records what a surface returns of all light, if that is worth its time.
 fn record_energy(surface: &str, subject: Placement<'_>, sink: &mut dyn Sink) -> Result<()> {
     let Placement { height, rotate_deg, variant } = subject;
-    if !OrderSum::has_white_sky(height) {
+    if !OrderSum::has_white_sky(height, &Matter::new(&variant.optics)?) {
         return Ok(());
     }
     sink.begin(&format!("{surface}: under a white sky"));

@@ -2,7 +2,7 @@
 //!
 //! `L_o = Σ_rs ∫ η_rs(λ) L_i(wi_rs(λ)) S(λ)(x̄,ȳ,z̄)(λ) dλ`, `wi_rs = (-αr - λ f_rs, ·)`, where `α` is the xy part of a unit
 //! vector, `f_rs = (r/Lx, s/Ly)`, and `η_rs = R O |c_rs(k w)|² S` is the share of an order, with
-//! `O = (1 + wi·wr)²/(cos θi cos θr w²)`. This is `(s/π) ∫ ρ L_i dΩ` of Stam's ρ (1999, eqs. 7 and 11) for a coherence
+//! `O = (1 + wi·wr)²/(cos θi cos θr w²)` (for other matter see [`Matter`]). This is `(s/π) ∫ ρ L_i dΩ` of Stam's ρ (1999, eqs. 7 and 11) for a coherence
 //! length that follows the wavelength. The window does not appear: it stands for a light's size, which is here.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -14,7 +14,7 @@ use rustfft::num_complex::Complex64;
 use crate::error::{Error, Result};
 use crate::light::{Emitter, Everywhere};
 use crate::optics::spectrum::{Spectrum, TABLE_MAX_NM, TABLE_MIN_NM};
-use crate::optics::{direction, gain, normal_reflectance};
+use crate::optics::{Matter, direction};
 use crate::plan::Optics;
 use crate::surface::HeightField;
 
@@ -52,7 +52,7 @@ pub struct OrderSum {
     squares: Vec<f64>,
     size_um: DVec2,
     spectrum: Spectrum,
-    optics: Optics,
+    matter: Matter,
     rotate_deg: f64,
     panel_nm: f64,
 }
@@ -60,7 +60,8 @@ pub struct OrderSum {
 impl OrderSum {
     /// Transforms the phase function of a surface at as many `z` as its height range needs. It is refused above 6 GiB.
     pub fn new(height: &HeightField, rotate_deg: f64, optics: &Optics) -> Result<OrderSum> {
-        let (bins, nodes, bytes) = OrderSum::layout(height);
+        let matter = Matter::new(optics)?;
+        let (bins, nodes, bytes) = OrderSum::layout(height, &matter);
         if bytes > MAX_BYTES {
             let subject = format!("surface of {} × {} pixels", height.columns(), height.rows());
             let cause = format!("its orders need {:.1} GiB", bytes as f64 / f64::from(1 << 30));
@@ -84,30 +85,32 @@ impl OrderSum {
             squares,
             size_um: DVec2::new(height.size_x_um(), height.size_y_um()),
             spectrum: Spectrum::new(&optics.illuminant)?,
-            optics: optics.clone(),
+            matter,
             rotate_deg,
             panel_nm: PANEL_NM,
         })
     }
 
     /// Whether [`OrderSum::white_sky`] is worth its time and memory: up to a table of half a GiB.
-    pub fn has_white_sky(height: &HeightField) -> bool {
-        OrderSum::layout(height).2 <= MAX_SKY_BYTES
+    pub fn has_white_sky(height: &HeightField, matter: &Matter) -> bool {
+        OrderSum::layout(height, matter).2 <= MAX_SKY_BYTES
     }
 
     /// The most that [`OrderSum::new`] takes, in bytes: its table, and one transform.
-    pub fn working_bytes(height: &HeightField) -> u64 {
-        let (bins, _, bytes) = OrderSum::layout(height);
+    pub fn working_bytes(height: &HeightField, matter: &Matter) -> u64 {
+        let (bins, _, bytes) = OrderSum::layout(height, matter);
         // heights, signal and columns of the transform, coefficients
         (bytes + 24 * height.heights_um().len() + 32 * bins.len()) as u64
     }
 
     /// Orders, nodes, and the bytes of the table.
-    fn layout(height: &HeightField) -> (Bins, Nodes, usize) {
+    fn layout(height: &HeightField, matter: &Matter) -> (Bins, Nodes, usize) {
         let (low_um, high_um) = height.range_um();
         let longest = TAU / (TABLE_MIN_NM * 1e-3);
-        // w is from -2 to 0
-        let nodes = Nodes::new((-2.0 * longest, 0.0), high_um - low_um);
+        let (shortest_w, longest_w) = matter.w_span(0.0, 2.0);
+        // without a cover w is from -2 to 0
+        let last = -shortest_w * TAU / (TABLE_MAX_NM * 1e-3);
+        let nodes = Nodes::new((-longest_w * longest, last), high_um - low_um);
         let reach_cpum = 2e3 / TABLE_MIN_NM;
         let bins = Bins::reachable(height.size_x_um(), height.size_y_um(), reach_cpum, 0);
         let bytes = bins.len().saturating_mul(nodes.z.len()).saturating_mul(size_of::<f64>());
@@ -266,14 +269,15 @@ impl Order<'_> {
 
     /// `η` of the order.
     fn share(&self, wi: DVec3, lambda_um: f64) -> f64 {
-        let optics = &self.sum.optics;
-        let factor = gain(wi, self.wr, optics);
+        let matter = &self.sum.matter;
+        let lambda_nm = lambda_um * 1e3;
+        let factor = matter.gain(wi, self.wr, lambda_nm);
         if factor == 0.0 {
             return 0.0;
         }
-        let z = -TAU / lambda_um * (wi.z + self.wr.z);
+        let z = TAU / lambda_um * matter.w(wi, self.wr, lambda_nm);
         let square = self.sum.nodes.interpolate(z, self.squares).re;
-        normal_reflectance(optics.refractive_index) * factor / wi.z * square
+        matter.normal_reflectance() * factor / wi.z * square
     }
 }
 

@@ -7,9 +7,9 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::field::{Domain, Field, MAX_BYTES, Scratch};
-use crate::optics;
 use crate::optics::spectrum::{Spectrum, TABLE_MAX_NM, TABLE_MIN_NM};
-use crate::plan::Optics;
+use crate::optics::{self, Matter};
+use crate::plan::{Optics, Window};
 use crate::surface::HeightField;
 
 /// A pair of unit vectors in the surface's frame, both pointing away from it.
@@ -33,6 +33,7 @@ pub struct Reference {
     field: Field,
     spectrum: Spectrum,
     optics: Optics,
+    matter: Matter,
     rotate_deg: f64,
     coarsest_step_nm: f64,
 }
@@ -48,6 +49,7 @@ impl Reference {
         (min_nm, max_nm): (f64, f64),
         directions: impl IntoIterator<Item = Directions>,
     ) -> Result<Reference> {
+        let matter = Matter::new(optics)?;
         let (mut shortest, mut longest, mut widest) = (2.0_f64, 0.0_f64, 0.0_f64);
         for Directions { wi, wr } in directions {
             let uvw = wi + wr;
@@ -55,7 +57,8 @@ impl Reference {
             longest = longest.max(uvw.z);
             widest = widest.max(uvw.truncate().length());
         }
-        let domain = domain(optics, (min_nm, max_nm), Span { shortest, longest, widest });
+        let domain =
+            domain(optics.into(), &matter, (min_nm, max_nm), Span { shortest, longest, widest });
         let subject = format!("surface of {} × {} pixels", height.columns(), height.rows());
         let bytes = Field::bytes_needed(height, &domain);
         if bytes > MAX_BYTES {
@@ -67,12 +70,24 @@ impl Reference {
         }
         let spectrum = Spectrum::new(&optics.illuminant)?;
         let field = Field::new(height, &domain);
-        Ok(Reference { field, spectrum, optics: optics.clone(), rotate_deg, coarsest_step_nm: 1.0 })
+        Ok(Reference {
+            field,
+            spectrum,
+            optics: optics.clone(),
+            matter,
+            rotate_deg,
+            coarsest_step_nm: 1.0,
+        })
     }
 
     /// Bytes that the reference takes for colours, beside the heights: an estimate.
-    pub fn working_bytes(height: &HeightField, optics: &Optics, span: Span) -> u64 {
-        Field::working_bytes(height, &domain(optics, Reference::VISIBLE_NM, span))
+    pub fn working_bytes(
+        height: &HeightField,
+        window: impl Into<Window>,
+        matter: &Matter,
+        span: Span,
+    ) -> u64 {
+        Field::working_bytes(height, &domain(window.into(), matter, Reference::VISIBLE_NM, span))
     }
 
     /// The colour range of the tables, 380–780 nm: what the reference always integrates.
@@ -100,7 +115,8 @@ impl Reference {
         let uvw = optics::path_difference(wi, wr, self.rotate_deg);
         let lambda_um = lambda_nm * 1e-3;
         let sigma_um = optics::window_sigma_um(&self.optics, lambda_nm);
-        self.field.intensity(uvw.truncate() / lambda_um, TAU * uvw.z / lambda_um, sigma_um, scratch)
+        let w = self.matter.w(wi, wr, lambda_nm);
+        self.field.intensity(uvw.truncate() / lambda_um, TAU * w / lambda_um, sigma_um, scratch)
     }
 
     /// Relative tristimulus values of `ρ`, gain included.
@@ -109,8 +125,10 @@ impl Reference {
     /// Gaussians no narrower than `σf/√2`. A step of one such standard deviation integrates them to 3e-9. So the step
     /// starts at 1 nm and is halved until it is that small for the direction.
     pub fn tristimulus(&self, directions: Directions, scratch: &mut Scratch) -> [f64; 3] {
-        let gain = optics::gain(directions.wi, directions.wr, &self.optics);
-        if gain == 0.0 {
+        let gain = |nm: f64| self.matter.gain(directions.wi, directions.wr, nm);
+        // without dispersion it is the same at all wavelengths
+        let whole = if self.matter.is_plain() { gain(optics::REFERENCE_NM) } else { 1.0 };
+        if gain(optics::REFERENCE_NM) == 0.0 {
             return [0.0; 3];
         }
         let per_nm = self.steps_per_nm(directions);
@@ -120,11 +138,14 @@ impl Reference {
         for i in 0..=count {
             let lambda_nm = min_nm + i as f64 / per_nm;
             let end = if i == 0 || i == count { 0.5 } else { 1.0 };
-            let response = self.response(directions, lambda_nm, scratch) * end / per_nm;
+            let mut response = self.response(directions, lambda_nm, scratch) * end / per_nm;
+            if !self.matter.is_plain() {
+                response *= gain(lambda_nm);
+            }
             let weights = self.spectrum.per_nm(lambda_nm);
             xyz = std::array::from_fn(|c| xyz[c] + weights[c] * response);
         }
-        xyz.map(|c| c * gain)
+        xyz.map(|c| c * whole)
     }
 
     /// [`Reference::tristimulus`] of many directions, on all cores.
@@ -176,17 +197,22 @@ impl Span {
 
 /// What a field must cover.
 fn domain(
-    optics: &Optics,
+    window: Window,
+    matter: &Matter,
     (min_nm, max_nm): (f64, f64),
     Span { shortest, longest, widest }: Span,
 ) -> Domain {
     let k = |nm: f64| TAU / (nm * 1e-3);
-    let sigma_um = [min_nm, max_nm].map(|nm| optics::window_sigma_um(optics, nm));
+    let sigma_um = [min_nm, max_nm].map(|nm| optics::window_sigma_um(window, nm));
+    let (shortest, longest) = match matter.is_covered() {
+        true => matter.w_span(shortest, longest),
+        false => (shortest.min(longest), longest.max(shortest)),
+    };
     Domain {
-        coherence: optics.coherence,
+        coherence: window.coherence,
         sigma_um: (sigma_um[0].min(sigma_um[1]), sigma_um[0].max(sigma_um[1])),
-        // z = k w with w = -(cos θi + cos θr)
-        z: (-k(min_nm) * longest.max(shortest), -k(max_nm) * shortest.min(longest)),
+        // z = k w with w = -(cos θi + cos θr), or n w' under a cover
+        z: (-k(min_nm) * longest, -k(max_nm) * shortest),
         reach_cpum: widest / (min_nm * 1e-3),
     }
 }

@@ -1,9 +1,8 @@
-//! The gain factor in front of the interference term.
+//! Parts of the gain, the factor in front of the interference term. [`super::Matter`] puts them together.
 
 use glam::DVec3;
 
-use crate::defines::Defines;
-use crate::plan::Optics;
+use crate::plan::Obliquity;
 
 /// Reflectance at normal incidence, `((n-1)/(n+1))²`.
 pub fn normal_reflectance(refractive_index: f64) -> f64 {
@@ -24,27 +23,47 @@ pub fn shadowing(wi: DVec3, wr: DVec3) -> f64 {
 }
 
 /// Cosine up to which a direction is at the horizon: 90° in degrees becomes 6e-17, and 32-bit floats round to 6e-8.
-const HORIZON: f64 = 1e-6;
+pub(super) const HORIZON: f64 = 1e-6;
 
-/// The gain `C(wi, wr) = R/R0 · (1 + wi·wr)² / (w² cos θr) · S`, relative to a mirror at normal incidence (Stam 1999,
-/// eqs. 7 and 11). It is zero where either direction is at or below the horizon, within a cosine of 1e-6. Without `S` it
-/// diverges at grazing exit.
-pub fn gain(wi: DVec3, wr: DVec3, optics: &Optics) -> f64 {
+/// The gain of a dielectric in air, `C(wi, wr) = R/R0 · (1 + wi·wr)² / (w² cos θr) · S`, relative to a mirror at normal
+/// incidence (Stam 1999, eqs. 7 and 11). It is zero where either direction is at or below the horizon, within a cosine of
+/// 1e-6. Without `S` it diverges at grazing exit.
+pub(super) fn schlick_gain(
+    wi: DVec3,
+    wr: DVec3,
+    refractive_index: f64,
+    has_shadowing: bool,
+) -> f64 {
     if !(wi.z > HORIZON && wr.z > HORIZON) {
         return 0.0;
     }
     let half = (wi + wr).normalize();
     let w = wi.z + wr.z;
     let obliquity = (1.0 + wi.dot(wr)).powi(2) / (w * w * wr.z);
-    let shadow = if optics.shadowing { shadowing(wi, wr) } else { 1.0 };
-    fresnel_ratio(half.dot(wr), optics.refractive_index) * obliquity * shadow
+    let shadow = if has_shadowing { shadowing(wi, wr) } else { 1.0 };
+    fresnel_ratio(half.dot(wr), refractive_index) * obliquity * shadow
 }
 
-/// Flags and constants of the template `gain`.
-pub fn define(optics: &Optics, into: &mut Defines) {
-    into.flag("SHADOWING", optics.shadowing);
-    let index = optics.refractive_index;
-    into.number("REFRACTIVE_INDEX", index, "refractive index of the material, relative to air");
+/// The obliquity factor times the cosine of the light, in parts for s and p polarisation. With
+/// `s = -αi·αr`, the signed product of the sines in the plane of incidence of a grating:
+///
+/// * TE, `4 cos θi cos θr/w²`, and TM, `4 (1 - s)²/(cos θi cos θr w²)`, are exact for shallow reliefs of a perfect
+///   conductor whose grooves are across the plane of incidence (Rice 1951, to first order in the height).
+/// * The mean of both is exact to first order for unpolarised light in every direction.
+/// * Stam's `(1 + wi·wr)²/(cos θi cos θr w²)` is the square of the mean of their roots (Stam 1999, eq. 7).
+pub(super) fn obliquity(wi: DVec3, wr: DVec3, of: Obliquity) -> [f64; 2] {
+    let w = wi.z + wr.z;
+    let aligned = 1.0 + wi.dot(wr);
+    let product = wi.z * wr.z;
+    let below = w * w * wr.z;
+    let s = 4.0 * product * product / below;
+    let p = 4.0 * (aligned - product).powi(2) / below;
+    match of {
+        Obliquity::Stam => [0.5 * aligned * aligned / below; 2],
+        Obliquity::Unpolarised => [0.5 * s, 0.5 * p],
+        Obliquity::Te => [s, 0.0],
+        Obliquity::Tm => [0.0, p],
+    }
 }
 
 #[cfg(test)]
@@ -54,10 +73,9 @@ mod tests {
 
     #[test]
     fn mirror_at_normal_incidence_has_gain_one_and_forty_degrees_less() {
-        let optics = Optics::standard();
         let up = DVec3::Z;
-        assert!((gain(up, up, &optics) - 1.0).abs() < 1e-15);
-        let tilted = gain(direction(40.0, 0.0), direction(40.0, 180.0), &optics);
+        assert!((schlick_gain(up, up, 1.5, true) - 1.0).abs() < 1e-15);
+        let tilted = schlick_gain(direction(40.0, 0.0), direction(40.0, 180.0), 1.5, true);
         assert!((tilted - 0.78).abs() < 0.005, "{tilted}");
     }
 
@@ -72,7 +90,6 @@ mod tests {
 
     #[test]
     fn nothing_below_the_horizon() {
-        let optics = Optics::standard();
         for (wi, wr) in [
             (DVec3::X, DVec3::Z),
             (DVec3::Z, DVec3::X),
@@ -81,16 +98,14 @@ mod tests {
             (-DVec3::Z, DVec3::Z),
             (DVec3::Z, -DVec3::Z),
         ] {
-            assert_eq!(gain(wi, wr, &optics), 0.0);
+            assert_eq!(schlick_gain(wi, wr, 1.5, true), 0.0);
         }
     }
 
     #[test]
     fn shadowing_tames_grazing_exit() {
-        let mut optics = Optics::standard();
         let (wi, wr) = (direction(20.0, 0.0), direction(89.999, 180.0));
-        assert!(gain(wi, wr, &optics) < 100.0);
-        optics.shadowing = false;
-        assert!(gain(wi, wr, &optics) > 1000.0);
+        assert!(schlick_gain(wi, wr, 1.5, true) < 100.0);
+        assert!(schlick_gain(wi, wr, 1.5, false) > 1000.0);
     }
 }

@@ -87,7 +87,7 @@ pub fn json(surface: &str, variant: &Variant, form: &Form, probed: &[Probed]) ->
                     probes.push(json_line(&place, &Probe { wi, wr, exact, expected, tolerance })?);
                 }
                 arguments => {
-                    let tolerance = light_tolerance(&arguments, &variant.optics, &xyz);
+                    let tolerance = light_tolerance(&arguments, form.matter(), &xyz);
                     let (mut axis, mut radius, mut corners) = (None, None, None);
                     match arguments {
                         Arguments::Disc { axis: to, radius_rad, .. } => {

@@ -5,8 +5,8 @@ use super::mode::declared;
 use super::reads::{is_prefiltered, reads};
 use super::variant::axes;
 use super::{
-    Basis, Coherence, CoherenceScaling, Colour, LightFunction, Mode, Optics, TableFormat, Variant,
-    Wavelengths,
+    Basis, Coherence, CoherenceScaling, Colour, LightFunction, Mode, Obliquity, Optics,
+    TableFormat, Variant, Wavelengths,
 };
 
 /// Sets every entry that a variant does not read to its documented default, except entries that [`broken`] must check.
@@ -82,6 +82,11 @@ pub(super) fn broken(variant: &Variant) -> Vec<(&'static str, String)> {
         max_nm < Wavelengths::VISIBLE_NM[0] || min_nm > Wavelengths::VISIBLE_NM[1],
         "wavelengths",
         "the range has no visible light, which is 380 to 780 nm (CIE 1931 observer): every colour would be black",
+    );
+    refuse(
+        mode == Mode::Baked && optics.obliquity == Obliquity::Unpolarised,
+        "obliquity",
+        "the share of each polarisation depends on both directions, and a table over (u, v, w) has only their sum; use \"stam\", \"te\" or \"tm\", or another mode",
     );
     let tabulated = matches!(variant.basis, Basis::Chebyshev | Basis::Optimal);
     refuse(

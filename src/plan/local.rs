@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use super::item::Table;
 use super::optics::OPTICS;
 use super::variants::{read_each, stated};
-use super::{Illuminant, Optics, Plan, Rejected, SurfaceSpec, Variant, constraints};
+use super::{Optics, Plan, Rejected, SurfaceSpec, Variant, constraints};
 
 /// Light and material of one surface. They override `[optics]`. A preset or an axis that states a value overrides them.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,9 +37,9 @@ impl SurfaceOptics {
         variant.optics
     }
 
-    /// The surface's own illuminant, if it has one.
-    pub(crate) fn illuminant_mut(&mut self) -> Option<&mut Illuminant> {
-        self.keys.contains(&"illuminant").then_some(&mut self.values.illuminant)
+    /// The optics that the surface states. Keys that it does not state have their defaults.
+    pub(crate) fn values_mut(&mut self) -> &mut Optics {
+        &mut self.values
     }
 
     /// Sets the values that the variant does not state itself.

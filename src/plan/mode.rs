@@ -58,6 +58,10 @@ pub(super) enum When {
     CountsReplicas,
     /// Errors above the limit are accepted.
     AcceptsError,
+    /// The relief is a dielectric.
+    IsDielectric,
+    /// It is not a dielectric in air with Stam's obliquity.
+    HasMatter,
 }
 
 /// The entries of the canonical configuration that a mode reads, apart from the mode itself. It ignores all others.
@@ -65,7 +69,7 @@ pub(super) struct Declared {
     /// Entries that every variant of the mode reads.
     pub(super) always: &'static [&'static [&'static str]],
     /// Entries that a variant reads if the condition holds.
-    pub(super) sometimes: &'static [(&'static str, When)],
+    pub(super) sometimes: &'static [&'static [(&'static str, When)]],
     /// Entries that are not read, but rejected with a reason if they differ from the default, by [`super::constraints::broken`].
     pub(super) refused: &'static [&'static str],
 }
@@ -75,18 +79,29 @@ const SERIES: &[&str] = &["basis", "terms", "min_nm", "max_nm", "table", "packin
 /// The entries of the coherence window.
 const WINDOW: &[&str] = &["coherence_um", "coherence", "coherence_scaling"];
 /// The entries of the gain and of the colours.
-const COLOURS: &[&str] = &["refractive_index", "shadowing", "illuminant", "colour"];
+const COLOURS: &[&str] = &["shadowing", "illuminant", "colour"];
+/// Further entries of the gain.
+const MATTER: &[(&str, When)] = &[
+    ("refractive_index", When::IsDielectric),
+    ("material", When::HasMatter),
+    ("cover_index", When::HasMatter),
+    ("films", When::HasMatter),
+    ("obliquity", When::HasMatter),
+];
 
 const FULL: Declared = Declared {
     always: &[SERIES, WINDOW, COLOURS],
     sometimes: &[
-        ("term_error", When::ChoosesTerms),
-        ("accept_error", When::AcceptsError),
-        ("reconstruction", When::IsPrefiltered),
-        ("window_radius", When::SumsBins),
-        ("step_nm", When::HasRange),
-        ("sampling", When::IsPrefiltered),
-        ("hoist", When::SumsBins),
+        MATTER,
+        &[
+            ("term_error", When::ChoosesTerms),
+            ("accept_error", When::AcceptsError),
+            ("reconstruction", When::IsPrefiltered),
+            ("window_radius", When::SumsBins),
+            ("step_nm", When::HasRange),
+            ("sampling", When::IsPrefiltered),
+            ("hoist", When::SumsBins),
+        ],
     ],
     refused: &["hoist"],
 };
@@ -94,10 +109,13 @@ const FULL: Declared = Declared {
 const PQ: Declared = Declared {
     always: &[SERIES, &["window_radius", "periods"], COLOURS],
     sometimes: &[
-        ("term_error", When::ChoosesTerms),
-        ("accept_error", When::AcceptsError),
-        ("step_nm", When::HasRange),
-        ("coherence_um", When::CountsReplicas),
+        MATTER,
+        &[
+            ("term_error", When::ChoosesTerms),
+            ("accept_error", When::AcceptsError),
+            ("step_nm", When::HasRange),
+            ("coherence_um", When::CountsReplicas),
+        ],
     ],
     refused: &["reconstruction", "hoist", "coherence", "coherence_scaling"],
 };
@@ -105,10 +123,13 @@ const PQ: Declared = Declared {
 const ADAPTIVE: Declared = Declared {
     always: &[SERIES, WINDOW, COLOURS],
     sometimes: &[
-        ("term_error", When::ChoosesTerms),
-        ("accept_error", When::AcceptsError),
-        ("reconstruction", When::IsPrefiltered),
-        ("sampling", When::IsPrefiltered),
+        MATTER,
+        &[
+            ("term_error", When::ChoosesTerms),
+            ("accept_error", When::AcceptsError),
+            ("reconstruction", When::IsPrefiltered),
+            ("sampling", When::IsPrefiltered),
+        ],
     ],
     refused: &["hoist"],
 };
@@ -119,13 +140,13 @@ const BAKED: Declared = Declared {
         WINDOW,
         COLOURS,
     ],
-    sometimes: &[],
+    sometimes: &[MATTER],
     refused: &[],
 };
 
 const ORDERS: Declared = Declared {
     always: &[&["min_nm", "max_nm", "lights"], WINDOW, COLOURS],
-    sometimes: &[],
+    sometimes: &[MATTER],
     refused: &[],
 };
 

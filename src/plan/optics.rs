@@ -12,6 +12,7 @@ use crate::hash::sha256;
 
 use super::axis::{Axis, Part, entry, valued, worded};
 use super::item::Item;
+use super::material::{self, Film, Material, Medium, Obliquity};
 use super::number::number;
 use super::words;
 
@@ -24,8 +25,16 @@ pub struct Optics {
     pub coherence: Coherence,
     /// How the coherence length depends on the wavelength.
     pub coherence_scaling: CoherenceScaling,
-    /// Refractive index `n` of the material.
+    /// What the relief is made of.
+    pub material: Material,
+    /// Refractive index `n` of a dielectric.
     pub refractive_index: f64,
+    /// Plane-parallel medium above the relief; 1 for none.
+    pub cover_index: Medium,
+    /// Films on the relief, from the outside in.
+    pub films: Vec<Film>,
+    /// How polarisation enters.
+    pub obliquity: Obliquity,
     /// V-cavity shadowing and masking.
     pub shadowing: bool,
     /// The light's spectrum.
@@ -71,7 +80,11 @@ impl Optics {
             coherence_um: 65.0,
             coherence: Coherence::Single,
             coherence_scaling: CoherenceScaling::Fixed,
+            material: Material::Dielectric,
             refractive_index: 1.5,
+            cover_index: Medium::Constant(1.0),
+            films: Vec::new(),
+            obliquity: Obliquity::Stam,
             shadowing: true,
             illuminant: "D65".into(),
             colour: Colour::Srgb,
@@ -80,23 +93,41 @@ impl Optics {
 
     /// Everything that exact tristimulus values depend on: all keys except the conversion to RGB.
     pub fn identity(&self) -> Value {
-        let Optics {
-            coherence_um,
-            coherence,
-            coherence_scaling,
-            refractive_index,
-            shadowing,
-            illuminant,
-            colour: _,
-        } = self;
-        json!([
-            coherence_um,
-            coherence,
-            coherence_scaling,
-            refractive_index,
-            shadowing,
-            illuminant.identity()
-        ])
+        let Window { coherence_um, coherence, coherence_scaling } = Window::from(self);
+        let mut parts = vec![json!(coherence_um), json!(coherence), json!(coherence_scaling)];
+        parts.extend(self.without_window());
+        Value::Array(parts)
+    }
+
+    /// Everything but the window and the conversion to RGB.
+    pub fn without_window(&self) -> Vec<Value> {
+        let mut parts = vec![
+            json!(self.refractive_index),
+            json!(self.shadowing),
+            json!(self.illuminant.identity()),
+        ];
+        parts.extend(self.matter());
+        parts
+    }
+
+    /// Whether the surface is a dielectric in air with Stam's obliquity.
+    pub fn is_plain(&self) -> bool {
+        let Optics { material, cover_index, films, obliquity, .. } = self;
+        *material == Material::Dielectric
+            && *cover_index == Medium::Constant(1.0)
+            && films.is_empty()
+            && *obliquity == Obliquity::Stam
+    }
+
+    /// Everything that reflectance depends on. `None` for a dielectric in air with Stam's obliquity.
+    pub fn matter(&self) -> Option<Value> {
+        let Optics { material, refractive_index, cover_index, films, obliquity, .. } = self;
+        let films: Vec<Value> = films.iter().map(Film::identity).collect();
+        let material = match material {
+            Material::Dielectric => json!([refractive_index]),
+            Material::Medium(medium) => medium.identity(),
+        };
+        (!self.is_plain()).then(|| json!([material, cover_index.identity(), films, obliquity]))
     }
 }
 
@@ -113,26 +144,21 @@ pub struct Window {
 
 impl From<&Optics> for Window {
     fn from(optics: &Optics) -> Window {
-        let &Optics {
-            coherence_um,
-            coherence,
-            coherence_scaling,
-            refractive_index: _,
-            shadowing: _,
-            illuminant: _,
-            colour: _,
-        } = optics;
+        let &Optics { coherence_um, coherence, coherence_scaling, .. } = optics;
         Window { coherence_um, coherence, coherence_scaling }
     }
 }
 
-/// The spectrum of a light: a CIE name, or the path of a file. A plan only names the file; [`crate::input`] reads it
-/// and adds its content with [`Illuminant::with_content`].
+/// A name, or the path of a file. A plan only names the file; [`crate::input`] reads it and adds its content with
+/// [`Data::with_content`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct Illuminant {
+pub struct Data {
     name: String,
     content: Option<Arc<Content>>,
 }
+
+/// The spectrum of a light: a CIE name, or the path of a file.
+pub type Illuminant = Data;
 
 #[derive(Debug, PartialEq)]
 struct Content {
@@ -141,7 +167,12 @@ struct Content {
     hash: String,
 }
 
-impl Illuminant {
+impl Data {
+    /// A name without content.
+    pub fn new(name: impl Into<String>) -> Data {
+        Data { name: name.into(), content: None }
+    }
+
     /// The name or path as written in the plan.
     pub fn name(&self) -> &str {
         &self.name
@@ -154,9 +185,9 @@ impl Illuminant {
 
     /// The same with the bytes of its file.
     #[must_use]
-    pub fn with_content(self, bytes: Vec<u8>) -> Illuminant {
+    pub fn with_content(self, bytes: Vec<u8>) -> Data {
         let hash = sha256(&bytes);
-        Illuminant { content: Some(Arc::new(Content { bytes, hash })), ..self }
+        Data { content: Some(Arc::new(Content { bytes, hash })), ..self }
     }
 
     /// Identity of its numbers: its name, or the hash of its file's content.
@@ -164,46 +195,46 @@ impl Illuminant {
         self.content.as_deref().map_or(&self.name, |content| &content.hash)
     }
 
-    /// Serialises [`Illuminant::identity`] in place of the name, for values whose hash names computed numbers.
+    /// Serialises [`Data::identity`] in place of the name, for values whose hash names computed numbers.
     pub fn serialize_identity<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.identity())
     }
 
-    /// `ill-f2` for a plain name. A path keeps its readable part, followed by eight digits of its hash.
-    fn name_part(&self) -> String {
+    /// `f2` for a plain name. A path keeps its readable part, followed by eight digits of its hash.
+    pub(super) fn part(&self) -> String {
         let text = self.name.as_str();
         let plain = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit();
         if !text.is_empty() && text.len() <= 16 && text.chars().all(plain) {
-            return format!("ill-{}", text.to_ascii_lowercase());
+            return text.to_ascii_lowercase();
         }
         let stem = text.rsplit(['/', '\\']).next().unwrap_or(text);
         let stem = stem.split('.').next().unwrap_or(stem).to_ascii_lowercase();
         let readable: String =
             stem.chars().filter(|c| c.is_ascii_alphanumeric()).take(24).collect();
-        format!("ill-{readable}-{}", &sha256(text.as_bytes())[..8])
+        format!("{readable}-{}", &sha256(text.as_bytes())[..8])
     }
 }
 
-impl<T: Into<String>> From<T> for Illuminant {
-    fn from(name: T) -> Illuminant {
-        Illuminant { name: name.into(), content: None }
+impl<T: Into<String>> From<T> for Data {
+    fn from(name: T) -> Data {
+        Data::new(name)
     }
 }
 
-impl Serialize for Illuminant {
+impl Serialize for Data {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(&self.name)
     }
 }
 
-impl fmt::Display for Illuminant {
+impl fmt::Display for Data {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.name)
     }
 }
 
 /// Keys of `[optics]`. As axes of the product they vary fastest.
-pub(super) static OPTICS: [Axis; 8] = [
+pub(super) static OPTICS: [Axis; 12] = [
     valued!(
         "coherence_um",
         optics.coherence_um,
@@ -243,13 +274,53 @@ pub(super) static OPTICS: [Axis; 8] = [
         ],
         part: Part::Alias,
     },
+    Axis {
+        words: || [&[material::DIELECTRIC], material::METALS].concat(),
+        ..valued!(
+            "material",
+            optics.material,
+            material::material,
+            "`{ nk = \"file.csv\" }`",
+            "what the relief is made of; `dielectric`: only `refractive_index` counts",
+            Part::Changed(|v| v.optics.material.part())
+        )
+    },
     valued!(
         "refractive_index",
         optics.refractive_index,
         refractive_index,
         "above 1, at most 5",
-        "refractive index of the material",
+        "refractive index of a dielectric",
         Part::Changed(|v| format!("n{}", number(v.optics.refractive_index)))
+    ),
+    Axis {
+        words: || material::COVERS.to_vec(),
+        ..valued!(
+            "cover_index",
+            optics.cover_index,
+            material::cover,
+            "1 to 4, `{ nk = \"file.csv\" }`",
+            "refractive index of a plane-parallel cover on the relief; 1 for none",
+            Part::Changed(|v| format!("under-{}", v.optics.cover_index.part()))
+        )
+    },
+    Axis {
+        is_one: Some(material::is_films),
+        ..valued!(
+            "films",
+            optics.films,
+            material::films,
+            "an array of `{ index, thickness_nm }`",
+            "thin films that follow the relief, from the outside in",
+            Part::Changed(|v| format!("films-{}", hash_part(&v.optics.films)))
+        )
+    },
+    worded!(
+        "obliquity",
+        optics.obliquity,
+        words::OBLIQUITIES,
+        "`stam`: mean of both polarisations' amplitudes; `unpolarised`: of their intensities; `te`, `tm`: one of them",
+        Part::Changed(|v| v.optics.obliquity.as_str().to_owned())
     ),
     valued!(
         "shadowing",
@@ -265,7 +336,7 @@ pub(super) static OPTICS: [Axis; 8] = [
         illuminant,
         "a CIE name, or a CSV file",
         "spectrum of the light",
-        Part::Changed(|v| v.optics.illuminant.name_part())
+        Part::Changed(|v| format!("ill-{}", v.optics.illuminant.part()))
     ),
     worded!(
         "colour",
@@ -275,6 +346,12 @@ pub(super) static OPTICS: [Axis; 8] = [
         Part::Changed(|_| "thesis".to_owned())
     ),
 ];
+
+/// Eight digits of the hash of films.
+fn hash_part(films: &[Film]) -> String {
+    let text = json!(films).to_string();
+    sha256(text.as_bytes())[..8].to_owned()
+}
 
 fn coherence_um(item: &Item) -> Option<f64> {
     let what = "the coherence length in µm; sunlight has about 65";

@@ -1,7 +1,7 @@
 //! Which keys a variant reads.
 
 use super::mode::{When, declared};
-use super::{Auto, Mode, Reconstruction, Variant};
+use super::{Auto, Material, Mode, Reconstruction, Variant};
 
 impl When {
     fn holds(self, variant: &Variant) -> bool {
@@ -12,6 +12,8 @@ impl When {
             When::HasRange => variant.wavelengths.max_nm > variant.wavelengths.min_nm,
             When::CountsReplicas => variant.periods.is_none(),
             When::AcceptsError => variant.accept_error,
+            When::IsDielectric => variant.optics.material == Material::Dielectric,
+            When::HasMatter => !variant.optics.is_plain(),
         }
     }
 }
@@ -24,11 +26,12 @@ pub(super) fn is_prefiltered(variant: &Variant) -> bool {
 pub(super) fn reads(variant: &Variant, key: &str) -> bool {
     let declared = declared(variant.mode);
     let is_such = |(known, when): &(&str, When)| *known == key && when.holds(variant);
-    declared.always_reads(key) || declared.sometimes.iter().any(is_such)
+    declared.always_reads(key) || declared.sometimes.iter().copied().flatten().any(is_such)
 }
 
 /// Whether variants of a mode may read an entry.
 pub(super) fn declares(mode: Mode, key: &str) -> bool {
     let declared = declared(mode);
-    declared.always_reads(key) || declared.sometimes.iter().any(|(known, _)| *known == key)
+    declared.always_reads(key)
+        || declared.sometimes.iter().copied().flatten().any(|(known, _)| *known == key)
 }

@@ -1,8 +1,8 @@
 //! The words of a plan, each with its meaning.
 
 use super::{
-    Basis, Coherence, CoherenceScaling, Colour, Container, Flip, Level, LightFunction, Packing,
-    Reconstruction, Sampling, TableFormat, Trust, VoidValue,
+    Basis, Coherence, CoherenceScaling, Colour, Container, Flip, Level, LightFunction, Obliquity,
+    Packing, Reconstruction, Sampling, TableFormat, Trust, VoidValue,
 };
 
 /// Words with their meanings.
@@ -42,6 +42,13 @@ pub(super) const COHERENCES: Words<Coherence> =
 
 pub(super) const SCALINGS: Words<CoherenceScaling> =
     &[("fixed", CoherenceScaling::Fixed), ("wavelength", CoherenceScaling::Wavelength)];
+
+pub(super) const OBLIQUITIES: Words<Obliquity> = &[
+    ("stam", Obliquity::Stam),
+    ("unpolarised", Obliquity::Unpolarised),
+    ("te", Obliquity::Te),
+    ("tm", Obliquity::Tm),
+];
 
 pub(super) const COLOURS: Words<Colour> = &[("srgb", Colour::Srgb), ("thesis", Colour::Thesis)];
 

@@ -7,7 +7,6 @@ use crate::error::{Error, Result};
 use crate::field::orders::OrderSum;
 use crate::field::reference::{Directions, Reference, evaluate_all};
 use crate::light::Light;
-use crate::optics::path_difference;
 use crate::shader::specialise;
 use crate::tables::Table;
 use crate::variant::{Arguments, Form, Twin};
@@ -80,8 +79,7 @@ impl<'a> TwinRunner<'a> {
     }
 
     fn twin(&self) -> Twin<'_> {
-        let Placement { rotate_deg, variant, .. } = self.placement;
-        Twin::new(&self.form, &self.tables, &variant.optics, rotate_deg)
+        Twin::new(&self.form, &self.tables, self.placement.rotate_deg)
     }
 }
 
@@ -118,7 +116,7 @@ impl Runner for TwinRunner<'_> {
         has_wavelengths(&self.placement.variant.name, &self.form)?;
         let twin = self.twin();
         let response = |d: Directions, (): &mut ()| {
-            let path = path_difference(d.wi, d.wr, self.placement.rotate_deg);
+            let path = self.form.matter().path(d.wi, d.wr, self.placement.rotate_deg);
             [twin.response(path, lambda_nm * 1e-3).unwrap_or(0.0), 0.0, 0.0]
         };
         Ok(evaluate_all(directions, &|_| (), response).into_iter().map(|r| r[0]).collect())

@@ -3,7 +3,6 @@
 use crate::defines::Defines;
 use crate::diagnostic::Diagnostic;
 use crate::error::Result;
-use crate::optics;
 use crate::plan::{Colour, Mode, Variant};
 use crate::shader::module::{Contract, Module, compile_with};
 use crate::shader::template::{Sources, specialise};
@@ -15,7 +14,7 @@ use crate::variant::{Form, Ground};
 pub const ROOT: &str = "shader";
 
 /// Flags that forms may set.
-const FLAGS: [&str; 12] = [
+const FLAGS: [&str; 13] = [
     "COHERENCE_SCALES",
     "DISC",
     "ENSEMBLE",
@@ -26,6 +25,7 @@ const FLAGS: [&str; 12] = [
     "PAIRED",
     "PREFILTERED",
     "RECTANGLE",
+    "SPECTRAL",
     "TABULATED",
     "THESIS_LOOP",
 ];
@@ -55,7 +55,7 @@ pub fn defines(variant: &Variant, form: &Form, rotate_deg: f64, wavelengths: usi
     defines.flag("COLOUR_THESIS", variant.optics.colour == Colour::Thesis);
     defines.flag("FILTERED", form.filters());
     defines.flag("ROTATED", rotate_deg != 0.0);
-    optics::define(&variant.optics, &mut defines);
+    form.matter().define(&mut defines);
     defines.flag("LONG_LOOPS", texels_per_step(form) > 1);
     form.define(wavelengths, &mut defines);
     defines

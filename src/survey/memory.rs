@@ -45,6 +45,8 @@ impl Memory {
         let specs = form.tables(Ground { surface: "", rotate_deg: 0.0 });
         let bytes = |spec: &TableSpec| spec.shape().byte_count() as u64;
         let is_order_sum = specs.iter().any(|spec| matches!(spec, TableSpec::Grating(_)));
+        let matter = form.matter();
+        let exact = |span| Reference::working_bytes(height, &variant.optics, matter, span);
         Memory {
             table_bytes: specs.iter().map(bytes).sum(),
             largest_table_bytes: specs.iter().map(bytes).max().unwrap_or(0),
@@ -54,10 +56,10 @@ impl Memory {
                 .map(|spec| spec.working_bytes(height, threads))
                 .max()
                 .unwrap_or(0),
-            probes_bytes: Reference::working_bytes(height, &variant.optics, Span::PROBES),
-            exact_bytes: Reference::working_bytes(height, &variant.optics, Span::ANYWHERE),
-            sky_bytes: if OrderSum::has_white_sky(height) {
-                OrderSum::working_bytes(height)
+            probes_bytes: exact(Span::PROBES),
+            exact_bytes: exact(Span::ANYWHERE),
+            sky_bytes: if OrderSum::has_white_sky(height, matter) {
+                OrderSum::working_bytes(height, matter)
             } else {
                 0
             },

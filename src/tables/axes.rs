@@ -5,8 +5,9 @@
 //!   texture is divided into pages.
 //! * **Rows**: `asinh(s·|(u, v)|)`: equal steps near the mirror direction, equal ratios away from it, since the
 //!   integral over wavelengths smears a lobe at `λ f` in proportion to the radius.
-//! * **Layers**: `w²/(4 - |(u, v)|²)`, which is always from 0 to 1. The square makes layers denser where directions are
-//!   steep and the phase `2πwh/λ` is large.
+//! * **Layers**: `(w² - w0²)/(4 - |(u, v)|²)`, which is always from 0 to 1. The square makes layers denser where
+//!   directions are steep and the phase `2πwh/λ` is large. `w0` is 0 in air. Under a cover of index n, `w` stands for
+//!   `n w'`, and `w0² = 4(n² - 1)`.
 
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -39,6 +40,13 @@ pub struct BakedAxes {
     pub stretch: f64,
     /// Rows per unit of `asinh`.
     pub pace: f64,
+    /// The least `w²`: 0 without a cover.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub least_w_squared: f64,
+}
+
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
 }
 
 impl BakedAxes {
@@ -65,6 +73,7 @@ impl BakedAxes {
                 levels: (fineness * TURN_LEVELS * turns).ceil() as u32 + 2,
                 stretch,
                 pace,
+                least_w_squared: 0.0,
             }
         };
         let texel = match format {
@@ -84,6 +93,12 @@ impl BakedAxes {
             axes = sized(fineness);
         }
         axes
+    }
+
+    /// The same under a cover.
+    #[must_use]
+    pub fn with_least_w_squared(self, least_w_squared: f64) -> BakedAxes {
+        BakedAxes { least_w_squared, ..self }
     }
 
     /// Number of texels of the table, including repeated columns.
@@ -127,7 +142,7 @@ impl BakedAxes {
     /// `w` of a layer of a page at a radius.
     pub fn w(&self, level: u32, radius: f64) -> f64 {
         let share = f64::from(level) / f64::from(self.levels - 1);
-        -(share * (4.0 - radius * radius).max(0.0)).sqrt()
+        -(self.least_w_squared + share * (4.0 - radius * radius).max(0.0)).sqrt()
     }
 }
 

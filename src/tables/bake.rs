@@ -1,7 +1,8 @@
 //! Baking: the wavelength integral computed in advance. Colours over `(u, v, w)`, without the gain.
 //!
 //! `XYZ(u, v, w) = ∫ |P((u, v)/λ; 2πw/λ)|² S(λ) (x̄, ȳ, z̄)(λ) dλ / ∫ S ȳ dλ`, or with the ensemble mean of `|P|²`, on
-//! the axes of [`super::BakedAxes`]. As λ runs over its range, `(u, v)/λ` moves along a radius. So all rows of a column
+//! the axes of [`super::BakedAxes`]. With other matter the integrand has the reflectance, too: on the relief the cosine
+//! between half vector and viewer is `|(u, v, n w')|/(2n)`. As λ runs over its range, `(u, v)/λ` moves along a radius. So all rows of a column
 //! share the amplitudes on one line of the frequency plane. These are the terms of the phase function, each under the
 //! coherence window, at equal steps of frequency. A row uses the wavelengths that fall on these steps, and combines the
 //! terms there for all `w` at once.
@@ -13,6 +14,7 @@ mod table;
 use rayon::prelude::*;
 
 use crate::error::Result;
+use crate::optics::Matter;
 use crate::optics::spectrum::Spectrum;
 use crate::plan::{Illuminant, Wavelengths, Window};
 use crate::surface::HeightField;
@@ -33,18 +35,29 @@ pub struct Colours {
     pub xyz: Vec<[f32; 3]>,
 }
 
+/// What is integrated.
+#[derive(Clone, Copy, Debug)]
+pub struct Light<'a> {
+    /// The coherence window.
+    pub window: Window,
+    /// The wavelengths.
+    pub range: &'a Wavelengths,
+    /// Material, films and cover, whose reflectance becomes part of the colours. `None`: a dielectric in air, whose
+    /// reflectance is part of the gain.
+    pub matter: Option<&'a Matter>,
+}
+
 /// Computes the colours. `done` is called with the number of columns finished since the last call, from any thread. The
 /// result does not depend on the number of threads.
 pub fn bake(
     height: &HeightField,
-    window: Window,
+    light: Light<'_>,
     illuminant: &Illuminant,
-    range: &Wavelengths,
     axes: BakedAxes,
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<Colours> {
     let spectrum = Spectrum::new(illuminant)?;
-    let lines = Lines::new(height, window, range, &spectrum, axes);
+    let lines = Lines::new(height, light, &spectrum, axes);
     let columns = axes.columns as usize;
     let cells = axes.rows as usize * axes.levels as usize;
     let blocks: Vec<Vec<[[f32; LANES]; 3]>> = (0..columns.div_ceil(LANES))
@@ -74,15 +87,14 @@ pub fn bake(
 /// its format.
 pub(super) fn working_bytes(
     height: &HeightField,
-    window: Window,
-    range: &Wavelengths,
+    light: Light<'_>,
     axes: BakedAxes,
     [texels, table]: [u64; 2],
     threads: usize,
 ) -> u64 {
     let cells = u64::from(axes.columns) * u64::from(axes.rows) * u64::from(axes.levels);
     let colours = cells * size_of::<[f32; 3]>() as u64;
-    let [making, lines] = line::bytes(height, window, range, &axes, threads);
+    let [making, lines] = line::bytes(height, light, &axes, threads);
     // what the threads computed, then the same in order; sharpening keeps a copy
     making.max(lines + 2 * colours).max(colours + texels).max(texels + table)
 }

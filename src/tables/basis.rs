@@ -34,6 +34,8 @@ pub struct Expansion {
     pub reach_um: f64,
     /// Maximum `|z|`, 1/µm: `2·2π/λmin`.
     pub z_max: f64,
+    /// Minimum `|z|`, 1/µm: 0 without a cover. Only the basis `optimal` uses it.
+    pub least_z: f64,
     /// Maximum `|z|` for which the basis `optimal` is optimised, 1/µm. From there to `z_max` its error grows.
     pub best_z: f64,
     /// The terms of a basis with functions of its own; empty for a power series. Terms beyond the last are zero.
@@ -46,18 +48,21 @@ impl Expansion {
     /// A basis for a surface and all wavelengths from `min_nm` up, with equal weight. This is the right choice for a
     /// bound on the error.
     pub fn new(basis: Basis, terms: u32, height: &HeightField, min_nm: f64) -> Expansion {
-        Expansion::best_from(min_nm, basis, terms, height, min_nm)
+        Expansion::over((0.0, min_nm), min_nm, basis, terms, height)
     }
 
     /// A basis that is optimised for wavelengths from `best_nm` up and is valid from `min_nm` up. This is the right
     /// choice for colours: if the shortest wavelengths had equal weight, every term would serve light that is hardly
     /// visible as much as all other light. Only the basis `optimal` depends on `best_nm`.
-    pub fn best_from(
+    ///
+    /// Under a cover `least_z` is the least phase per height, and wavelengths are those in air with the same greatest
+    /// phase per height.
+    pub fn over(
+        (least_z, min_nm): (f64, f64),
         best_nm: f64,
         basis: Basis,
         terms: u32,
         height: &HeightField,
-        min_nm: f64,
     ) -> Expansion {
         let (low_um, high_um) = height.range_um();
         let (origin_um, reach_um) = match basis {
@@ -72,14 +77,14 @@ impl Expansion {
             Basis::Optimal => {
                 let part = |h: &f64| if reach_um > 0.0 { (h - origin_um) / reach_um } else { 0.0 };
                 let levels = levels(height.heights_um().iter().map(part));
-                let half = z_max - 0.5 * best_z;
+                let half = z_max - 0.5 * (least_z + best_z);
                 let phase = half * reach_um;
-                let curves = optimal(phase, 0.5 * best_z / half, &levels);
+                let curves = optimal(phase, 0.5 * (best_z - least_z) / half, &levels);
                 let truncation = measured(&curves, phase, &levels);
                 (curves, truncation)
             }
         };
-        Expansion { basis, terms, origin_um, reach_um, z_max, best_z, curves, truncation }
+        Expansion { basis, terms, origin_um, reach_um, z_max, least_z, best_z, curves, truncation }
     }
 
     /// Whether the coefficients are a table. Otherwise they are powers of `z/z_max`.
@@ -104,7 +109,7 @@ impl Expansion {
     /// The share of the range of `s` that a table of coefficients uses for `|z|` up to a limit.
     fn part(&self, z: f64) -> f64 {
         let centre = -self.centre_z();
-        (centre.max(z - centre) / (self.z_max - centre)).clamp(0.0, 1.0)
+        ((centre - self.least_z).max(z - centre) / (self.z_max - centre)).clamp(0.0, 1.0)
     }
 
     /// The same expansion with the minimum number of terms whose bound is at most `error`.
@@ -133,15 +138,15 @@ impl Expansion {
     /// Middle of the z range, 1/µm. Its phase is part of the tables, so the coefficients cover only half of the range
     /// to either side.
     pub fn centre_z(&self) -> f64 {
-        if self.basis == Basis::Optimal { -0.5 * self.best_z } else { 0.0 }
+        if self.basis == Basis::Optimal { -0.5 * (self.least_z + self.best_z) } else { 0.0 }
     }
 
     /// Coefficient of a term at `z = τ·z_max`, `τ` in `[-1, 0]`.
     pub fn coefficient(&self, term: usize, tau: f64) -> f64 {
         match self.curves.get(term) {
             Some(curve) if self.basis == Basis::Optimal => {
-                let half = self.z_max - 0.5 * self.best_z;
-                curve.coefficient((tau * self.z_max + 0.5 * self.best_z) / half)
+                let centre = -self.centre_z();
+                curve.coefficient((tau * self.z_max + centre) / (self.z_max - centre))
             }
             Some(curve) => curve.coefficient(tau),
             None if self.is_tabulated() => 0.0,

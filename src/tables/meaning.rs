@@ -8,7 +8,7 @@ use crate::plan::Packing;
 use super::bake::COLOUR_SCALE;
 use super::orders::{CENTRE_NM, EfficiencyAxes, UNIT_NM, moment_columns};
 use super::spec::{CoefficientsSpec, LobesSpec};
-use super::{BakedAxes, Series, TableSpec, TermScale};
+use super::{BakedAxes, MatterSpec, Series, Table, TableSpec, TermScale};
 
 /// Number of levels of `|(u, v)|`, from 0 to 2, each with wavelength nodes of its own.
 pub const NODE_LEVELS: u32 = 64;
@@ -43,6 +43,10 @@ impl TableSpec {
             TableSpec::Efficiencies(spec) => efficiencies(&spec.axes),
             TableSpec::Moments(spec) => moments(spec.range_nm),
         };
+        let axes = match self.matter() {
+            Some(matter) => with_matter(axes, &self.shape(), matter),
+            None => axes,
+        };
         let scale = match self {
             TableSpec::Colours(_) => 1.0 / COLOUR_SCALE,
             _ => 1.0,
@@ -55,6 +59,34 @@ impl TableSpec {
         };
         Meaning { channels, axes, scale, term_scales }
     }
+}
+
+impl TableSpec {
+    /// The rows about the matter.
+    fn matter(&self) -> Option<&MatterSpec> {
+        match self {
+            TableSpec::Nodes(spec) => spec.settings.matter.as_ref(),
+            TableSpec::Levels(spec) => spec.settings.matter.as_ref(),
+            TableSpec::Lobes(spec) => spec.settings.matter.as_ref(),
+            _ => None,
+        }
+    }
+}
+
+/// Adds the meaning of the rows about the matter.
+fn with_matter(
+    mut axes: BTreeMap<&'static str, String>,
+    table: &Table,
+    matter: &MatterSpec,
+) -> BTreeMap<&'static str, String> {
+    let first = table.height - matter.rows();
+    let words = format!(
+        "; from {first} on, with a column for each of {} equal steps of the wavelength: {}",
+        table.width.max(2) - 1,
+        matter.meaning()
+    );
+    axes.entry("row").or_default().push_str(&words);
+    axes
 }
 
 type Words = (Vec<String>, BTreeMap<&'static str, String>);
@@ -145,6 +177,10 @@ fn colours(channels: usize, axes: &BakedAxes) -> Words {
     let names = names[..channels].iter().map(|s| (*s).to_owned()).collect();
     let BakedAxes { columns, pages, levels, stretch, pace, .. } = axes;
     let page = axes.page_columns();
+    let w = match axes.least_w_squared {
+        0.0 => "w²".to_owned(),
+        least => format!("(w² - {least})"),
+    };
     let axes = BTreeMap::from([
         (
             "column",
@@ -156,7 +192,7 @@ fn colours(channels: usize, axes: &BakedAxes) -> Words {
         (
             "layer",
             format!(
-                "{levels}·page + {} w²/(4 - u² - v²), for {pages} pages counted from 0; linear between",
+                "{levels}·page + {} {w}/(4 - u² - v²), for {pages} pages counted from 0; linear between",
                 levels - 1
             ),
         ),

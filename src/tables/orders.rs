@@ -7,6 +7,7 @@ use rustfft::num_complex::Complex64;
 use serde::Serialize;
 
 use crate::field::transform::{Bins, axes, heights_upwards_um, ifft2};
+use crate::optics::Matter;
 use crate::optics::spectrum::Spectrum;
 use crate::surface::HeightField;
 
@@ -33,20 +34,30 @@ pub struct EfficiencyAxes {
     pub columns: u32,
     /// Shortest wavelength, µm.
     pub min_um: f64,
+    /// Under a cover: wavelength in air whose greatest phase per height is the greatest here, µm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub covered_um: Option<f64>,
 }
 
 impl EfficiencyAxes {
-    /// The orders of a cell that can propagate at wavelengths from `min_nm` on, and as many columns as its height range
+    /// The orders of a cell that can propagate at the wavelengths of a range, and as many columns as its height range
     /// needs.
-    pub fn new(height: &HeightField, min_nm: f64) -> EfficiencyAxes {
-        let min_um = min_nm * 1e-3;
+    pub fn new(height: &HeightField, range_nm: [f64; 2], matter: &Matter) -> EfficiencyAxes {
+        let min_um = range_nm[0] * 1e-3;
+        let covered_um = matter.is_covered().then(|| matter.phase_min_nm(range_nm) * 1e-3);
         let (low_um, high_um) = height.range_um();
-        let phase = 2.0 * TAU / min_um * (high_um - low_um);
+        let phase = 2.0 * TAU / covered_um.unwrap_or(min_um) * (high_um - low_um);
         EfficiencyAxes {
             bins: Bins::reachable(height.size_x_um(), height.size_y_um(), 2.0 / min_um, 0),
             columns: (phase / COLUMN_PHASE).ceil().clamp(1.0, f64::from(u32::MAX)) as u32,
             min_um,
+            covered_um,
         }
+    }
+
+    /// The wavelength in air whose greatest phase per height is the greatest here, µm: without a cover the shortest one.
+    pub fn phase_min_um(&self) -> f64 {
+        self.covered_um.unwrap_or(self.min_um)
     }
 
     /// Number of columns over which the phase from the lowest to the highest point changes by `phase`.
@@ -56,7 +67,7 @@ impl EfficiencyAxes {
 
     /// `z = 2πw/λ` at the left edge of a column.
     fn z(&self, column: u32) -> f64 {
-        -2.0 * TAU / self.min_um * f64::from(column) / f64::from(self.columns)
+        -2.0 * TAU / self.phase_min_um() * f64::from(column) / f64::from(self.columns)
     }
 }
 

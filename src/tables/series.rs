@@ -7,6 +7,7 @@ use serde::Serialize;
 use crate::defines::Defines;
 use crate::error::Result;
 use crate::field::transform::Bins;
+use crate::optics::Matter;
 use crate::optics::spectrum::Spectrum;
 use crate::plan::{Basis, CoherenceScaling, Illuminant, Packing, TableFormat, Wavelengths};
 use crate::surface::HeightField;
@@ -43,6 +44,9 @@ pub struct LaidExpansion {
     choice: Choice,
     /// Shortest wavelength, nm.
     min_nm: f64,
+    /// Under a cover: the phases that the basis is for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    phases: Option<Phases>,
     #[serde(skip)]
     expansion: Arc<Expansion>,
     /// Error of the phase function as colours see it.
@@ -53,26 +57,53 @@ pub struct LaidExpansion {
     is_accepted: bool,
 }
 
+/// Phases per height under a cover.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+struct Phases {
+    /// Wavelength in air whose greatest phase per height is the greatest under the cover, nm.
+    min_nm: f64,
+    /// Least phase per height, 1/µm.
+    least_z: f64,
+    /// Phase per height at the wavelength from which on the basis is best, as `min_nm`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    best_nm: Option<f64>,
+}
+
 impl LaidExpansion {
     /// A basis on a surface. Time: for `optimal`, a singular value decomposition.
     pub fn new(
         basis: Basis,
         choice: Choice,
-        min_nm: f64,
+        [min_nm, max_nm]: [f64; 2],
+        matter: &Matter,
         height: &HeightField,
     ) -> Result<LaidExpansion> {
+        let phase_min_nm = matter.phase_min_nm([min_nm, max_nm]);
+        let least_z = matter.least_z([min_nm, max_nm]);
+        let over = |best_nm: f64, terms: u32| {
+            Expansion::over((least_z, phase_min_nm), best_nm, basis, terms, height)
+        };
+        let mut seen_nm = None;
         let expansion = match &choice {
-            Choice::Count(terms) => Expansion::new(basis, *terms, height, min_nm),
+            Choice::Count(terms) => over(phase_min_nm, *terms),
             Choice::Seen { terms, illuminant, max_nm } => {
                 let range = Wavelengths { min_nm, max_nm: *max_nm, step_nm: 1.0 };
                 let best_nm = Spectrum::new(illuminant)?.faint_below_nm(&range);
-                Expansion::best_from(best_nm, basis, *terms, height, min_nm)
+                let best_nm = matter.phase_min_nm([best_nm, *max_nm]);
+                seen_nm = Some(best_nm);
+                over(best_nm, *terms)
             }
-            Choice::Error(error) => Expansion::new(basis, 1, height, min_nm).with_error(*error),
+            Choice::Error(error) => over(phase_min_nm, 1).with_error(*error),
         };
         let seen_error = expansion.bound();
         let expansion = Arc::new(expansion);
-        Ok(LaidExpansion { basis, choice, min_nm, expansion, seen_error, is_accepted: false })
+        let phases = matter.is_covered().then_some(Phases {
+            min_nm: phase_min_nm,
+            least_z,
+            best_nm: seen_nm,
+        });
+        let is_accepted = false;
+        Ok(LaidExpansion { basis, choice, min_nm, phases, expansion, seen_error, is_accepted })
     }
 
     /// Sets what was found about its error: as colours see it, and whether it is above the limit but accepted.
@@ -186,6 +217,11 @@ impl Series {
         self.expansion.min_nm
     }
 
+    /// The wavelength in air whose greatest phase per height is the greatest here, nm: without a cover the shortest one.
+    pub fn phase_min_nm(&self) -> f64 {
+        self.expansion.phases.map_or(self.min_nm(), |phases| phases.min_nm)
+    }
+
     /// Whether the table contains the coherence window.
     pub fn is_prefiltered(&self) -> bool {
         self.grid.is_some()
@@ -211,7 +247,7 @@ impl Series {
 
     /// Settings of the spectrum table beside it.
     pub fn settings(&self, rotate_deg: f64) -> Settings {
-        Settings { rotate_deg, scale: self.scale }
+        Settings { rotate_deg, scale: self.scale, matter: None }
     }
 
     /// Number of columns of the table of coefficients; 0 without such a table.
@@ -285,5 +321,7 @@ impl Series {
         let whole = self.layers() as usize / 4 * 4;
         into.count("WHOLE_LAYERS", whole, "number of layers in whole groups of four");
         into.number("WAVELENGTH_MIN_UM", self.min_nm() * 1e-3, "shortest wavelength, µm");
+        let shortest = "wavelength in air whose greatest phase per height is the greatest here, µm";
+        into.number("PHASE_MIN_UM", self.phase_min_nm() * 1e-3, shortest);
     }
 }

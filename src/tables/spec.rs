@@ -18,9 +18,9 @@ use super::orders::{
     EfficiencyAxes, efficiencies_shape, efficiencies_table, moments_shape, moments_table,
 };
 use super::{
-    Aim, BakedAxes, LaidExpansion, LobeGeometry, Series, Settings, Table, TermLayers, TermScale,
-    bake, coefficients_shape, coefficients_table, grating_table, levels_table, rotation_table,
-    spectrum_shape, spectrum_table, strongest_period_um, terms_shape,
+    Aim, BakedAxes, LaidExpansion, LobeGeometry, MatterSpec, Series, Settings, Table, TermLayers,
+    TermScale, bake, coefficients_shape, coefficients_table, grating_table, levels_table,
+    rotation_table, spectrum_shape, spectrum_table, strongest_period_um, terms_shape,
 };
 
 /// A table, described by its inputs. Fields called `surface` are the identity of the heights. They are empty if the
@@ -132,11 +132,21 @@ pub struct ColoursSpec {
     pub aim: Aim,
     /// Sizes.
     pub axes: BakedAxes,
+    /// What reflectance is in the colours.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub matter: Option<MatterSpec>,
     /// Number format.
     pub format: TableFormat,
     /// As in [`TermsSpec::filtered`].
     #[serde(skip)]
     pub filtered: bool,
+}
+
+impl ColoursSpec {
+    fn light<'a>(&'a self, range: &'a Wavelengths) -> bake::Light<'a> {
+        let matter = self.matter.as_ref().map(MatterSpec::matter);
+        bake::Light { window: self.window, range, matter }
+    }
 }
 
 /// The inputs of the row of settings of a spectrum table.
@@ -146,23 +156,31 @@ pub struct SettingsSpec {
     pub rotate_deg: f64,
     /// The terms, if they are 16-bit floats: the row contains their scales.
     pub scaled: Option<Box<TermsSpec>>,
+    /// Rows about the matter of the surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub matter: Option<MatterSpec>,
 }
 
 impl SettingsSpec {
     /// The settings for a table of terms.
-    pub fn new(rotate_deg: f64, terms: &TermsSpec) -> SettingsSpec {
+    pub fn new(rotate_deg: f64, terms: &TermsSpec, matter: Option<MatterSpec>) -> SettingsSpec {
         let scaled = terms.series.format == TableFormat::F16;
-        SettingsSpec { rotate_deg, scaled: scaled.then(|| Box::new(terms.clone())) }
+        SettingsSpec { rotate_deg, scaled: scaled.then(|| Box::new(terms.clone())), matter }
     }
 
     /// The settings without terms.
-    pub fn without_terms(rotate_deg: f64) -> SettingsSpec {
-        SettingsSpec { rotate_deg, scaled: None }
+    pub fn without_terms(rotate_deg: f64, matter: Option<MatterSpec>) -> SettingsSpec {
+        SettingsSpec { rotate_deg, scaled: None, matter }
     }
 
     fn settings(&self) -> Settings {
         let scale = self.scaled.as_ref().map_or(TermScale::NONE, |terms| terms.series.scale());
-        Settings { rotate_deg: self.rotate_deg, scale }
+        Settings { rotate_deg: self.rotate_deg, scale, matter: self.matter.clone() }
+    }
+
+    /// Rows below all others.
+    fn rows(&self) -> usize {
+        self.matter.as_ref().map_or(0, MatterSpec::rows)
     }
 }
 
@@ -192,6 +210,9 @@ pub struct LevelsSpec {
     pub range_nm: [f64; 2],
     /// Number of nodes at every level.
     pub counts: Vec<u32>,
+    /// Least number of columns, for the rows about the matter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub columns: Option<usize>,
     /// Row 1.
     pub settings: SettingsSpec,
 }
@@ -288,13 +309,16 @@ impl TableSpec {
             TableSpec::Colours(spec) => {
                 Table { filtered: spec.filtered, ..bake::shape(&spec.axes, spec.format) }
             }
-            TableSpec::Nodes(spec) => spectrum_shape(spec.wavelengths.nodes_nm().len(), 2),
-            TableSpec::Levels(spec) => {
-                let widest = spec.counts.iter().copied().max().unwrap_or(1);
-                spectrum_shape(widest as usize, spec.counts.len() + 1)
+            TableSpec::Nodes(spec) => {
+                spectrum_shape(spec.wavelengths.nodes_nm().len(), 2 + spec.settings.rows())
             }
-            TableSpec::Lobes(LobesSpec { narrow: [columns, rows], .. }) => {
-                spectrum_shape(*columns as usize, 2 + 2 * *rows as usize)
+            TableSpec::Levels(spec) => {
+                let widest = spec.counts.iter().copied().max().unwrap_or(1) as usize;
+                let columns = widest.max(spec.columns.unwrap_or(1));
+                spectrum_shape(columns, spec.counts.len() + 1 + spec.settings.rows())
+            }
+            TableSpec::Lobes(LobesSpec { narrow: [columns, rows], settings, .. }) => {
+                spectrum_shape(*columns as usize, 2 + 2 * *rows as usize + settings.rows())
             }
             TableSpec::Grating(_) | TableSpec::Rotation(_) => spectrum_shape(1, 2),
             TableSpec::Efficiencies(spec) => efficiencies_shape(&spec.axes),
@@ -346,7 +370,7 @@ impl TableSpec {
             TableSpec::Colours(spec) => {
                 let range = range(spec.range_nm);
                 let sizes = [texels, table];
-                bake::working_bytes(height, spec.window, &range, spec.axes, sizes, threads)
+                bake::working_bytes(height, spec.light(&range), spec.axes, sizes, threads)
             }
             _ => texels + table,
         }
@@ -378,8 +402,8 @@ impl TableSpec {
             TableSpec::Coefficients(spec) => coefficients_table(spec.expansion.get(), spec.columns),
             TableSpec::Colours(spec) => {
                 let range = range(spec.range_nm);
-                let colours =
-                    bake::bake(height, spec.window, &spec.illuminant, &range, spec.axes, done)?;
+                let light = spec.light(&range);
+                let colours = bake::bake(height, light, &spec.illuminant, spec.axes, done)?;
                 let table = bake::table(&bake::sharpen(colours), spec.format);
                 Table { filtered: spec.filtered, ..table }
             }
@@ -390,7 +414,7 @@ impl TableSpec {
             TableSpec::Levels(spec) => {
                 let spectrum = Spectrum::new(&spec.illuminant)?;
                 let levels = spectrum.warped_samples(&range(spec.range_nm), &spec.counts);
-                levels_table(&levels, spec.settings.settings())
+                levels_table(&levels, spec.columns.unwrap_or(1), spec.settings.settings())
             }
             TableSpec::Lobes(spec) => lobes(spec)?,
             TableSpec::Grating(spec) => {

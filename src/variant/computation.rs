@@ -1,12 +1,12 @@
 //! The interface of all forms.
 
 use crate::defines::Defines;
-use crate::optics;
+use crate::optics::{Matter, REFERENCE_NM, window_sigma_um};
 use crate::plan::{Colour, Optics};
 use crate::tables::{Series, TableSpec};
 
 use super::tolerance::Promise;
-use super::{Cost, DIRECTIONAL, ErrorBound, Function, LobeBounds};
+use super::{Coat, Cost, DIRECTIONAL, ErrorBound, Function, LobeBounds};
 
 /// The facts about a surface that the names of its tables depend on.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +22,14 @@ pub trait Computation {
     /// Sets the flags and constants of its templates. `wavelengths`: number of nodes of the spectrum table, 1 for a
     /// single wavelength.
     fn define(&self, wavelengths: usize, into: &mut Defines);
+
+    /// What the surface is made of, as the shader has it.
+    fn coat(&self) -> &Coat;
+
+    /// What the surface is made of.
+    fn matter(&self) -> &Matter {
+        &self.coat().matter
+    }
 
     /// Its tables, in the order of their bindings.
     fn tables(&self, on: Ground<'_>) -> Vec<TableSpec>;
@@ -89,7 +97,8 @@ pub trait Computation {
 
     /// Radiance relative to a white diffuser, per unit of its result. `None` if the unit is arbitrary.
     fn diffuser_scale(&self, optics: &Optics) -> Option<f64> {
-        (!self.has_arbitrary_unit()).then(|| optics::diffuser_scale(optics))
+        let sigma_um = window_sigma_um(optics, REFERENCE_NM);
+        (!self.has_arbitrary_unit()).then(|| self.matter().diffuser_scale(sigma_um))
     }
 
     /// Unit of its result, in words.

@@ -20,7 +20,7 @@ use crate::plan::{
 use crate::surface::HeightField;
 use crate::tables::{CoefficientsSpec, NodesSpec, Series, SettingsSpec, TableSpec, TermsSpec};
 
-use super::{Computation, Ground};
+use super::{Coat, Computation, Ground};
 
 pub use baked::Baked;
 pub use full_prefiltered::FullPrefiltered;
@@ -104,15 +104,15 @@ const WAVELENGTH_COUNT: &str = "number of wavelengths in the sum";
 fn uniform_tables(
     series: &Series,
     filtered: bool,
-    illuminant: &Illuminant,
-    wavelengths: Wavelengths,
+    (illuminant, wavelengths): (&Illuminant, Wavelengths),
+    coat: &Coat,
     on: Ground<'_>,
 ) -> Vec<TableSpec> {
     let terms = TermsSpec { surface: on.surface.to_owned(), series: series.clone(), filtered };
     let nodes = NodesSpec {
         illuminant: illuminant.clone(),
         wavelengths,
-        settings: SettingsSpec::new(on.rotate_deg, &terms),
+        settings: SettingsSpec::new(on.rotate_deg, &terms, coat.rows.clone()),
     };
     let coefficients = CoefficientsSpec::new(on.surface, series).map(TableSpec::Coefficients);
     [TableSpec::Terms(terms), TableSpec::Nodes(nodes)].into_iter().chain(coefficients).collect()

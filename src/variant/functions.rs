@@ -10,6 +10,7 @@ mod rectangle;
 use serde::Serialize;
 
 use crate::error::Result;
+use crate::optics::Matter;
 use crate::plan::{LightFunction, Optics};
 use crate::surface::HeightField;
 
@@ -92,6 +93,6 @@ pub fn function_of(light: LightFunction) -> &'static dyn Function {
 
 /// Radiance of the light of a call, seen in a mirror of the material at normal incidence, relative to a white. Probes'
 /// tolerances are relative to it.
-pub fn mirrored(arguments: &Arguments, optics: &Optics) -> f64 {
-    lamps::mirrored(arguments, optics)
+pub fn mirrored(arguments: &Arguments, matter: &Matter) -> f64 {
+    lamps::mirrored(arguments, matter)
 }

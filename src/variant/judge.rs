@@ -1,11 +1,12 @@
 //! Whether a series is good enough to be built, and what would be.
 
 use crate::error::{Error, Result};
+use crate::optics::Matter;
 use crate::optics::spectrum::{Sample, Spectrum};
 use crate::plan::{Auto, Basis, TableFormat, Variant, Wavelengths};
 use crate::surface::HeightField;
 use crate::surface::facts::{Outliers, outliers};
-use crate::tables::basis::{Expansion, MAX_TERMS, max_z};
+use crate::tables::basis::{Expansion, MAX_TERMS};
 use crate::tables::{Choice, LaidExpansion};
 
 /// Maximum error of the phase function, as colours see it, of a variant that does not state `accept_error = true`.
@@ -50,11 +51,11 @@ impl Light {
 
     /// Error of the phase function as colours see it: the error, the same at all wavelengths, that would change X, Y or Z
     /// as much as these errors may. An error ε of an amplitude of at most 1 changes its square by at most 2ε + ε².
-    pub(super) fn seen_error(&self, expansion: &Expansion) -> f64 {
+    pub(super) fn seen_error(&self, expansion: &Expansion, matter: &Matter) -> f64 {
         let mut sums = [[0.0; 2]; 3];
         for sample in &self.samples {
             // the square of a larger number may be infinite
-            let error = expansion.bound_to(max_z(sample.lambda_nm)).min(1e100);
+            let error = expansion.bound_to(matter.max_z(sample.lambda_nm)).min(1e100);
             for (sum, weight) in sums.iter_mut().zip(sample.xyz) {
                 *sum = [sum[0] + weight * (2.0 * error + error * error), sum[1] + weight];
             }
@@ -82,6 +83,7 @@ const WHOLE: f64 = 0.9;
 pub(super) fn judge(
     variant: &Variant,
     height: &HeightField,
+    matter: &Matter,
     laid: &LaidExpansion,
     light: &Light,
 ) -> Result<bool> {
@@ -94,11 +96,11 @@ pub(super) fn judge(
             "the search for terms ended at its maximum: {terms} terms of {basis} have an error of the phase function of \
              {bound:.1e} on heights over {range_um:.3} µm, above term_error = {wanted:e}"
         )
-    } else if light.seen_error(expansion) > MAX_PHASE_ERROR {
+    } else if light.seen_error(expansion, matter) > MAX_PHASE_ERROR {
         format!(
             "{terms} terms of {basis} have an error of the phase function of {:.1e} as colours see it on heights over \
              {range_um:.3} µm, above {MAX_PHASE_ERROR}",
-            light.seen_error(expansion)
+            light.seen_error(expansion, matter)
         )
     } else if let Some((error, limit)) = rounded_away(variant.table, expansion) {
         format!(
@@ -112,8 +114,8 @@ pub(super) fn judge(
     if variant.accept_error {
         return Ok(true);
     }
-    let mut remedies = advice(variant, height, light)?;
-    remedies.extend(dust(variant, height, light)?);
+    let mut remedies = advice(variant, height, matter, light)?;
+    remedies.extend(dust(variant, height, matter, light)?);
     let remedy = format!("{}; accept_error = true builds it all the same", remedies.join("; or "));
     Err(Error::new(&variant.name, cause).remedy(remedy))
 }
@@ -132,13 +134,18 @@ fn rounded_away(format: TableFormat, expansion: &Expansion) -> Option<(f64, f64)
 }
 
 /// Numbers of terms that would do on the surface: of the configured basis, and of the basis that needs fewest.
-fn advice(variant: &Variant, height: &HeightField, light: &Light) -> Result<Vec<String>> {
+fn advice(
+    variant: &Variant,
+    height: &HeightField,
+    matter: &Matter,
+    light: &Light,
+) -> Result<Vec<String>> {
     let mut words = Vec::new();
-    if let Some(terms) = enough(variant, variant.basis, height, light)? {
+    if let Some(terms) = enough(variant, variant.basis, height, matter, light)? {
         words.push(format!("use terms = {terms}"));
     }
     if variant.basis != Basis::Optimal
-        && let Some(terms) = enough(variant, Basis::Optimal, height, light)?
+        && let Some(terms) = enough(variant, Basis::Optimal, height, matter, light)?
     {
         words.push(format!("use basis = \"optimal\", where terms = {terms} would do"));
     }
@@ -157,6 +164,7 @@ fn enough(
     variant: &Variant,
     basis: Basis,
     height: &HeightField,
+    matter: &Matter,
     light: &Light,
 ) -> Result<Option<u32>> {
     let Variant { optics, wavelengths, table, .. } = variant;
@@ -168,20 +176,26 @@ fn enough(
         },
         _ => Choice::Count(1),
     };
-    let laid = LaidExpansion::new(basis, choice, wavelengths.min_nm, height)?;
+    let range_nm = [wavelengths.min_nm, wavelengths.max_nm];
+    let laid = LaidExpansion::new(basis, choice, range_nm, matter, height)?;
     let mut expansion = laid.get().clone();
     Ok((1..=MAX_TERMS).find(|terms| {
         expansion.terms = *terms;
-        light.seen_error(&expansion) <= MAX_PHASE_ERROR
+        light.seen_error(&expansion, matter) <= MAX_PHASE_ERROR
             && rounded_away(*table, &expansion).is_none()
     }))
 }
 
 /// What clipping would do, if a few pixels make most of the height range.
-fn dust(variant: &Variant, height: &HeightField, light: &Light) -> Result<Option<String>> {
+fn dust(
+    variant: &Variant,
+    height: &HeightField,
+    matter: &Matter,
+    light: &Light,
+) -> Result<Option<String>> {
     let Some(found) = outliers(height)? else { return Ok(None) };
     let Outliers { percent, pixels, share, farthest_um, clipped } = &found;
-    let then = match enough(variant, variant.basis, clipped, light)? {
+    let then = match enough(variant, variant.basis, clipped, matter, light)? {
         Some(terms) => format!(", which needs terms = {terms}"),
         None => String::new(),
     };

@@ -2,6 +2,7 @@
 
 use crate::error::Result;
 use crate::field::transform::Bins;
+use crate::optics::Matter;
 use crate::plan::{Auto, Basis, Variant};
 use crate::surface::HeightField;
 use crate::tables::{Choice, LaidExpansion};
@@ -9,7 +10,11 @@ use crate::tables::{Choice, LaidExpansion};
 use super::judge::{Light, judge};
 
 /// The configured basis on a surface. It is an error if it is not good enough there.
-pub(super) fn expansion(variant: &Variant, height: &HeightField) -> Result<LaidExpansion> {
+pub(super) fn expansion(
+    variant: &Variant,
+    height: &HeightField,
+    matter: &Matter,
+) -> Result<LaidExpansion> {
     let choice = match variant.terms {
         // for a given number of terms, the basis is optimised for colours
         Auto::Value(terms) if variant.basis == Basis::Optimal => Choice::Seen {
@@ -20,10 +25,10 @@ pub(super) fn expansion(variant: &Variant, height: &HeightField) -> Result<LaidE
         Auto::Value(terms) => Choice::Count(terms),
         Auto::Auto => Choice::Error(variant.term_error),
     };
-    let laid = LaidExpansion::new(variant.basis, choice, variant.wavelengths.min_nm, height)?;
+    let laid = LaidExpansion::new(variant.basis, choice, range_nm(variant), matter, height)?;
     let light = Light::new(variant)?;
-    let is_accepted = judge(variant, height, &laid, &light)?;
-    let seen_error = light.seen_error(laid.get());
+    let is_accepted = judge(variant, height, matter, &laid, &light)?;
+    let seen_error = light.seen_error(laid.get(), matter);
     Ok(laid.judged(seen_error, is_accepted))
 }
 

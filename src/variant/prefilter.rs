@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 use crate::error::{Error, Result};
-use crate::optics;
+use crate::optics::{self, Matter};
 use crate::plan::Variant;
 use crate::surface::HeightField;
 use crate::tables::terms::Grid;
@@ -30,9 +30,9 @@ pub const NODE_ERROR: f64 = 0.07;
 const COLOUR_PATH_UM: f64 = 4.5;
 
 /// The terms of a variant on the grid.
-pub(super) fn series(variant: &Variant, height: &HeightField) -> Result<Series> {
+pub(super) fn series(variant: &Variant, height: &HeightField, matter: &Matter) -> Result<Series> {
     let grid = grid(variant, height)?;
-    let expansion = lay::expansion(variant, height)?;
+    let expansion = lay::expansion(variant, height, matter)?;
     let reach = Reach::Prefiltered { coherence_um: variant.optics.coherence_um };
     // one more, for the neighbouring texel
     let bins = lay::bins(grid.size_um, variant.wavelengths.min_nm, [1; 2]);
@@ -109,7 +109,7 @@ pub fn grid_error(grid: &Grid) -> f64 {
 
 /// Number of wavelength nodes at every level of `|(u, v)|`, for the upper end of the level. For a single wavelength,
 /// one level with one node.
-pub(super) fn node_counts(variant: &Variant, height: &HeightField) -> Vec<u32> {
+pub(super) fn node_counts(variant: &Variant, height: &HeightField, matter: &Matter) -> Vec<u32> {
     let waves = &variant.wavelengths;
     if waves.max_nm <= waves.min_nm {
         return vec![1];
@@ -118,9 +118,10 @@ pub(super) fn node_counts(variant: &Variant, height: &HeightField) -> Vec<u32> {
     let sigma_um = optics::window_sigma_um(&variant.optics, optics::REFERENCE_NM);
     let pace = 2.0 * (-NODE_ERROR.ln()).sqrt();
     let (low_um, high_um) = height.range_um();
+    let detail_um = matter.detail_um(high_um - low_um);
     let count = |level: u32| {
         let uv = 2.0 * f64::from(level + 1) / f64::from(NODE_LEVELS);
-        let path_um = pace * (uv * sigma_um + high_um - low_um) + COLOUR_PATH_UM;
+        let path_um = pace * (uv * sigma_um + detail_um) + COLOUR_PATH_UM;
         (range * path_um).ceil().max(1.0) as u32
     };
     (0..NODE_LEVELS).map(count).collect()

@@ -6,7 +6,8 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::light::{Light, Lights};
-use crate::plan::{Basis, Optics, TableFormat};
+use crate::optics::Matter;
+use crate::plan::{Basis, TableFormat};
 use crate::tables::Series;
 
 use super::{Arguments, Form, function_of, mirrored};
@@ -218,9 +219,9 @@ const OWN_LIGHT: f64 = 2e-3;
 
 /// Maximum difference of each of X, Y and Z of a call of a function of lights with a size from `expected` in a shader of
 /// 32-bit floats: the larger of 2e-3 of the result's own maximum and of 2e-5 of what a mirror of the material shows.
-pub fn light_tolerance(arguments: &Arguments, optics: &Optics, expected: &[f64; 3]) -> f64 {
+pub fn light_tolerance(arguments: &Arguments, matter: &Matter, expected: &[f64; 3]) -> f64 {
     let largest = expected.iter().fold(0.0, |max: f64, v| max.max(v.abs()));
-    (OWN_LIGHT * largest).max(CENTRED * mirrored(arguments, optics))
+    (OWN_LIGHT * largest).max(CENTRED * mirrored(arguments, matter))
 }
 
 /// 32-bit arithmetic under lights with a size, relative to the maximum (4e-5 under the sun).

@@ -12,6 +12,7 @@ mod efficiencies;
 mod full;
 mod gems;
 pub(super) mod lamps;
+mod matter;
 pub mod mesh;
 mod nodes;
 mod pq;
@@ -24,10 +25,9 @@ mod window;
 use glam::DVec3;
 
 use crate::field::reference::Directions;
-use crate::plan::Optics;
-use crate::tables::{COEFFICIENTS, SPECTRUM, Settings, TERMS, Table, TermScale, single_wavelength};
+use crate::tables::{COEFFICIENTS, SPECTRUM, Settings, TERMS, Table, single_wavelength};
 
-use super::{Arguments, Form};
+use super::{Arguments, Form, FullPrefiltered, FullWindow, Pq};
 
 /// Everything that a pixel of a variant reads, and the variant's algorithm.
 #[derive(Clone, Copy)]
@@ -40,27 +40,19 @@ pub struct Twin<'a> {
     pub spectrum: &'a Table,
     /// Table of coefficients or of moments, rounded or not. Empty if the form has neither.
     pub coefficients: &'a Table,
-    /// Light and material.
-    pub optics: &'a Optics,
     /// Rotation of the surface, degrees.
     pub rotate_deg: f64,
 }
 
 impl<'a> Twin<'a> {
     /// Finds the tables by their bindings.
-    pub fn new(
-        form: &'a Form,
-        tables: &'a [Table],
-        optics: &'a Optics,
-        rotate_deg: f64,
-    ) -> Twin<'a> {
+    pub fn new(form: &'a Form, tables: &'a [Table], rotate_deg: f64) -> Twin<'a> {
         let at = |binding| tables.iter().find(|t| t.binding == binding).unwrap_or(&ABSENT);
         Twin {
             form,
             terms: at(TERMS),
             spectrum: at(SPECTRUM),
             coefficients: at(COEFFICIENTS),
-            optics,
             rotate_deg,
         }
     }
@@ -68,9 +60,9 @@ impl<'a> Twin<'a> {
     /// Relative tristimulus values of `ρ`.
     pub fn tristimulus(&self, directions: Directions) -> [f64; 3] {
         match self.form {
-            Form::FullWindow(_) | Form::FullPrefiltered(_) | Form::Pq(_) => {
-                nodes::tristimulus(self, directions)
-            }
+            Form::FullWindow(FullWindow { coat, .. })
+            | Form::FullPrefiltered(FullPrefiltered { coat, .. })
+            | Form::Pq(Pq { coat, .. }) => nodes::tristimulus(self, coat, directions),
             Form::Lobes(form) => {
                 let bins = adaptive::Bins::Series(&form.series);
                 adaptive::tristimulus(self, &form.sum, bins, directions)
@@ -105,24 +97,28 @@ impl<'a> Twin<'a> {
         match self.form {
             Form::FullWindow(form) => Some(full::response(self, form, path, lambda_um)),
             Form::FullPrefiltered(form) => {
-                Some(prefiltered::response(self, &form.series, path, lambda_um))
+                Some(prefiltered::response(self, &form.series, &form.coat, path, lambda_um))
             }
-            Form::Warped(form) => Some(prefiltered::response(self, &form.series, path, lambda_um)),
+            Form::Warped(form) => {
+                Some(prefiltered::response(self, &form.series, &form.coat, path, lambda_um))
+            }
             Form::Pq(form) => Some(pq::response(self, form, path, lambda_um)),
             // the segment shrinks to a point
             Form::Lobes(form) => {
-                let settings = form.series.settings(self.rotate_deg);
+                let matter = form.sum.coat.rows.clone();
+                let settings = Settings { matter, ..form.series.settings(self.rotate_deg) };
                 let spectrum = single_wavelength(1e3 * lambda_um, settings);
                 let twin = Twin { spectrum: &spectrum, ..*self };
                 let bins = adaptive::Bins::Series(&form.series);
-                Some(adaptive::corridor(&twin, &form.sum, bins, path).x)
+                Some(adaptive::corridor(&twin, &form.sum, bins, path, None).x)
             }
             Form::Orders(form) => {
-                let settings = Settings { rotate_deg: self.rotate_deg, scale: TermScale::NONE };
+                let matter = form.sum.coat.rows.clone();
+                let settings = Settings { matter, ..Settings::rotated(self.rotate_deg) };
                 let spectrum = single_wavelength(1e3 * lambda_um, settings);
                 let twin = Twin { spectrum: &spectrum, ..*self };
                 let bins = adaptive::Bins::Efficiencies(form);
-                Some(adaptive::corridor(&twin, &form.sum, bins, path).x)
+                Some(adaptive::corridor(&twin, &form.sum, bins, path, None).x)
             }
             Form::Gems(_) | Form::Baked(_) => None,
         }

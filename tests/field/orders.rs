@@ -7,7 +7,7 @@ use diffraction_shaders::field::orders::OrderSum;
 use diffraction_shaders::field::reference::{Directions, Reference};
 use diffraction_shaders::light::{Cap, Emitter, Light, Polygon};
 use diffraction_shaders::optics::spectrum::Spectrum;
-use diffraction_shaders::optics::{diffuser_scale, direction, gain, normal_reflectance};
+use diffraction_shaders::optics::{Matter, diffuser_scale, direction};
 use diffraction_shaders::plan::{Coherence, CoherenceScaling, Grating, Optics};
 use diffraction_shaders::surface::HeightField;
 use diffraction_shaders::surface::synthetic::synthesise;
@@ -44,6 +44,7 @@ fn brute(
     // light without edges is smooth
     let step_nm = if emitter.bounds().radius_rad < PI { 0.02 } else { 0.25 };
     let spectrum = Spectrum::new(&optics.illuminant).unwrap();
+    let matter = Matter::new(optics).unwrap();
     let turn = DVec2::from_angle(rotate_deg.to_radians());
     let mut xyz = DVec3::ZERO;
     for r in -8i64..=8 {
@@ -60,10 +61,9 @@ fn brute(
                 if emitter.margin(wi) < 0.0 {
                     continue;
                 }
-                let z = -TAU / (lambda_nm * 1e-3) * (wi.z + wr.z);
+                let z = TAU / (lambda_nm * 1e-3) * matter.w(wi, wr, lambda_nm);
                 let square = coefficient_brute(height, r, s, z).norm_sqr();
-                let share =
-                    normal_reflectance(optics.refractive_index) * gain(wi, wr, optics) / wi.z;
+                let share = matter.normal_reflectance() * matter.gain(wi, wr, lambda_nm) / wi.z;
                 let weight = share * square * emitter.radiance(wi) * step_nm;
                 xyz += weight * DVec3::from(spectrum.per_nm(lambda_nm));
             }
@@ -200,7 +200,7 @@ fn the_integral_of_the_directional_colours_is_the_sum_over_orders() {
             .zip(colours)
             .map(|(d, colour)| DVec3::from(colour) * (glow.radiance(d.wi) / d.wi.z * cell))
             .sum();
-        (sum * diffuser_scale(&optics) / PI).to_array()
+        (sum * diffuser_scale(&optics).unwrap() / PI).to_array()
     };
     let exact = OrderSum::new(&height, 0.0, &optics()).unwrap().radiance(&glow, wr);
     let same = integral(CoherenceScaling::Wavelength);

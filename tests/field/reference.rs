@@ -7,7 +7,7 @@ use diffraction_shaders::field::reference::{Directions, Reference};
 use diffraction_shaders::optics::brdf_map::view_directions;
 use diffraction_shaders::optics::colour_difference::colour_difference;
 use diffraction_shaders::optics::spectrum::Spectrum;
-use diffraction_shaders::optics::{direction, gain};
+use diffraction_shaders::optics::{Matter, direction};
 use diffraction_shaders::plan::{
     Auto, Basis, CoherenceScaling, Grating, Optics, Packing, Reconstruction, Sampling, Variant,
     Wavelengths,
@@ -46,7 +46,7 @@ fn uniform(
     });
     let mut scratch = Scratch::default();
     let mut colour = |d: &Directions| {
-        let c = gain(d.wi, d.wr, optics);
+        let c = Matter::new(optics).unwrap().gain(d.wi, d.wr, 550.0);
         samples.iter().fold([0.0; 3], |sum: [f64; 3], node| {
             let response = c * reference.response(*d, node.lambda_nm, &mut scratch);
             std::array::from_fn(|i| sum[i] + node.xyz[i] * response)
@@ -214,7 +214,7 @@ fn the_mirror_direction_shows_the_zero_order() {
         let efficiency = (x.sin() / (n * (x / n).sin())).powi(2);
         std::array::from_fn(|c| sum[c] + spectrum.per_nm(f64::from(nm))[c] * efficiency)
     });
-    let c = gain(d.wi, d.wr, &optics);
+    let c = Matter::new(&optics).unwrap().gain(d.wi, d.wr, 550.0);
     for (got, closed) in got.iter().zip(closed) {
         assert!((got - c * closed).abs() < 1e-4, "{got} against {}", c * closed);
     }

@@ -147,7 +147,7 @@ fn an_optimum_for_the_light_that_is_seen_errs_less_there() {
             .fold(0.0, f64::max)
     };
     let alike = Expansion::new(Basis::Optimal, 5, &height, 380.0);
-    let best = Expansion::best_from(seen_nm, Basis::Optimal, 5, &height, 380.0);
+    let best = Expansion::over((0.0, 380.0), seen_nm, Basis::Optimal, 5, &height);
     let found = [&best, &alike].map(|one| [false, true].map(|beyond| greatest(one, beyond)));
     assert!(found[0][0] < 0.8 * found[1][0], "{found:?}");
     assert!(greatest(&best, true) > greatest(&alike, true));
@@ -204,7 +204,7 @@ fn difference(height: &HeightField, variant: &Variant, spoil: bool) -> ColourDif
         let table = tables.iter_mut().find(|t| t.name == "coefficients").unwrap();
         table.texels.chunks_mut(4).for_each(|texel| texel.swap(1, 2));
     }
-    let twin = Twin::new(&form, &tables, &variant.optics, 0.0);
+    let twin = Twin::new(&form, &tables, 0.0);
     let got: Vec<[f64; 3]> = directions.iter().map(|&d| twin.tristimulus(d)).collect();
     colour_difference(&variant.name, &want, &got, None).unwrap()
 }

@@ -132,7 +132,7 @@ fn weights_without_their_jacobian_are_found() {
     let form = Form::new(variant, height).unwrap();
     let mut tables = specialise::tables(&form, height, 0.0).unwrap();
     let colours = |tables: &[Table]| -> Vec<[f64; 3]> {
-        let twin = Twin::new(&form, tables, &variant.optics, 0.0);
+        let twin = Twin::new(&form, tables, 0.0);
         directions.iter().map(|d| twin.tristimulus(*d)).collect()
     };
     let right = colour_difference("right", &exact, &colours(&tables), None).unwrap();

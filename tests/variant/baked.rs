@@ -6,12 +6,12 @@ use diffraction_shaders::field::comparison_directions::standard;
 use diffraction_shaders::field::reference::{Directions, Reference};
 use diffraction_shaders::input::load_surface as load;
 use diffraction_shaders::optics::colour_difference::{auto_exposure, colour_difference};
-use diffraction_shaders::optics::{direction, gain};
+use diffraction_shaders::optics::{Matter, direction};
 use diffraction_shaders::plan::{Plan, Variant, Wavelengths};
 use diffraction_shaders::runner::{Placement, Runner, TwinRunner, rounded};
 use diffraction_shaders::surface::HeightField;
 use diffraction_shaders::tables::BakedAxes;
-use diffraction_shaders::tables::bake::{Colours, bake, sharpen};
+use diffraction_shaders::tables::bake::{Colours, Light, bake, sharpen};
 use diffraction_shaders::variant::Form;
 use glam::DVec3;
 
@@ -19,8 +19,15 @@ const BLAZED: &str = "{ kind = \"blazed\", period_um = 2.5, height_um = 0.3, pix
 const DOMES: &str =
     "{ kind = \"bumps\", size_um = 18.0, pixels = 200, pitch_um = 2.0, height_um = 0.2, seed = 4 }";
 /// Sizes at which a test takes little time.
-const FEW: BakedAxes =
-    BakedAxes { columns: 48, pages: 1, rows: 40, levels: 4, stretch: 8.0, pace: 11.0 };
+const FEW: BakedAxes = BakedAxes {
+    columns: 48,
+    pages: 1,
+    rows: 40,
+    levels: 4,
+    stretch: 8.0,
+    pace: 11.0,
+    least_w_squared: 0.0,
+};
 const VISIBLE: Wavelengths = Wavelengths { min_nm: 380.0, max_nm: 780.0, step_nm: 5.0 };
 
 fn read(grating: &str, keys: &str) -> (HeightField, Variant) {
@@ -44,8 +51,9 @@ fn axes_of(form: &Form) -> BakedAxes {
 }
 
 fn baked(height: &HeightField, variant: &Variant, axes: BakedAxes) -> Colours {
-    bake(height, (&variant.optics).into(), &variant.optics.illuminant, &VISIBLE, axes, &|_| ())
-        .unwrap()
+    let optics = &variant.optics;
+    let light = Light { window: optics.into(), range: &VISIBLE, matter: None };
+    bake(height, light, &optics.illuminant, axes, &|_| ()).unwrap()
 }
 
 /// Directions with a given `(u, v, w)`, the light and the viewer as high as each other.
@@ -81,9 +89,10 @@ fn worst(height: &HeightField, variant: &Variant, colours: &Colours) -> f64 {
     let reference =
         Reference::new(height, 0.0, &variant.optics, visible, all.iter().copied()).unwrap();
     let exact = reference.tristimulus_all(&all);
+    let matter = Matter::new(&variant.optics).unwrap();
     let (mut worst, mut greatest) = (0.0_f64, 0.0_f64);
     for ((d, found), exact) in cases.iter().zip(exact) {
-        let gain = gain(d.wi, d.wr, &variant.optics);
+        let gain = matter.gain(d.wi, d.wr, 550.0);
         for (found, exact) in found.iter().zip(exact.map(|c| c / gain)) {
             worst = worst.max((f64::from(*found) - exact).abs());
             greatest = greatest.max(exact);

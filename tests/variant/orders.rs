@@ -10,7 +10,7 @@ use diffraction_shaders::field::{coefficient_brute, transform::Bins};
 use diffraction_shaders::input::load_surface as load;
 use diffraction_shaders::light::{Cap, Light, Lights, Polygon};
 use diffraction_shaders::optics::colour_difference::colour_difference;
-use diffraction_shaders::optics::{diffuser_scale, direction};
+use diffraction_shaders::optics::{Matter, diffuser_scale, direction};
 use diffraction_shaders::plan::{Plan, Variant};
 use diffraction_shaders::runner::{Exact, Placement, Runner, TwinRunner, rounded};
 use diffraction_shaders::surface::HeightField;
@@ -108,7 +108,7 @@ fn from_one_direction(
     let all: Vec<Directions> = views.iter().map(|wr| Directions { wi, wr: *wr }).collect();
     let range = Reference::VISIBLE_NM;
     let reference = Reference::new(height, 0.0, optics, range, all.iter().copied()).unwrap();
-    let scale = diffuser_scale(optics) / PI * irradiance;
+    let scale = diffuser_scale(optics).unwrap() / PI * irradiance;
     let colours = reference.tristimulus_all_with(&all, &|_| ());
     colours.into_iter().map(|xyz| xyz.map(|c| scale * c)).collect()
 }
@@ -252,7 +252,7 @@ fn the_order_of_corners_does_not_matter() {
 #[test]
 fn the_table_of_efficiencies_is_the_transform() {
     let (height, _) = skewed();
-    let axes = EfficiencyAxes::new(&height, 380.0);
+    let axes = EfficiencyAxes::new(&height, [380.0, 780.0], &Matter::default());
     let table: Table = efficiencies_table(&height, &axes);
     let Bins { r_max, s_max } = axes.bins;
     let (mut worst, mut linear): (f64, f64) = (0.0, 0.0);

@@ -80,7 +80,7 @@ fn all_bins_of_odd_and_even_patches_give_the_direct_sum() {
                 variant(&format!("mode = \"pq\"\nwindow_radius = 6\nperiods = {periods}"));
             let (form, tables) = prepared(&variant, &height);
             assert_eq!(pq_of(&form).taps, [columns as u32, rows as u32]);
-            let twin = Twin::new(&form, &tables, &variant.optics, 0.0);
+            let twin = Twin::new(&form, &tables, 0.0);
             for f in FREQUENCIES {
                 for z in [-14.0, -22.0, -3.0] {
                     let direct =
@@ -100,7 +100,7 @@ fn fewer_bins_err_less_than_is_stated() {
         let variant =
             variant(&format!("mode = \"pq\"\nwindow_radius = {radius}\nperiods = [1, 1]"));
         let (form, tables) = prepared(&variant, &height);
-        let twin = Twin::new(&form, &tables, &variant.optics, 0.0);
+        let twin = Twin::new(&form, &tables, 0.0);
         let (mut errors, mut squares) = (0.0, 0.0);
         for i in 0..400 {
             let f = DVec2::new(0.0117 * f64::from(i) - 2.1, 0.0071 * f64::from(i) - 1.3);
@@ -124,8 +124,8 @@ fn order_peaks_are_those_of_the_full_sum_and_of_the_closed_form() {
     let (form, tables) = prepared(&pq, &height);
     let (full_form, full_tables) = prepared(&full, &height);
     assert_eq!(pq_of(&form).periods, [26, 650], "the coherence length over 2.5 µm and 0.1 µm");
-    let twin = Twin::new(&form, &tables, &pq.optics, 0.0);
-    let full = Twin::new(&full_form, &full_tables, &full.optics, 0.0);
+    let twin = Twin::new(&form, &tables, 0.0);
+    let full = Twin::new(&full_form, &full_tables, 0.0);
     for m in -5..=5 {
         for z in [-9.1, -16.0, -22.2] {
             let f = DVec2::new(f64::from(m) / 2.5, 0.0);
@@ -150,7 +150,7 @@ fn colours_are_in_the_ratio_of_the_line_areas() {
     let ratio = 1.0 / (26.0 * 2.5) / (PI.sqrt() / (TAU * 65.0 / 4.0));
     let area = |variant: &Variant, m: f64| {
         let (form, tables) = prepared(variant, &height);
-        let twin = Twin::new(&form, &tables, &variant.optics, 0.0);
+        let twin = Twin::new(&form, &tables, 0.0);
         let at = |i: i32| DVec2::new((m + (f64::from(i) + 0.5) / 400.0) / 2.5, 0.0);
         (-200..200).map(|i| response(&twin, at(i), -20.9)).sum::<f64>()
     };
@@ -205,7 +205,7 @@ fn the_misprinted_product_is_far_away() {
     let height = rough(9, 7);
     let variant = variant("mode = \"pq\"\nwindow_radius = 6\nperiods = [1, 1]");
     let (form, tables) = prepared(&variant, &height);
-    let twin = Twin::new(&form, &tables, &variant.optics, 0.0);
+    let twin = Twin::new(&form, &tables, 0.0);
     let misprint = |a: Complex64, b: Complex64| {
         Complex64::new(a.re * b.re - a.im * b.im, a.re * b.re + a.im * b.im)
     };

@@ -87,7 +87,7 @@ fn far_from_the_mirror_direction_few_nodes_do_not_do() {
     let directions = directions(&height, &variant, 60.0);
     let exact = exact(placement, &directions);
     let by = |tables: &[Table]| -> ColourDifference {
-        let twin = Twin::new(&form, tables, &variant.optics, 0.0);
+        let twin = Twin::new(&form, tables, 0.0);
         let colours: Vec<_> = directions.iter().map(|d| twin.tristimulus(*d)).collect();
         colour_difference("nodes", &exact, &colours, None).unwrap()
     };

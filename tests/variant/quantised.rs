@@ -83,7 +83,8 @@ fn difference(smooth: &HeightField, file: &[u8]) -> ColourDifference {
         let reference = Reference::new(height, 0.0, &optics, Reference::VISIBLE_NM, all).unwrap();
         reference.tristimulus_all(&directions)
     });
-    colour_difference("stepped heights", &exact, &stepped, Some(diffuser_scale(&optics))).unwrap()
+    colour_difference("stepped heights", &exact, &stepped, Some(diffuser_scale(&optics).unwrap()))
+        .unwrap()
 }
 
 #[test]

@@ -94,7 +94,7 @@ pub fn prepared<'a>(
         // a rotation would read the spectrum table, whose place the base colour takes
         placement: Placement { height, rotate_deg: 0.0, variant },
         sources,
-        form: Form::Gems(Gems),
+        form: Form::Gems(Gems::default()),
         terms: Table::ABSENT,
         spectrum: match what {
             Yardstick::Empty => Table::ABSENT,

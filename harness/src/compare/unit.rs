@@ -45,7 +45,7 @@ pub(super) fn truth(
         Shine::Lights(_, lights) => {
             let views = under_lights(height, optics, rotate_deg, lights, unit.size);
             let views: Vec<DVec3> = views.into_iter().map(rounded).collect();
-            let scale = diffuser_scale(optics);
+            let scale = diffuser_scale(optics)?;
             let colours = radiance_with(&Exact(subject), scale, lights, &views, &|_| ())?;
             (Query::Lights { lights: lights.clone(), views }, colours)
         }
@@ -70,7 +70,7 @@ pub(super) fn run(
     failures: &mut [u32],
     sink: &mut dyn Sink,
 ) -> Result<()> {
-    let scale = diffuser_scale(&prepared.placement.variant.optics);
+    let scale = diffuser_scale(&prepared.placement.variant.optics)?;
     let mut unit = Judged { unit, prepared, truth, sink };
     let ask = |packed| -> Result<Vec<[f64; 3]>> {
         truth.ask(&TwinRunner::new(prepared.placement, packed)?, scale, unit.unit.size)

@@ -88,7 +88,7 @@ fn lit(prepared: &Prepared<'_>) -> Result<Lit> {
         for probe in function.probes(height, rotate_deg, optics)? {
             let Some(expected) = twin.evaluate(probe.arguments) else { continue };
             calls.push(probe.arguments);
-            tolerances.push(light_tolerance(&probe.arguments, optics, &expected));
+            tolerances.push(light_tolerance(&probe.arguments, prepared.form.matter(), &expected));
             results.push(expected);
         }
     }
@@ -97,13 +97,12 @@ fn lit(prepared: &Prepared<'_>) -> Result<Lit> {
 
 /// The variant's twin with a table of terms.
 fn twin<'a>(prepared: &'a Prepared<'_>, terms: &'a Table) -> Twin<'a> {
-    let Placement { rotate_deg, variant, .. } = prepared.placement;
+    let rotate_deg = prepared.placement.rotate_deg;
     Twin {
         form: &prepared.form,
         terms,
         spectrum: &prepared.spectrum,
         coefficients: &prepared.coefficients,
-        optics: &variant.optics,
         rotate_deg,
     }
 }

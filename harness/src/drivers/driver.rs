@@ -9,7 +9,6 @@ use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::light::Light;
 use diffraction_shaders::optics::brdf_map::{BrdfMap, view_direction};
 use diffraction_shaders::optics::colour::from_rgb;
-use diffraction_shaders::optics::gain;
 use diffraction_shaders::runner::{Placement, Progress, Runner, has_wavelengths, lit_by};
 use diffraction_shaders::shader::module::Module;
 use diffraction_shaders::shader::specialise;
@@ -234,10 +233,13 @@ impl<D: Driver> Runner for DriverRunner<'_, D> {
         let Placement { rotate_deg, variant, .. } = self.prepared.placement;
         has_wavelengths(&variant.name, &self.prepared.form)?;
         let scale = self.prepared.form.series().map_or(TermScale::NONE, |series| series.scale());
-        let spectrum = single_wavelength(lambda_nm, Settings { rotate_deg, scale });
+        let (matter, rows) = (self.prepared.form.matter(), self.prepared.form.coat().rows.clone());
+        let spectrum = single_wavelength(lambda_nm, Settings { rotate_deg, scale, matter: rows });
         let rho = probe(&self.prepared, &self.driver, &spectrum, directions, &|_| ())?;
         self.finite(&rho)?;
-        let gains = directions.iter().map(|d| gain(d.wi, d.wr, &variant.optics));
+        let gains = directions.iter().map(|Directions { wi, wr }| {
+            matter.geometry(*wi, *wr) * matter.ratio(lambda_nm, matter.facing(*wi, *wr))
+        });
         Ok(rho
             .iter()
             .zip(gains)

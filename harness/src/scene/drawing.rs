@@ -31,6 +31,14 @@ pub use truth::{Truth, truth, truth_under};
 /// The WGSL that the harness appends to a variant's shader.
 pub const SHADE: &str = include_str!("drawing/shade.wgsl");
 
+/// Reflectance of a dielectric body.
+const SCHLICK: &str = "
+fn body_reflectance(cos_half: f32) -> f32 {
+    let amplitude = (REFRACTIVE_INDEX - 1.0) / (REFRACTIVE_INDEX + 1.0);
+    return amplitude * amplitude * fresnel_ratio(cos_half);
+}
+";
+
 /// Bindings of the templates and of [`SHADE`].
 const MESH_PARAMS: u32 = 8;
 const ORIENTATION_MAP: u32 = 9;
@@ -374,7 +382,15 @@ fn text(prepared: &Prepared<'_>) -> Result<String> {
         .filter(|function| is_absent(function.light()))
         .map(|f| format!("fn {}{} {{ return vec3f(0.0); }}\n", f.name(), f.signature()))
         .collect();
-    Ok(format!("{}\n{SHADE}{absent}", module.text()))
+    let matter = prepared.form.matter();
+    // a number above 1 stands for Schlick's reflectance
+    let share = matter.body_share().unwrap_or(2.0);
+    let reflectance = match matter.is_plain() {
+        true => SCHLICK,
+        false => "fn body_reflectance(cos_half: f32) -> f32 { return 0.0; }",
+    };
+    let body = format!("const BODY_SHARE: f32 = {share:?};\n{reflectance}\n");
+    Ok(format!("{}\n{SHADE}{body}{absent}", module.text()))
 }
 
 /// The pass of a level. The first one draws the body, too; the others add to it.

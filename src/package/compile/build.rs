@@ -232,7 +232,7 @@ impl Built<'_> {
                     tables.push(spec.compute(surface.field)?.rounded());
                 }
             }
-            let mut twin = Twin::new(form, &tables, optics, rotate_deg);
+            let mut twin = Twin::new(form, &tables, rotate_deg);
             if let (Some((_, terms)), true) =
                 (last.as_ref(), self.tables.iter().any(TableSpec::is_expensive))
             {

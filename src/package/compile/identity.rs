@@ -1,7 +1,7 @@
 //! Names of computed numbers: hashes of all their inputs. For tables see
 //! [`TableSpec::id`](crate::tables::TableSpec::id).
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::hash::{TOOL_VERSION, of_value};
 use crate::plan::{Optics, Variant};
@@ -22,7 +22,8 @@ pub(super) fn expected_id(function: &dyn Function, surface: &str, variant: &Vari
 /// Identity of the radiance of a surface under a white sky.
 pub(super) fn energy_id(surface: &str, optics: &Optics) -> String {
     // the window is no part of it
-    let Optics { refractive_index, shadowing, illuminant, .. } = optics;
-    let inputs = json!([TOOL_VERSION, surface, refractive_index, shadowing, illuminant.identity()]);
+    let mut inputs = vec![json!(TOOL_VERSION), json!(surface)];
+    inputs.extend(optics.without_window());
+    let inputs = Value::Array(inputs);
     format!("energy-{}", of_value(&inputs))
 }

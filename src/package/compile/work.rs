@@ -148,10 +148,10 @@ fn energies(
     variants: &[(Variant, Form)],
 ) -> Result<BTreeMap<String, Energy>, Error> {
     let mut energies = BTreeMap::new();
-    if !OrderSum::has_white_sky(field) {
-        return Ok(energies);
-    }
-    for (Variant { optics, .. }, _) in variants {
+    for (Variant { optics, .. }, form) in variants {
+        if !OrderSum::has_white_sky(field, form.matter()) {
+            continue;
+        }
         (work.go_on)()?;
         let id = identity::energy_id(input.identity(), optics);
         let Entry::Vacant(place) = energies.entry(id) else { continue };

@@ -3,11 +3,12 @@
 use std::f64::consts::TAU;
 
 use crate::field::transform::Bins;
-use crate::optics;
 use crate::optics::spectrum::Spectrum;
+use crate::optics::{self, Facing, Matter};
 use crate::plan::{Basis, Coherence, CoherenceScaling, Wavelengths, Window};
 use crate::surface::HeightField;
 use crate::tables::BakedAxes;
+use crate::tables::bake::Light;
 use crate::tables::basis::Expansion;
 use crate::tables::terms::Terms;
 
@@ -50,15 +51,26 @@ struct Sizes {
     expansion: Expansion,
     bins: Bins,
     step_cpum: f64,
+    /// Minimum number of wavelengths of a row.
+    min_nodes: f64,
     /// Numbers of a bin, and their count in whole chunks.
     features: usize,
     padded: usize,
 }
 
 impl Sizes {
-    fn new(height: &HeightField, window: Window, range: &Wavelengths, axes: &BakedAxes) -> Sizes {
+    fn new(height: &HeightField, light: Light<'_>, axes: &BakedAxes) -> Sizes {
+        let Light { window, range, matter } = light;
+        let range_nm = [range.min_nm, range.max_nm];
+        let phase_min_nm = matter.map_or(range.min_nm, |matter| matter.phase_min_nm(range_nm));
+        let least_z = matter.map_or(0.0, |matter| matter.least_z(range_nm));
         let expansion =
-            Expansion::new(Basis::Optimal, 1, height, range.min_nm).with_error(TERM_ERROR);
+            Expansion::over((least_z, phase_min_nm), phase_min_nm, Basis::Optimal, 1, height)
+                .with_error(TERM_ERROR);
+        let film_um = matter.map_or(0.0, |matter| matter.detail_um(0.0));
+        // eight nodes for each period of the interference in the films
+        let periods = 2.0 * film_um * (1e3 / range.min_nm - 1e3 / range.max_nm);
+        let min_nodes = MIN_NODES.max(8.0 * periods);
         let sigma = |nm: f64| 1.0 / (TAU * optics::window_sigma_um(window, nm));
         let sigmas = [sigma(range.min_nm), sigma(range.max_nm)];
         let narrowest = sigmas[0].min(sigmas[1]);
@@ -71,19 +83,20 @@ impl Sizes {
             Coherence::Ensemble => count * (count + 1) / 2,
         };
         let padded = features.next_multiple_of(CHUNK);
-        Sizes { expansion, bins, step_cpum: STEP_SIGMAS * narrowest, features, padded }
+        let step_cpum = STEP_SIGMAS * narrowest;
+        Sizes { expansion, bins, step_cpum, min_nodes, features, padded }
     }
 }
 
 /// Bytes that [`Lines`] takes while it is made, and then as long as it lives, with the lines of `threads` threads.
 pub(super) fn bytes(
     height: &HeightField,
-    window: Window,
-    range: &Wavelengths,
+    light: Light<'_>,
     axes: &BakedAxes,
     threads: usize,
 ) -> [u64; 2] {
-    let sizes = Sizes::new(height, window, range, axes);
+    let Light { window, range, .. } = light;
+    let sizes = Sizes::new(height, light, axes);
     let numbers = size_of::<f32>() * sizes.padded * sizes.bins.len();
     let complex = size_of::<rustfft::num_complex::Complex64>();
     let terms = complex * sizes.expansion.terms as usize * sizes.bins.len();
@@ -92,7 +105,7 @@ pub(super) fn bytes(
         Coherence::Ensemble => sizes.features,
     };
     let places = |row: RadiusRow| {
-        let Pace { first, last, .. } = Pace::new(row, range, sizes.step_cpum);
+        let Pace { first, last, .. } = Pace::new(row, range, sizes.step_cpum, sizes.min_nodes);
         last + 1 - first.min(last)
     };
     let nodes: usize = super::rows(axes).map(places).sum();
@@ -122,20 +135,21 @@ pub(super) struct Lines {
 impl Lines {
     pub(super) fn new(
         height: &HeightField,
-        window: Window,
-        range: &Wavelengths,
+        light: Light<'_>,
         spectrum: &Spectrum,
         axes: BakedAxes,
     ) -> Lines {
-        let sizes = Sizes::new(height, window, range, &axes);
-        let Sizes { expansion, bins, step_cpum, features, padded } = sizes;
+        let Light { window, range, matter } = light;
+        let sizes = Sizes::new(height, light, &axes);
+        let Sizes { expansion, bins, step_cpum, min_nodes, features, padded } = sizes;
         let patch_um = [height.size_x_um(), height.size_y_um()];
         let terms = Terms::new(height, &expansion, bins, None);
         let numbers = numbers(&terms, window.coherence, padded);
         drop(terms);
         let recipe = |row: RadiusRow| {
-            let mut recipe = Recipe::nodes(row, range, spectrum, step_cpum);
-            recipe.combine(row, &axes, &expansion, window.coherence, range.min_nm * 1e-3);
+            let pace = Pace::new(row, range, step_cpum, min_nodes);
+            let mut recipe = Recipe::nodes(pace, spectrum);
+            recipe.combine(row, &axes, &expansion, window.coherence, range, matter);
             recipe
         };
         let recipes = super::rows(&axes).map(recipe).collect();
@@ -297,16 +311,16 @@ struct Pace {
 }
 
 impl Pace {
-    fn new(row: RadiusRow, range: &Wavelengths, step_cpum: f64) -> Pace {
+    fn new(row: RadiusRow, range: &Wavelengths, step_cpum: f64, min_nodes: f64) -> Pace {
         let ends = [1e3 / range.max_nm, 1e3 / range.min_nm];
         let span = ends[1] - ends[0];
         let steps = |halvings: u32| row.radius * span / step_cpum * f64::from(1_u32 << halvings);
-        let halvings = (0..MAX_HALVINGS).find(|&h| steps(h) >= MIN_NODES);
+        let halvings = (0..MAX_HALVINGS).find(|&h| steps(h) >= min_nodes);
         let halvings = halvings.unwrap_or(MAX_HALVINGS);
         let point = halvings == MAX_HALVINGS;
         // in wavenumbers 1/λ
         let pace = match point {
-            true => span / MIN_NODES,
+            true => span / min_nodes,
             false => step_cpum / f64::from(1_u32 << halvings) / row.radius,
         };
         let first = (ends[0] / pace).ceil() as usize;
@@ -317,8 +331,8 @@ impl Pace {
 
 impl Recipe {
     /// The wavelengths of a row and their colours.
-    fn nodes(row: RadiusRow, range: &Wavelengths, spectrum: &Spectrum, step_cpum: f64) -> Recipe {
-        let Pace { ends, halvings, point, pace, first, last } = Pace::new(row, range, step_cpum);
+    fn nodes(pace: Pace, spectrum: &Spectrum) -> Recipe {
+        let Pace { ends, halvings, point, pace, first, last } = pace;
         let mut recipe = Recipe {
             halvings,
             first: if point { 0 } else { first },
@@ -346,13 +360,28 @@ impl Recipe {
         axes: &BakedAxes,
         expansion: &Expansion,
         coherence: Coherence,
-        min_um: f64,
+        range: &Wavelengths,
+        matter: Option<&Matter>,
     ) {
+        let range_nm = [range.min_nm, range.max_nm];
+        let min_um = matter.map_or(range.min_nm, |matter| matter.phase_min_nm(range_nm)) * 1e-3;
         let count = expansion.terms as usize;
         for lambda_um in &self.lambdas_um {
             for level in 0..axes.levels {
-                let tau = 0.5 * axes.w(level, row.radius) * min_um / lambda_um;
-                let a: Vec<f64> = (0..count).map(|n| expansion.coefficient(n, tau)).collect();
+                let w = axes.w(level, row.radius);
+                let (mut here, mut share) = (w, 1.0);
+                if let Some(matter) = matter {
+                    let lambda_nm = 1e3 * lambda_um;
+                    here = matter.dispersed(w, lambda_nm);
+                    let cos_half = 0.5 * row.radius.hypot(w) / matter.cover_index();
+                    let s_share = matter.s_share().unwrap_or(0.5);
+                    let ratio = matter.ratio(lambda_nm, Facing { cos_half, s_share });
+                    // amplitudes are squared, intensities are products of two
+                    share = ratio.sqrt();
+                }
+                let tau = 0.5 * here * min_um / lambda_um;
+                let amplitude = |n| share * expansion.coefficient(n, tau);
+                let a: Vec<f64> = (0..count).map(amplitude).collect();
                 match coherence {
                     Coherence::Single => self.coefficients.extend(a.iter().map(|a| *a as f32)),
                     Coherence::Ensemble => {

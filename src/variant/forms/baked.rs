@@ -8,7 +8,7 @@ use crate::tables::bake::COLOUR_SCALE;
 use crate::tables::{Aim, BEND, BakedAxes, ColoursSpec, RotationSpec, TableSpec, colour_format};
 use crate::variant::judge::Light;
 use crate::variant::tolerance::{Promise, is_visible};
-use crate::variant::{Computation, Cost, Ground, lay};
+use crate::variant::{Coat, Computation, Cost, Ground, lay};
 
 /// Numbers of the form.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +22,8 @@ pub struct Baked {
     is_uncut: bool,
     window: Window,
     range_nm: [f64; 2],
+    /// What the surface is made of.
+    pub coat: Coat,
     illuminant: Illuminant,
     filters: bool,
 }
@@ -31,7 +33,11 @@ impl Baked {
         Light::new(variant)?;
         let window = Window::from(&variant.optics);
         let aim = Aim { error: variant.bake_error, mib: variant.bake_mib };
-        let sized = |aim| BakedAxes::new(window, variant.table, aim, lay::height_range_um(height));
+        let coat = Coat::new(variant)?;
+        let sized = |aim| {
+            BakedAxes::new(window, variant.table, aim, lay::height_range_um(height))
+                .with_least_w_squared(coat.matter.least_w_squared())
+        };
         let axes = sized(aim);
         Ok(Baked {
             axes,
@@ -40,6 +46,7 @@ impl Baked {
             is_uncut: axes == sized(Aim { mib: f64::INFINITY, ..aim }),
             window,
             range_nm: lay::range_nm(variant),
+            coat,
             illuminant: variant.optics.illuminant.clone(),
             filters: variant.filters(),
         })
@@ -48,7 +55,9 @@ impl Baked {
 
 impl Computation for Baked {
     fn define(&self, _: usize, into: &mut Defines) {
-        let BakedAxes { columns, levels, pages, rows, pace, stretch, .. } = self.axes;
+        let BakedAxes { columns, levels, pages, rows, pace, stretch, least_w_squared } = self.axes;
+        let least = "least square of w, under a cover";
+        into.number("LEAST_W_SQUARED", least_w_squared, least);
         into.number("BEND", BEND, "slope at 0 of the parabola that replaces the arc tangent");
         into.number(
             "COLOUR_UNIT",
@@ -73,6 +82,10 @@ impl Computation for Baked {
         into.number("STRETCH", stretch, "factor of |(u, v)| in the argument of asinh");
     }
 
+    fn coat(&self) -> &Coat {
+        &self.coat
+    }
+
     fn tables(&self, on: Ground<'_>) -> Vec<TableSpec> {
         let colours = ColoursSpec {
             surface: on.surface.to_owned(),
@@ -81,6 +94,7 @@ impl Computation for Baked {
             illuminant: self.illuminant.clone(),
             aim: self.aim,
             axes: self.axes,
+            matter: self.coat.rows.clone(),
             format: self.format,
             filtered: self.filters,
         };

@@ -7,7 +7,7 @@ use crate::surface::HeightField;
 use crate::tables::{Series, TableSpec};
 use crate::variant::cost::spectrum_bytes;
 use crate::variant::tolerance::Promise;
-use crate::variant::{Computation, Cost, ErrorBound, Ground};
+use crate::variant::{Coat, Computation, Cost, ErrorBound, Ground};
 use crate::variant::{lay, prefilter};
 
 /// Numbers of the form.
@@ -16,6 +16,8 @@ pub struct FullPrefiltered {
     /// The terms.
     pub series: Series,
     patch_um: [f64; 2],
+    /// What the surface is made of.
+    pub coat: Coat,
     illuminant: Illuminant,
     wavelengths: Wavelengths,
     filters: bool,
@@ -26,8 +28,10 @@ impl FullPrefiltered {
         variant: &Variant,
         height: &HeightField,
     ) -> Result<FullPrefiltered> {
+        let coat = Coat::new(variant)?;
         Ok(FullPrefiltered {
-            series: prefilter::series(variant, height)?,
+            series: prefilter::series(variant, height, &coat.matter)?,
+            coat,
             patch_um: lay::patch_um(height),
             illuminant: variant.optics.illuminant.clone(),
             wavelengths: variant.wavelengths,
@@ -40,12 +44,17 @@ impl Computation for FullPrefiltered {
     fn define(&self, wavelengths: usize, into: &mut Defines) {
         self.series.define(into);
         super::define_grid(self.series.size_um, into);
+        self.coat.define(wavelengths, 2, into);
         into.count("WAVELENGTH_COUNT", wavelengths, super::WAVELENGTH_COUNT);
     }
 
+    fn coat(&self) -> &Coat {
+        &self.coat
+    }
+
     fn tables(&self, on: Ground<'_>) -> Vec<TableSpec> {
-        let (illuminant, wavelengths) = (&self.illuminant, self.wavelengths);
-        super::uniform_tables(&self.series, self.filters, illuminant, wavelengths, on)
+        let light = (&self.illuminant, self.wavelengths);
+        super::uniform_tables(&self.series, self.filters, light, &self.coat, on)
     }
 
     fn cost(&self) -> Cost {

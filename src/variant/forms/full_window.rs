@@ -9,7 +9,7 @@ use crate::plan::{Auto, Illuminant, Variant, Wavelengths, Window};
 use crate::surface::HeightField;
 use crate::tables::{Reach, Series, TableSpec};
 use crate::variant::tolerance::Promise;
-use crate::variant::{AUTO_TAIL, Computation, Cost, ErrorBound, Ground, lay, window_tail};
+use crate::variant::{AUTO_TAIL, Coat, Computation, Cost, ErrorBound, Ground, lay, window_tail};
 
 /// Numbers of the form.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +20,8 @@ pub struct FullWindow {
     pub window_radius: u32,
     /// The coherence window.
     pub window: Window,
+    /// What the surface is made of.
+    pub coat: Coat,
     illuminant: Illuminant,
     wavelengths: Wavelengths,
     hoist: bool,
@@ -29,7 +31,8 @@ impl FullWindow {
     pub(in crate::variant) fn new(variant: &Variant, height: &HeightField) -> Result<FullWindow> {
         let window = Window::from(&variant.optics);
         let (patch_um, range_nm) = (lay::patch_um(height), lay::range_nm(variant));
-        let expansion = lay::expansion(variant, height)?;
+        let coat = Coat::new(variant)?;
+        let expansion = lay::expansion(variant, height, &coat.matter)?;
         let (window_radius, reach) = match variant.window_radius {
             Auto::Value(radius) => (radius, Reach::Radius(radius)),
             Auto::Auto => {
@@ -46,6 +49,7 @@ impl FullWindow {
             series: Series::new(expansion, reach, bins, None, patch_um, texels),
             window_radius,
             window,
+            coat,
             illuminant: variant.optics.illuminant.clone(),
             wavelengths: variant.wavelengths,
             hoist: variant.hoist,
@@ -69,14 +73,20 @@ impl Computation for FullWindow {
         self.series.define(into);
         super::define_window(self.window, into);
         super::define_patch(self.series.size_um, into);
+        self.coat.define(wavelengths, 2, into);
         into.flag("THESIS_LOOP", !self.hoist);
         into.count("WAVELENGTH_COUNT", wavelengths, super::WAVELENGTH_COUNT);
         let radius = self.window_radius as usize;
         into.count("WINDOW_RADIUS", radius, "number of bins to each side of the nearest one");
     }
 
+    fn coat(&self) -> &Coat {
+        &self.coat
+    }
+
     fn tables(&self, on: Ground<'_>) -> Vec<TableSpec> {
-        super::uniform_tables(&self.series, false, &self.illuminant, self.wavelengths, on)
+        let light = (&self.illuminant, self.wavelengths);
+        super::uniform_tables(&self.series, false, light, &self.coat, on)
     }
 
     fn cost(&self) -> Cost {

@@ -7,15 +7,17 @@ use crate::surface::HeightField;
 use crate::tables::{GratingSpec, TableSpec, strongest_period_um};
 use crate::variant::cost::spectrum_bytes;
 use crate::variant::tolerance::Promise;
-use crate::variant::{Computation, Cost, Ground};
+use crate::variant::{Coat, Computation, Cost, Ground};
 
-/// The form has no numbers: the period is in its table.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Gems;
+/// The form has no numbers of its own: the period is in its table. It reads no optics.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Gems {
+    coat: Coat,
+}
 
 impl Gems {
     pub(in crate::variant) fn new(variant: &Variant, height: &HeightField) -> Result<Gems> {
-        strongest_period_um(height).map(|_| Gems).ok_or_else(|| {
+        strongest_period_um(height).map(|_| Gems::default()).ok_or_else(|| {
             Error::new(&variant.name, "a flat surface has no period")
                 .remedy("use mode = \"gems\" for gratings only")
         })
@@ -24,6 +26,10 @@ impl Gems {
 
 impl Computation for Gems {
     fn define(&self, _: usize, _: &mut Defines) {}
+
+    fn coat(&self) -> &Coat {
+        &self.coat
+    }
 
     fn tables(&self, on: Ground<'_>) -> Vec<TableSpec> {
         let (surface, rotate_deg) = (on.surface.to_owned(), on.rotate_deg);

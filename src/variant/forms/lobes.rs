@@ -5,12 +5,12 @@ use crate::error::{Error, Result};
 use crate::plan::{Coherence, Illuminant, Variant, Window};
 use crate::surface::HeightField;
 use crate::tables::{
-    BROADEST, CoefficientsSpec, Corridor, LobeGeometry, LobesSpec, OUTER_NODES, REACH_SIGMAS,
-    Reach, Series, SettingsSpec, TableSpec, TermsSpec,
+    BROADEST, CoefficientsSpec, Corridor, LobeGeometry, LobesSpec, MatterSpec, OUTER_NODES,
+    REACH_SIGMAS, Reach, Series, SettingsSpec, TableSpec, TermsSpec,
 };
 use crate::variant::cost::{mean_and_worst, spectrum_bytes};
 use crate::variant::tolerance::Promise;
-use crate::variant::{Computation, Cost, ErrorBound, Ground, ISOLATED, LobeBounds, lay};
+use crate::variant::{Coat, Computation, Cost, ErrorBound, Ground, ISOLATED, LobeBounds, lay};
 
 /// Numbers of a sum over lobes, however the intensities of its bins are computed.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,22 +27,26 @@ pub struct LobeSum {
     pub range_nm: [f64; 2],
     /// The light.
     pub illuminant: Illuminant,
+    /// What the surface is made of.
+    pub coat: Coat,
 }
 
 impl LobeSum {
     /// It is an error if neighbouring lobes overlap and interfere.
-    pub(super) fn new(variant: &Variant, height: &HeightField) -> Result<LobeSum> {
+    pub(super) fn new(variant: &Variant, height: &HeightField, coat: Coat) -> Result<LobeSum> {
         let window = Window::from(&variant.optics);
         let patch_um = lay::patch_um(height);
         let geometry = LobeGeometry::new(window, &variant.wavelengths, patch_um);
         check_isolated(variant, &geometry)?;
+        let detail_um = coat.matter.detail_um(lay::height_range_um(height));
         Ok(LobeSum {
             patch_um,
-            corridor: geometry.corridor(lay::height_range_um(height)),
+            corridor: geometry.corridor(detail_um),
             geometry,
             window,
             range_nm: lay::range_nm(variant),
             illuminant: variant.optics.illuminant.clone(),
+            coat,
         })
     }
 
@@ -77,11 +81,13 @@ impl LobeSum {
         // a single wavelength is one node
         let nodes = (nodes as usize).min(wavelengths);
         into.count("NODE_COUNT", nodes, "number of nodes, those beyond the range included");
+        self.coat.define(wavelengths, 2 + 2 * rows as usize, into);
         into.number("WAVELENGTH_MAX_UM", self.range_nm[1] * 1e-3, "longest wavelength, µm");
     }
 
     /// The table of the colours of lobes.
     pub(super) fn table(&self, surface: &str, settings: SettingsSpec) -> TableSpec {
+        let settings = SettingsSpec { matter: self.coat.rows.clone(), ..settings };
         TableSpec::Lobes(LobesSpec {
             surface: surface.to_owned(),
             illuminant: self.illuminant.clone(),
@@ -98,7 +104,8 @@ impl LobeSum {
     pub(super) fn cost(&self, terms: u64, others: u64, bytes: u64) -> Cost {
         let evaluations = mean_and_worst(|uv| evaluations(&self.geometry, &self.corridor, uv));
         let Corridor { columns, rows, .. } = self.corridor;
-        let bytes = bytes + spectrum_bytes(u64::from(columns), u64::from(2 * rows + 2));
+        let below = self.coat.rows.as_ref().map_or(0, MatterSpec::rows) as u64;
+        let bytes = bytes + spectrum_bytes(u64::from(columns), u64::from(2 * rows + 2) + below);
         // two neighbouring texels of colours
         Cost::of_evaluations(evaluations, terms, others + 2, bytes)
     }
@@ -126,9 +133,9 @@ pub struct Lobes {
 
 impl Lobes {
     pub(in crate::variant) fn new(variant: &Variant, height: &HeightField) -> Result<Lobes> {
-        let sum = LobeSum::new(variant, height)?;
-        let expansion = lay::expansion(variant, height)?;
-        let LobeSum { patch_um, window, range_nm, .. } = sum;
+        let sum = LobeSum::new(variant, height, Coat::new(variant)?)?;
+        let expansion = lay::expansion(variant, height, &sum.coat.matter)?;
+        let (patch_um, window, range_nm) = (sum.patch_um, sum.window, sum.range_nm);
         let Window { coherence_um, coherence_scaling, .. } = window;
         let reach = Reach::Corridor { coherence_um, coherence_scaling, max_nm: range_nm[1] };
         let bins = lay::bins(patch_um, range_nm[0], sum.corridor.margin.map(|m| m as usize));
@@ -172,13 +179,17 @@ impl Computation for Lobes {
         self.sum.define(wavelengths, into);
     }
 
+    fn coat(&self) -> &Coat {
+        &self.sum.coat
+    }
+
     fn tables(&self, on: Ground<'_>) -> Vec<TableSpec> {
         let terms = TermsSpec {
             surface: on.surface.to_owned(),
             series: self.series.clone(),
             filtered: false,
         };
-        let lobes = self.sum.table(on.surface, SettingsSpec::new(on.rotate_deg, &terms));
+        let lobes = self.sum.table(on.surface, SettingsSpec::new(on.rotate_deg, &terms, None));
         let coefficients = CoefficientsSpec::new(on.surface, &self.series);
         let tables = [TableSpec::Terms(terms), lobes];
         tables.into_iter().chain(coefficients.map(TableSpec::Coefficients)).collect()

@@ -5,10 +5,10 @@ use crate::error::{Error, Result};
 use crate::plan::{LightFunction, Variant};
 use crate::surface::HeightField;
 use crate::tables::orders::{EfficiencyAxes, moment_columns};
-use crate::tables::{EfficienciesSpec, MomentsSpec, SettingsSpec, TableSpec};
+use crate::tables::{EfficienciesSpec, MatterSpec, MomentsSpec, SettingsSpec, TableSpec};
 use crate::variant::judge::Light;
 use crate::variant::tolerance::{Promise, is_visible};
-use crate::variant::{Computation, Cost, Function, Ground, LobeBounds, function_of};
+use crate::variant::{Coat, Computation, Cost, Function, Ground, LobeBounds, function_of, lay};
 
 use super::LobeSum;
 
@@ -30,13 +30,16 @@ pub struct Orders {
     /// The orders, and sizes of their table.
     pub axes: EfficiencyAxes,
     functions: Vec<LightFunction>,
+    /// Number of cubics per 1/µm of wavenumber that the reflectance needs; 0 where it does not depend on the wavelength.
+    pub panel_pace: f64,
     cost: Cost,
 }
 
 impl Orders {
     pub(in crate::variant) fn new(variant: &Variant, height: &HeightField) -> Result<Orders> {
         Light::new(variant)?;
-        let axes = EfficiencyAxes::new(height, variant.wavelengths.min_nm);
+        let coat = Coat::new(variant)?;
+        let axes = EfficiencyAxes::new(height, lay::range_nm(variant), &coat.matter);
         let fail = |cause: String| Err(Error::new(&variant.name, cause));
         let (orders, columns) = (axes.bins.len(), axes.columns);
         if orders > MAX_ORDERS {
@@ -54,9 +57,10 @@ impl Orders {
                 format!("the heights need {columns} columns of efficiencies, above {MAX_COLUMNS}");
             return fail(cause).map_err(|error| error.remedy("check the unit of the heights"));
         }
-        let sum = LobeSum::new(variant, height)?;
+        let sum = LobeSum::new(variant, height, coat)?;
         let functions = variant.lights.clone();
-        let mut form = Orders { sum, axes, functions, cost: Cost::default() };
+        let panel_pace = sum.coat.rows.as_ref().map_or(0.0, MatterSpec::panel_pace);
+        let mut form = Orders { sum, axes, functions, panel_pace, cost: Cost::default() };
         let bytes = (orders * columns as usize + 4 * form.moment_columns()) as u64 * 16;
         form.cost = form.sum.cost(1, 0, bytes);
         Ok(form)
@@ -85,7 +89,9 @@ impl Orders {
     /// Maximum number of panels of an order: the deepest heights at all wavelengths, or a half circle.
     pub fn panels(&self) -> usize {
         let deepest = f64::from(self.axes.columns) / self.panel_columns();
-        (2.0 * deepest).max(2.0 / PANEL_ARC) as usize + 1
+        let [low, high] = self.wavelengths_um();
+        let coloured = self.panel_pace * (1.0 / low - 1.0 / high);
+        (2.0 * deepest).max(2.0 / PANEL_ARC).max(coloured) as usize + 1
     }
 
     fn has(&self, light: LightFunction) -> bool {
@@ -102,6 +108,10 @@ impl Computation for Orders {
         into.flag("LAMPS", disc || rectangle);
         let shortest = "shortest wavelength, µm";
         into.number("WAVELENGTH_MIN_UM", self.axes.min_um, shortest);
+        let covered = "wavelength in air whose greatest phase per height is the greatest here, µm";
+        into.number("PHASE_MIN_UM", self.axes.phase_min_um(), covered);
+        let pace = "number of cubics per 1/µm of wavenumber that the reflectance needs";
+        into.number("PANEL_PACE", self.panel_pace, pace);
         let columns = "number of columns of the table of efficiencies";
         into.count("EFFICIENCY_COLUMNS", self.axes.columns as usize, columns);
         let orders = "number of orders";
@@ -119,10 +129,14 @@ impl Computation for Orders {
         into.number("PANEL_COLUMNS", self.panel_columns(), wide);
     }
 
+    fn coat(&self) -> &Coat {
+        &self.sum.coat
+    }
+
     fn tables(&self, on: Ground<'_>) -> Vec<TableSpec> {
         let surface = on.surface.to_owned();
         let efficiencies = EfficienciesSpec { surface, axes: self.axes };
-        let lobes = self.sum.table(on.surface, SettingsSpec::without_terms(on.rotate_deg));
+        let lobes = self.sum.table(on.surface, SettingsSpec::without_terms(on.rotate_deg, None));
         let (illuminant, range_nm) = (self.sum.illuminant.clone(), self.sum.range_nm);
         let moments = TableSpec::Moments(MomentsSpec { illuminant, range_nm });
         let has_lamps = self.has(LightFunction::Disc) || self.has(LightFunction::Polygon);

@@ -2,12 +2,13 @@
 
 use crate::defines::Defines;
 use crate::error::Result;
-use crate::optics::replica_diffuser_scale;
 use crate::plan::{Auto, Illuminant, Optics, Variant, Wavelengths};
 use crate::surface::HeightField;
 use crate::tables::{Reach, Series, TableSpec};
 use crate::variant::tolerance::Promise;
-use crate::variant::{AUTO_TAIL_PQ, Computation, Cost, ErrorBound, Ground, lay, replica_tail};
+use crate::variant::{
+    AUTO_TAIL_PQ, Coat, Computation, Cost, ErrorBound, Ground, lay, replica_tail,
+};
 
 /// Numbers of the form.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +23,8 @@ pub struct Pq {
     pub taps: [u32; 2],
     /// Pixels along x and y.
     pub pixels: [u32; 2],
+    /// What the surface is made of.
+    pub coat: Coat,
     illuminant: Illuminant,
     wavelengths: Wavelengths,
 }
@@ -34,7 +37,8 @@ impl Pq {
         let patch_um = lay::patch_um(height);
         let pixels = [height.columns() as u32, height.rows() as u32];
         let coherence_um = variant.optics.coherence_um;
-        let expansion = lay::expansion(variant, height)?;
+        let coat = Coat::new(variant)?;
+        let expansion = lay::expansion(variant, height, &coat.matter)?;
         let periods = variant.periods.unwrap_or_else(|| {
             patch_um.map(|size_um| (coherence_um / size_um).round().clamp(1.0, MAX_PERIODS) as u32)
         });
@@ -56,6 +60,7 @@ impl Pq {
             periods,
             taps: taps(window_radius, pixels),
             pixels,
+            coat,
             illuminant: variant.optics.illuminant.clone(),
             wavelengths: variant.wavelengths,
         })
@@ -74,6 +79,7 @@ impl Computation for Pq {
     fn define(&self, wavelengths: usize, into: &mut Defines) {
         self.series.define(into);
         super::define_patch(self.series.size_um, into);
+        self.coat.define(wavelengths, 2, into);
         into.count("WAVELENGTH_COUNT", wavelengths, super::WAVELENGTH_COUNT);
         let [columns, rows] = self.periods.map(f64::from);
         into.number("PERIOD_COLUMNS", columns, "number of replicas of the patch along x");
@@ -86,8 +92,13 @@ impl Computation for Pq {
         into.count("TAP_ROWS", rows, "number of bins along y that are interpolated between");
     }
 
+    fn coat(&self) -> &Coat {
+        &self.coat
+    }
+
     fn tables(&self, on: Ground<'_>) -> Vec<TableSpec> {
-        super::uniform_tables(&self.series, false, &self.illuminant, self.wavelengths, on)
+        let light = (&self.illuminant, self.wavelengths);
+        super::uniform_tables(&self.series, false, light, &self.coat, on)
     }
 
     fn cost(&self) -> Cost {
@@ -120,8 +131,8 @@ impl Computation for Pq {
         Some([0, 1].map(|axis| (f64::from(self.periods[axis]), self.series.size_um[axis])))
     }
 
-    fn diffuser_scale(&self, optics: &Optics) -> Option<f64> {
+    fn diffuser_scale(&self, _: &Optics) -> Option<f64> {
         let sides = [0, 1].map(|i| f64::from(self.periods[i]) * self.series.size_um[i]);
-        Some(replica_diffuser_scale(optics, sides))
+        Some(self.coat.matter.replica_diffuser_scale(sides))
     }
 }

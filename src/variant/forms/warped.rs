@@ -6,13 +6,14 @@ use crate::error::Result;
 use crate::plan::{Illuminant, Variant};
 use crate::surface::HeightField;
 use crate::tables::{
-    CoefficientsSpec, LevelsSpec, NODE_LEVELS, Series, SettingsSpec, TableSpec, TermsSpec,
+    CoefficientsSpec, LevelsSpec, MatterSpec, NODE_LEVELS, Series, SettingsSpec, TableSpec,
+    TermsSpec,
 };
 use crate::variant::cost::{mean_and_worst, spectrum_bytes};
 use crate::variant::lay;
 use crate::variant::prefilter::{self, NODE_ERROR, node_counts, node_level};
 use crate::variant::tolerance::Promise;
-use crate::variant::{Computation, Cost, ErrorBound, Ground};
+use crate::variant::{Coat, Computation, Cost, ErrorBound, Ground};
 
 /// Numbers of the form.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,15 +25,24 @@ pub struct Warped {
     patch_um: [f64; 2],
     range_nm: [f64; 2],
     coherence_um: f64,
+    /// What the surface is made of.
+    pub coat: Coat,
+    /// Least number of columns of the spectrum table.
+    columns: Option<usize>,
     illuminant: Illuminant,
     filters: bool,
 }
 
 impl Warped {
     pub(in crate::variant) fn new(variant: &Variant, height: &HeightField) -> Result<Warped> {
+        let coat = Coat::new(variant)?;
+        let range = variant.wavelengths.max_nm > variant.wavelengths.min_nm;
+        let columns = coat.rows.as_ref().filter(|_| range).map(MatterSpec::columns);
         Ok(Warped {
-            series: prefilter::series(variant, height)?,
-            node_counts: node_counts(variant, height),
+            series: prefilter::series(variant, height, &coat.matter)?,
+            node_counts: node_counts(variant, height, &coat.matter),
+            coat,
+            columns,
             patch_um: lay::patch_um(height),
             range_nm: lay::range_nm(variant),
             coherence_um: variant.optics.coherence_um,
@@ -50,6 +60,7 @@ impl Computation for Warped {
     fn define(&self, wavelengths: usize, into: &mut Defines) {
         self.series.define(into);
         super::define_grid(self.series.size_um, into);
+        self.coat.define(wavelengths, self.node_counts.len() + 1, into);
         into.count(
             "NODE_LEVELS",
             NODE_LEVELS as usize,
@@ -57,6 +68,10 @@ impl Computation for Warped {
         );
         into.count("WAVELENGTH_COUNT", wavelengths, "maximum number of nodes of a level");
         into.flag("MONOCHROMATIC", wavelengths == 1);
+    }
+
+    fn coat(&self) -> &Coat {
+        &self.coat
     }
 
     fn tables(&self, on: Ground<'_>) -> Vec<TableSpec> {
@@ -71,7 +86,8 @@ impl Computation for Warped {
             illuminant: self.illuminant.clone(),
             range_nm: self.range_nm,
             counts: self.node_counts.clone(),
-            settings: SettingsSpec::new(on.rotate_deg, &terms),
+            columns: self.columns,
+            settings: SettingsSpec::new(on.rotate_deg, &terms, self.coat.rows.clone()),
         };
         let coefficients = CoefficientsSpec::new(on.surface, &self.series);
         let tables = [TableSpec::Terms(terms), TableSpec::Levels(levels)];
@@ -87,7 +103,9 @@ impl Computation for Warped {
                 |uv: [f64; 2]| u64::from(self.node_counts[node_level(uv[0].hypot(uv[1])) as usize]);
             (mean_and_worst(count).0, widest)
         };
-        let bytes = spectrum_bytes(widest, self.node_counts.len() as u64 + 1);
+        let columns = widest.max(self.columns.unwrap_or(1) as u64);
+        let rows = self.coat.rows.as_ref().map_or(0, MatterSpec::rows);
+        let bytes = spectrum_bytes(columns, (self.node_counts.len() + 1 + rows) as u64);
         Cost::between(&self.series, wavelengths, self.filters, bytes)
     }
 

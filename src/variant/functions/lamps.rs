@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 
 use crate::error::{Error, Result};
 use crate::field::orders::OrderSum;
-use crate::optics::{direction, normal_reflectance};
+use crate::optics::{Matter, direction};
 use crate::plan::Optics;
 use crate::surface::HeightField;
 use crate::variant::cost::mean_and_worst_views;
@@ -39,6 +39,7 @@ pub(super) fn probes(
     optics: &Optics,
     candidate: &dyn Fn(usize, Place<'_>) -> Arguments,
 ) -> Result<Vec<ExactProbe>> {
+    let matter = Matter::new(optics)?;
     let orders = OrderSum::new(height, rotate_deg, optics)?;
     let mut found = Vec::with_capacity(PROBES);
     for i in 0..CANDIDATES {
@@ -68,7 +69,7 @@ pub(super) fn probes(
         let Some(lamp) = arguments.lamp() else { continue };
         let Some(emitter) = lamp.emitter() else { continue };
         let xyz = orders.radiance(&*emitter, arguments.wr());
-        if xyz[1] > LIT * mirrored(&arguments, optics) {
+        if xyz[1] > LIT * mirrored(&arguments, &matter) {
             found.push(ExactProbe { arguments, xyz });
             if found.len() == PROBES {
                 return Ok(found);
@@ -80,14 +81,14 @@ pub(super) fn probes(
 }
 
 /// Radiance of the light of a call, seen in a mirror of the material at normal incidence.
-pub(super) fn mirrored(arguments: &Arguments, optics: &Optics) -> f64 {
+pub(super) fn mirrored(arguments: &Arguments, matter: &Matter) -> f64 {
     let radiance = match *arguments {
         Arguments::Disc { radius_rad, .. } => {
             1.0 / (std::f64::consts::PI * radius_rad.sin().powi(2))
         }
         _ => 1.0,
     };
-    normal_reflectance(optics.refractive_index) * radiance
+    matter.normal_reflectance() * radiance
 }
 
 /// Cost under a light of usual size as mean over viewers, and the maximum under the widest light.

@@ -9,13 +9,14 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use glam::{DVec2, DVec3};
 
 use crate::field::reference::Directions;
-use crate::optics::{gain, path_difference};
+use crate::optics::Facing;
 use crate::tables::{BROADEST, LobeGeometry, MIN_SQUARED, OUTER_NODES, REACH_SIGMAS, Series};
 use crate::variant::{LobeSum, Orders};
 
 use super::Twin;
 use super::bins::bin_amplitude;
 use super::efficiencies::efficiency;
+use super::matter::{dispersed, reflectance};
 use super::series::{series_argument, series_scale};
 
 /// What the intensities of bins are computed from.
@@ -34,16 +35,24 @@ pub fn tristimulus(
     bins: Bins<'_>,
     Directions { wi, wr }: Directions,
 ) -> [f64; 3] {
-    let factor = gain(wi, wr, twin.optics);
+    let matter = &form.coat.matter;
+    let factor = matter.geometry(wi, wr);
     if factor == 0.0 {
         return [0.0; 3];
     }
-    let path = path_difference(wi, wr, twin.rotate_deg);
-    (corridor(twin, form, bins, path) * factor).to_array()
+    let path = matter.path(wi, wr, twin.rotate_deg);
+    (corridor(twin, form, bins, path, Some(matter.facing(wi, wr))) * factor).to_array()
 }
 
-/// The sum over the bins of a strip along the segment, or over the bins about each node.
-pub fn corridor(twin: &Twin<'_>, form: &LobeSum, bins: Bins<'_>, path: DVec3) -> DVec3 {
+/// The sum over the bins of a strip along the segment, or over the bins about each node. Without `facing` the reflectance is
+/// left out.
+pub fn corridor(
+    twin: &Twin<'_>,
+    form: &LobeSum,
+    bins: Bins<'_>,
+    path: DVec3,
+    facing: Option<Facing>,
+) -> DVec3 {
     let steep = path.y.abs() > path.x.abs();
     let turn = |v: DVec2| if steep { DVec2::new(v.y, v.x) } else { v };
     let uv = turn(path.truncate());
@@ -88,15 +97,19 @@ pub fn corridor(twin: &Twin<'_>, form: &LobeSum, bins: Bins<'_>, path: DVec3) ->
                 let colour = DVec3::new(light[0], light[1], light[2]);
                 let squared = match bins {
                     Bins::Efficiencies(orders) => {
-                        efficiency(twin, orders, turn(bin), path.z / light[3])
+                        let turns = dispersed(twin, &form.coat, path.z, light[3]) / light[3];
+                        efficiency(twin, orders, turn(bin), turns)
                     }
                     Bins::Series(series) => {
-                        let argument = series_argument(twin, series, path.z, light[3]);
+                        let coat = &form.coat;
+                        let argument = series_argument(twin, series, coat, path.z, light[3]);
                         let amplitude = bin_amplitude(twin, series, turn(bin), argument);
                         amplitude.norm_sqr() * series_scale(series).powi(2)
                     }
                 };
-                xyz += share * squared * colour;
+                let reflected =
+                    facing.map_or(1.0, |facing| reflectance(twin, &form.coat, light[3], facing));
+                xyz += share * squared * reflected * colour;
             }
         }
     }

@@ -3,7 +3,6 @@
 use glam::{DVec2, DVec3};
 
 use crate::field::reference::Directions;
-use crate::optics::{gain, path_difference};
 use crate::tables::bake::COLOUR_SCALE;
 use crate::tables::{BakedAxes, bilinear, octant};
 use crate::variant::Baked;
@@ -12,11 +11,12 @@ use super::Twin;
 
 /// Relative tristimulus values for one pair of directions.
 pub fn tristimulus(twin: &Twin<'_>, form: &Baked, Directions { wi, wr }: Directions) -> [f64; 3] {
-    let factor = gain(wi, wr, twin.optics);
+    let matter = &form.coat.matter;
+    let factor = matter.geometry(wi, wr);
     if factor == 0.0 {
         return [0.0; 3];
     }
-    let xyz = colour_between(twin, &form.axes, path_difference(wi, wr, twin.rotate_deg));
+    let xyz = colour_between(twin, &form.axes, matter.path(wi, wr, twin.rotate_deg));
     xyz.map(|c| factor / COLOUR_SCALE * c)
 }
 
@@ -27,7 +27,8 @@ fn colour_between(twin: &Twin<'_>, axes: &BakedAxes, path: DVec3) -> [f64; 3] {
     let columns = f64::from(axes.page_columns());
     let page = (turn / columns).floor().min(f64::from(axes.pages - 1));
     let place = DVec2::new(turn - page * columns, row_at(axes, squared));
-    let share = (path.z * path.z / (4.0 - squared).max(1e-6)).min(1.0);
+    let above = path.z * path.z - axes.least_w_squared;
+    let share = (above / (4.0 - squared).max(1e-6)).clamp(0.0, 1.0);
     let level = share * f64::from(axes.levels - 1);
     let below = level.floor().min(f64::from(axes.levels - 2));
     let layer = page as usize * axes.levels as usize + below as usize;

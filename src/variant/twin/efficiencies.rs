@@ -14,7 +14,7 @@ pub fn efficiency(twin: &Twin<'_>, form: &Orders, order: DVec2, turns: f64) -> f
         return 0.0;
     }
     let columns = form.axes.columns;
-    let place = (-0.5 * form.axes.min_um * turns).clamp(0.0, 1.0) * f64::from(columns);
+    let place = (-0.5 * form.axes.phase_min_um() * turns).clamp(0.0, 1.0) * f64::from(columns);
     let column = (place as i64).min(i64::from(columns) - 1);
     let row = (s + s_max) * (2 * r_max + 1) + r + r_max;
     let [value, slope, next, next_slope] = twin.terms.load(column, row, 0);

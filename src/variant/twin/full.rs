@@ -15,7 +15,7 @@ use super::window::{window, window_sharpness};
 pub fn response(twin: &Twin<'_>, form: &FullWindow, path: DVec3, lambda_um: f64) -> f64 {
     let place = path.truncate() / lambda_um * DVec2::from(form.series.size_um);
     let nearest = (place + 0.5).floor();
-    let tau = series_argument(twin, &form.series, path.z, lambda_um);
+    let tau = series_argument(twin, &form.series, &form.coat, path.z, lambda_um);
     let sharpness = window_sharpness(form, lambda_um);
     let radius = i64::from(form.window_radius);
     let mut amplitude = Complex64::default();

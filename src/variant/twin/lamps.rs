@@ -4,12 +4,12 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::{BVec2, DVec2, DVec3, DVec4};
 
-use crate::optics::{self, gain};
 use crate::tables::orders::{CENTRE_NM, UNIT_NM};
-use crate::variant::Orders;
+use crate::variant::{Computation, Orders};
 
 use super::Twin;
 use super::efficiencies::efficiency;
+use super::matter::{dispersed, reflectance};
 
 mod caps;
 
@@ -42,8 +42,8 @@ pub fn edge_normal(start: DVec3, end: DVec3, side: f64, centre: DVec3) -> DVec3 
 }
 
 /// Reflectance at normal incidence.
-fn normal_reflectance(twin: &Twin<'_>) -> f64 {
-    optics::normal_reflectance(twin.optics.refractive_index)
+fn normal_reflectance(form: &Orders) -> f64 {
+    form.matter().normal_reflectance()
 }
 
 /// First and last row of orders that may take light from within `reach` of a direction.
@@ -154,9 +154,11 @@ pub fn panel_count(form: &Orders, order: DVec2, [from_um, to_um]: [f64; 2], wr: 
     let (first, last) = (arrival(frequency, from_um, wr), arrival(frequency, to_um, wr));
     let middle_um = 0.5 * (from_um + to_um);
     let middle = arrival(frequency, middle_um, wr);
-    let turns = 2.0 * ((first.z + wr.z) / from_um - (middle.z + wr.z) / middle_um).abs();
-    let columns = 0.5 * form.axes.min_um * f64::from(form.axes.columns) * turns;
+    let w = |wi: DVec3| -form.matter().path(wi, wr, 0.0).z;
+    let turns = 2.0 * (w(first) / from_um - w(middle) / middle_um).abs();
+    let columns = 0.5 * form.axes.phase_min_um() * f64::from(form.axes.columns) * turns;
     let needed = (columns / form.panel_columns()).max(first.distance(last) / form.panel_arc());
+    let needed = needed.max(form.panel_pace * (1.0 / from_um - 1.0 / to_um));
     (needed as u32).min(form.panels() as u32 - 1) + 1
 }
 
@@ -249,6 +251,8 @@ fn moment(twin: &Twin<'_>, column: i64, row: i64) -> DVec4 {
 
 fn order_share(twin: &Twin<'_>, form: &Orders, order: DVec2, lambda_um: f64, wr: DVec3) -> f64 {
     let wi = arrival(order_frequency(form, order), lambda_um, wr);
-    let turns = -(wi.z + wr.z) / lambda_um;
-    gain(wi, wr, twin.optics) / wi.z.max(1e-6) * efficiency(twin, form, order, turns)
+    let (matter, coat) = (form.matter(), &form.sum.coat);
+    let turns = dispersed(twin, coat, matter.path(wi, wr, 0.0).z, lambda_um) / lambda_um;
+    let reflected = reflectance(twin, coat, lambda_um, matter.facing(wi, wr));
+    matter.geometry(wi, wr) / wi.z.max(1e-6) * reflected * efficiency(twin, form, order, turns)
 }

@@ -21,7 +21,7 @@ pub fn response(twin: &Twin<'_>, form: &Pq, path: DVec3, lambda_um: f64) -> f64 
     let place = path.truncate() / lambda_um * DVec2::from(form.series.size_um);
     let [columns, rows] = form.taps.map(f64::from);
     let first = (place - 0.5 * DVec2::new(columns - 1.0, rows - 1.0) + 0.5).floor();
-    let tau = series_argument(twin, &form.series, path.z, lambda_um);
+    let tau = series_argument(twin, &form.series, &form.coat, path.z, lambda_um);
     let [pixel_columns, pixel_rows] = form.pixels.map(f64::from);
     let mut amplitude = Complex64::default();
     for s in 0..form.taps[1] {

@@ -5,19 +5,27 @@ use rustfft::num_complex::Complex64;
 
 use crate::plan::Packing;
 use crate::tables::{Series, bilinear};
+use crate::variant::Coat;
 
 use super::Twin;
 use super::series::{series_argument, series_scale};
 
 /// `|P|²` at one wavelength, µm, along `path = (u, v, w)`.
-pub fn response(twin: &Twin<'_>, series: &Series, path: DVec3, lambda_um: f64) -> f64 {
-    series_scale(series).powi(2) * intensity(twin, series, path, lambda_um)
+pub fn response(twin: &Twin<'_>, series: &Series, coat: &Coat, path: DVec3, lambda_um: f64) -> f64 {
+    series_scale(series).powi(2) * intensity(twin, series, coat, path, lambda_um)
 }
 
 /// The same, divided by the squared scale of the first term.
-pub fn intensity(twin: &Twin<'_>, series: &Series, path: DVec3, lambda_um: f64) -> f64 {
+pub fn intensity(
+    twin: &Twin<'_>,
+    series: &Series,
+    coat: &Coat,
+    path: DVec3,
+    lambda_um: f64,
+) -> f64 {
     let place = path.truncate() / lambda_um * DVec2::from(series.size_um);
-    amplitude(twin, series, place, series_argument(twin, series, path.z, lambda_um)).norm_sqr()
+    let argument = series_argument(twin, series, coat, path.z, lambda_um);
+    amplitude(twin, series, place, argument).norm_sqr()
 }
 
 /// The sum over terms of coefficient times table, at a position in texels from the central texel.

@@ -3,19 +3,21 @@
 use glam::DVec2;
 
 use crate::field::reference::Directions;
-use crate::optics::{gain, path_difference};
 use crate::variant::{Warped, node_level};
 
 use super::Twin;
+use super::matter::reflectance;
 use super::prefiltered::response;
 
 /// Relative tristimulus values for one pair of directions.
 pub fn tristimulus(twin: &Twin<'_>, form: &Warped, Directions { wi, wr }: Directions) -> [f64; 3] {
-    let factor = gain(wi, wr, twin.optics);
+    let coat = &form.coat;
+    let factor = coat.matter.geometry(wi, wr);
     if factor == 0.0 {
         return [0.0; 3];
     }
-    let path = path_difference(wi, wr, twin.rotate_deg);
+    let path = coat.matter.path(wi, wr, twin.rotate_deg);
+    let facing = coat.matter.facing(wi, wr);
     let row = node_row(twin, path.truncate());
     let mut xyz = [0.0; 3];
     for node in 0..twin.spectrum.width as i64 {
@@ -23,7 +25,8 @@ pub fn tristimulus(twin: &Twin<'_>, form: &Warped, Directions { wi, wr }: Direct
         if lambda_um == 0.0 {
             break;
         }
-        let response = response(twin, &form.series, path, lambda_um);
+        let response = response(twin, &form.series, coat, path, lambda_um)
+            * reflectance(twin, coat, lambda_um, facing);
         xyz = std::array::from_fn(|c| xyz[c] + [x, y, z][c] * response);
     }
     xyz.map(|c| c * factor)

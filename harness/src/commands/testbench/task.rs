@@ -5,6 +5,7 @@ use diffraction_cli::args::{Runner, RunnerArgs};
 use diffraction_cli::memory;
 use diffraction_cli::runners::Job;
 use diffraction_shaders::field::reference::{Reference, Span};
+use diffraction_shaders::optics::Matter;
 use diffraction_shaders::plan::{Mode, Plan, SurfaceSource, SurfaceSpec, Variant, Wavelengths};
 use diffraction_shaders::surface::facts::facts;
 use diffraction_shaders::surface::{HeightField, Surface, subject};
@@ -105,7 +106,10 @@ impl Task {
     /// Bytes that measuring takes beside the heights.
     pub(super) fn memory(&self, field: &HeightField) -> Result<u64> {
         Ok(match self.runner.runner {
-            Runner::Exact => Reference::working_bytes(field, &self.variant.optics, Span::ANYWHERE),
+            Runner::Exact => {
+                let optics = &self.variant.optics;
+                Reference::working_bytes(field, optics, &Matter::new(optics)?, Span::ANYWHERE)
+            }
             Runner::Twin => memory::of(field, &self.variant)?.to_evaluate(),
             _ => memory::of(field, &self.variant)?.to_check_and_draw(),
         })

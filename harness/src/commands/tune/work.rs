@@ -10,6 +10,7 @@ use diffraction_cli::files::write_whole;
 use diffraction_cli::{Outcome, interrupt, progress};
 use diffraction_shaders::field::reference::{Reference, Span};
 use diffraction_shaders::input;
+use diffraction_shaders::optics::Matter;
 use diffraction_shaders::plan::{Plan, SurfaceSpec, Variant};
 use diffraction_shaders::runner::Placement;
 use diffraction_shaders::shader::limits::Profile;
@@ -115,7 +116,8 @@ fn results(
     let (candidates, too_large) = affordable(candidates, height, args.memory.budget());
     lost.extend(too_large);
     bar.finish_and_clear();
-    let exact = Reference::working_bytes(height, &plan.optics, Span::ANYWHERE);
+    let matter = Matter::new(&plan.optics)?;
+    let exact = Reference::working_bytes(height, &plan.optics, &matter, Span::ANYWHERE);
     args.memory.check(&spec.name, "exact", height.byte_count(), exact)?;
 
     console.note(&format!(

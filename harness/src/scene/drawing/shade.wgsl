@@ -74,10 +74,12 @@ fn diffuse(place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> f32 {
     return irradiance / 3.1415927;
 }
 
-// 1 - R for light from a direction.
+// 1 - R for light from a direction. Below a metal there is no body, and below other matter R is that of normal incidence.
 fn transmitted(wi: vec3f, wr: vec3f) -> f32 {
-    let amplitude = (REFRACTIVE_INDEX - 1.0) / (REFRACTIVE_INDEX + 1.0);
-    return 1.0 - amplitude * amplitude * fresnel_ratio(dot(unit(wi + wr, 1e-8), wr));
+    if (BODY_SHARE < 1.0) {
+        return BODY_SHARE;
+    }
+    return 1.0 - body_reflectance(dot(unit(wi + wr, 1e-8), wr));
 }
 
 // 1 - R times the integral of the cosine over the part of a polygon above the horizon: half the sum over its edges (Lambert

@@ -5,7 +5,7 @@ use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::light::Light;
 use diffraction_shaders::optics::colour::from_rgb;
 use diffraction_shaders::optics::colour_difference::{ColourDifference, colour_difference};
-use diffraction_shaders::optics::{fresnel_ratio, normal_reflectance};
+use diffraction_shaders::optics::{Matter, REFERENCE_NM};
 use diffraction_shaders::tables::Table;
 use diffraction_shaders::variant::mesh::{
     MeshParams, MeshVertex, Vertex, in_frame, mesh as shaded,
@@ -105,11 +105,11 @@ pub fn truth_under(
         },
         &|twin, pixel| lit(twin, frames[pixel.index], pixel.used.wr).to_array(),
     )?;
-    let index = optics.refractive_index;
+    let matter = prepared.form.matter();
     let white = |pixel: &Pixel| {
         let wr = in_frame(map, eye - pixel.at.place, &pixel.at);
         let to_frame = frame(&pixel.at);
-        lights.iter().map(|light| reflected(index, light, to_frame, wr)).sum::<f64>()
+        lights.iter().map(|light| reflected(matter, light, to_frame, wr)).sum::<f64>()
     };
     let whites: Vec<f64> = scene.pixels.iter().map(white).collect();
     let most = whites.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
@@ -144,15 +144,16 @@ fn diffracted(twin: &Twin<'_>, scale: f64, light: &Light, to_frame: DMat3, wr: D
     calls.sum()
 }
 
-/// Radiance of a white body of this refractive index under a light of the world.
-fn reflected(index: f64, light: &Light, to_frame: DMat3, wr: DVec3) -> f64 {
+/// Radiance of a white body of this matter under a light of the world.
+fn reflected(matter: &Matter, light: &Light, to_frame: DMat3, wr: DVec3) -> f64 {
     if wr.z <= 0.0 {
         return 0.0;
     }
     let half = (to_frame * middle(light) + wr).normalize_or_zero();
-    let reflectance = normal_reflectance(index) * fresnel_ratio(half.dot(wr), index);
+    let reflected = || matter.reflectances(REFERENCE_NM, half.dot(wr))[0];
+    let share = matter.body_share().unwrap_or_else(|| 1.0 - reflected());
     let normal = to_frame.transpose() * DVec3::Z;
-    (1.0 - reflectance) * irradiance(light, normal) / std::f64::consts::PI
+    share * irradiance(light, normal) / std::f64::consts::PI
 }
 
 /// A scene as a driver and as the rasteriser see it.
@@ -212,7 +213,7 @@ impl<'a> Scene<'a> {
     ) -> Result<Truth> {
         let subject = self.prepared.placement;
         let optics = &subject.variant.optics;
-        let twin = Twin::new(&self.prepared.form, &self.tables, optics, subject.rotate_deg);
+        let twin = Twin::new(&self.prepared.form, &self.tables, subject.rotate_deg);
         let (mut facing, mut apart) = (0, Vec::new());
         for Pixel { at, used, .. } in &self.pixels {
             let wi = in_frame(&self.mesh.orientation, self.params.light_direction, at);

@@ -51,7 +51,7 @@ impl Caps {
         here.visit(form, viewer, &mut |order, range_um| {
             xyz += order_colour(twin, form, order, range_um, viewer);
         });
-        normal_reflectance(twin) * xyz
+        normal_reflectance(form) * xyz
     }
 
     /// Calls `lit` with each order that takes light from it, and the range of wavelengths in µm. All directions are in the

@@ -1,0 +1,38 @@
+//! The matter of a variant's surface, with the rows about it in the spectrum table.
+
+use std::sync::Arc;
+
+use crate::defines::Defines;
+use crate::error::Result;
+use crate::optics::Matter;
+use crate::plan::Variant;
+use crate::tables::MatterSpec;
+
+use super::lay;
+
+/// What the surface is made of, as the shader has it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Coat {
+    /// Material, films and cover.
+    pub matter: Arc<Matter>,
+    /// Rows of the spectrum table. `None` for a dielectric in air with Stam's obliquity.
+    pub rows: Option<MatterSpec>,
+}
+
+impl Coat {
+    /// The matter of a variant. It is an error, with the reason, if it cannot be computed.
+    pub(super) fn new(variant: &Variant) -> Result<Coat> {
+        let matter = Arc::new(Matter::new(&variant.optics)?);
+        let rows = MatterSpec::new(&variant.optics, &matter, lay::range_nm(variant));
+        Ok(Coat { matter, rows })
+    }
+
+    /// Constants of the template `matter`. `wavelengths`: number of columns of the spectrum table; `above`: number of its
+    /// rows for more than one wavelength, without those about the matter.
+    pub(super) fn define(&self, wavelengths: usize, above: usize, into: &mut Defines) {
+        into.flag("SPECTRAL", true);
+        if let Some(rows) = &self.rows {
+            rows.define(wavelengths, if wavelengths == 1 { 2 } else { above }, into);
+        }
+    }
+}
