@@ -76,8 +76,7 @@ fn matter(plan: &mut Plan, path: &Path) -> Vec<Error> {
                 }
             }
             Err(error) => {
-                let subject = format!("{}: {}", path.display(), error.subject());
-                let again = Error::new(subject, error.message());
+                let again = Error::new(path.display(), error.message());
                 errors.push(match error.advice() {
                     Some(advice) => again.remedy(advice),
                     None => again,

@@ -13,8 +13,8 @@ pub mod spectrum;
 pub mod brdf_map;
 pub mod colour_difference;
 
-pub use coherence::{REFERENCE_NM, diffuser_scale, window_sigma_um};
+pub use coherence::{REFERENCE_NM, window_sigma_um};
 pub use directions::{direction, path_difference};
 pub use gain::{fresnel_ratio, normal_reflectance, shadowing};
-pub use matter::{Facing, Matter, reflectances};
+pub use matter::{Facing, Matter, diffuser_scale, reflectances};
 pub use medium::Index;

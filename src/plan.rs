@@ -1,6 +1,7 @@
 //! `plan.toml` as pure data: surfaces, optics, the axes of the variants, targets.
 
 mod axis;
+mod data;
 mod item;
 mod local;
 mod material;
@@ -27,10 +28,11 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize, Serializer};
 
+pub use data::Data;
 pub use local::SurfaceOptics;
 pub use material::{Film, Material, Medium, Obliquity};
 pub use mode::Mode;
-pub use optics::{Coherence, CoherenceScaling, Colour, Data, Illuminant, Optics, Window};
+pub use optics::{Coherence, CoherenceScaling, Colour, Illuminant, Optics, Window};
 pub use target::Target;
 pub use variant::Variant;
 pub use variants::MAX_VARIANTS;

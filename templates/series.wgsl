@@ -22,7 +22,11 @@
 // Argument of the series: the column in the table of coefficients, from 0.
 fn series_argument(w: f32, lambda_um: f32) -> f32 {
 #ifdef COVER
-    let tau = covered_argument(w, lambda_um);
+#ifdef DISPERSION
+    let tau = 0.5 * dispersed(w, lambda_um) * PHASE_MIN_UM / lambda_um;
+#else
+    let tau = 0.5 * w * PHASE_MIN_UM / lambda_um;
+#endif
 #else
     let tau = 0.5 * w * WAVELENGTH_MIN_UM / lambda_um;
 #endif
@@ -36,7 +40,11 @@ fn series_argument(w: f32, lambda_um: f32) -> f32 {
 #endif
 fn series_argument(w: f32, lambda_um: f32) -> f32 {
 #ifdef COVER
-    let tau = covered_argument(w, lambda_um);
+#ifdef DISPERSION
+    let tau = 0.5 * dispersed(w, lambda_um) * PHASE_MIN_UM / lambda_um;
+#else
+    let tau = 0.5 * w * PHASE_MIN_UM / lambda_um;
+#endif
 #else
     let tau = 0.5 * w * WAVELENGTH_MIN_UM / lambda_um;
 #endif
@@ -45,17 +53,6 @@ fn series_argument(w: f32, lambda_um: f32) -> f32 {
     return tau * textureLoad(spectrum, vec2i(0, 1), 0).w;
 #else
     return tau;
-#endif
-}
-#endif
-
-#ifdef COVER
-// Phase per height under the cover relative to its largest magnitude, -1 to 0.
-fn covered_argument(w: f32, lambda_um: f32) -> f32 {
-#ifdef DISPERSION
-    return 0.5 * dispersed(w, lambda_um) * PHASE_MIN_UM / lambda_um;
-#else
-    return 0.5 * w * PHASE_MIN_UM / lambda_um;
 #endif
 }
 #endif

@@ -275,7 +275,7 @@ impl Order<'_> {
         if factor == 0.0 {
             return 0.0;
         }
-        let z = TAU / lambda_um * matter.w(wi, self.wr, lambda_nm);
+        let z = TAU / lambda_um * matter.depth(wi, self.wr, lambda_nm);
         let square = self.sum.nodes.interpolate(z, self.squares).re;
         matter.normal_reflectance() * factor / wi.z * square
     }

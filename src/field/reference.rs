@@ -115,7 +115,7 @@ impl Reference {
         let uvw = optics::path_difference(wi, wr, self.rotate_deg);
         let lambda_um = lambda_nm * 1e-3;
         let sigma_um = optics::window_sigma_um(&self.optics, lambda_nm);
-        let w = self.matter.w(wi, wr, lambda_nm);
+        let w = self.matter.depth(wi, wr, lambda_nm);
         self.field.intensity(uvw.truncate() / lambda_um, TAU * w / lambda_um, sigma_um, scratch)
     }
 

@@ -1,8 +1,6 @@
-//! The coherence window, and the scale relative to a white diffuser that follows from it.
+//! The coherence window.
 
-use crate::error::Result;
-use crate::optics::Matter;
-use crate::plan::{CoherenceScaling, Optics, Window};
+use crate::plan::{CoherenceScaling, Window};
 
 /// Standard deviation of the coherence window, µm, at a wavelength: `ℓc/4`, times `λ/550 nm` where the source has a
 /// fixed angular size.
@@ -17,19 +15,3 @@ pub fn window_sigma_um(window: impl Into<Window>, lambda_nm: f64) -> f64 {
 
 /// Wavelength at which a coherence length is stated, nm.
 pub const REFERENCE_NM: f64 = 550.0;
-
-/// Radiance relative to a white diffuser per unit of ρ, under the coherence window of the optics.
-pub fn diffuser_scale(optics: &Optics) -> Result<f64> {
-    Ok(Matter::new(optics)?.diffuser_scale(window_sigma_um(optics, REFERENCE_NM)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn diffuser_scale_of_filtered_sunlight() {
-        let scale = diffuser_scale(&Optics::standard()).expect("a dielectric");
-        assert!((scale - 1378.0).abs() < 1.0);
-    }
-}

@@ -54,16 +54,21 @@ pub(super) fn schlick_gain(
 pub(super) fn obliquity(wi: DVec3, wr: DVec3, of: Obliquity) -> [f64; 2] {
     let w = wi.z + wr.z;
     let aligned = 1.0 + wi.dot(wr);
-    let product = wi.z * wr.z;
     let below = w * w * wr.z;
-    let s = 4.0 * product * product / below;
-    let p = 4.0 * (aligned - product).powi(2) / below;
+    let [s, p] = polarised(wi, wr).map(|square| 4.0 * square / below);
     match of {
         Obliquity::Stam => [0.5 * aligned * aligned / below; 2],
         Obliquity::Unpolarised => [0.5 * s, 0.5 * p],
         Obliquity::Te => [s, 0.0],
         Obliquity::Tm => [0.0, p],
     }
+}
+
+/// Squares of `cos θi cos θr` and of `1 - s`, to which the intensities of s and p polarisation are proportional.
+fn polarised(wi: DVec3, wr: DVec3) -> [f64; 2] {
+    let product = wi.z * wr.z;
+    let across = 1.0 + wi.truncate().dot(wr.truncate());
+    [product * product, across * across]
 }
 
 #[cfg(test)]

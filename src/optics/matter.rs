@@ -20,7 +20,7 @@ use crate::defines::Defines;
 use crate::error::{Error, Result};
 use crate::optics::medium::Index;
 use crate::optics::spectrum::{Spectrum, TABLE_MAX_NM, TABLE_MIN_NM};
-use crate::optics::{REFERENCE_NM, path_difference};
+use crate::optics::{REFERENCE_NM, path_difference, window_sigma_um};
 use crate::plan::{Film, Material, Medium, Obliquity, Optics};
 
 use super::gain::{HORIZON, fresnel_ratio, normal_reflectance, obliquity, schlick_gain, shadowing};
@@ -129,7 +129,7 @@ impl Matter {
     pub fn body_share(&self) -> Option<f64> {
         let stack = self.stack.as_ref()?;
         let absorbs = stack.base.at(REFERENCE_NM).im > MAX_COVER_K;
-        let faces = transmittances(1.0, 1.0, self.cover_index())[0].powi(2);
+        let faces = transmittance(1.0, 1.0, self.cover_index())[0].powi(2);
         Some(if absorbs { 0.0 } else { faces * (1.0 - self.normal) })
     }
 
@@ -170,18 +170,22 @@ impl Matter {
     }
 
     /// The exact `n w'` at a wavelength, nm: phase per height divided by the wave number in air, negative.
-    pub fn w(&self, wi: DVec3, wr: DVec3, lambda_nm: f64) -> f64 {
+    pub fn depth(&self, wi: DVec3, wr: DVec3, lambda_nm: f64) -> f64 {
         if !self.is_covered() {
             return -(wi.z + wr.z);
         }
         let n = self.cover_at(lambda_nm);
-        -n * (refracted(wi, n).z + refracted(wr, n).z)
+        -n * (inside(wi, n).z + inside(wr, n).z)
     }
 
     /// `(u, v, n w')` at 550 nm in the frame of a surface that is rotated about its normal: what shaders compute.
     pub fn path(&self, wi: DVec3, wr: DVec3, rotate_deg: f64) -> DVec3 {
         let path = path_difference(wi, wr, rotate_deg);
-        if self.is_covered() { path.truncate().extend(self.w(wi, wr, REFERENCE_NM)) } else { path }
+        if self.is_covered() {
+            path.truncate().extend(self.depth(wi, wr, REFERENCE_NM))
+        } else {
+            path
+        }
     }
 
     /// What remains of the gain at 550 nm without the reflectance of the material: what shaders compute. For a
@@ -194,7 +198,7 @@ impl Matter {
     }
 
     /// What the reflectance of the relief depends on, at 550 nm.
-    pub fn facing(&self, wi: DVec3, wr: DVec3) -> Facing {
+    pub fn facing_of(&self, wi: DVec3, wr: DVec3) -> Facing {
         let Some(inside) = Inside::new(wi, wr, self.cover_index()) else {
             return Facing { cos_half: 1.0, s_share: 0.5 };
         };
@@ -213,7 +217,7 @@ impl Matter {
     /// The same for s and p polarisation. A dielectric in air has 1, since its gain is whole without it.
     pub fn ratios(&self, lambda_nm: f64, cos_half: f64) -> [f64; 2] {
         let Some(stack) = &self.stack else { return [1.0; 2] };
-        let face = |nm: f64| transmittances(1.0, 1.0, self.cover_at(nm))[0].powi(2);
+        let face = |nm: f64| transmittance(1.0, 1.0, self.cover_at(nm))[0].powi(2);
         let faces = face(lambda_nm) / face(REFERENCE_NM);
         stack.reflectances(lambda_nm, cos_half).map(|r| r * faces / self.normal)
     }
@@ -336,20 +340,22 @@ impl Matter {
         into.number("COVER_INDEX", self.cover_index(), cover);
     }
 
+    /// Share of the light that crosses the cover's face twice, for each polarisation, or of both.
+    fn crossed(&self, inside: &Inside) -> [f64; 2] {
+        let Inside { wi, wr, above, n } = *inside;
+        let [[si, pi], [sr, pr]] =
+            [(above[0], wi.z), (above[1], wr.z)].map(|(out, cos)| transmittance(out, cos, n));
+        match self.obliquity {
+            Obliquity::Te | Obliquity::Tm => [si * sr, pi * pr],
+            _ => [0.25 * (si + pi) * (sr + pr); 2],
+        }
+    }
+
     /// The gain without reflectance, for each polarisation.
     fn factor(&self, inside: &Inside) -> Factor {
-        let Inside { wi, wr, above: [above_i, above_r], n } = *inside;
-        let faces = if n == 1.0 {
-            [1.0; 2]
-        } else {
-            let [[si, pi], [sr, pr]] =
-                [(above_i, wi.z), (above_r, wr.z)].map(|(out, cos)| transmittances(out, cos, n));
-            match self.obliquity {
-                Obliquity::Te | Obliquity::Tm => [si * sr, pi * pr],
-                _ => [0.25 * (si + pi) * (sr + pr); 2],
-            }
-        };
-        let entry = if n == 1.0 { 1.0 } else { above_i / wi.z };
+        let Inside { wi, wr, above: [above, _], n } = *inside;
+        let faces = if n == 1.0 { [1.0; 2] } else { self.crossed(inside) };
+        let entry = if n == 1.0 { 1.0 } else { above / wi.z };
         let shadow = if self.has_shadowing { shadowing(wi, wr) } else { 1.0 };
         let [s, p] = obliquity(wi, wr, self.obliquity);
         Factor { s: s * entry * shadow * faces[0], p: p * entry * shadow * faces[1] }
@@ -369,6 +375,11 @@ impl Default for Matter {
             notes: Vec::new(),
         }
     }
+}
+
+/// Radiance relative to a white diffuser per unit of ρ, under the coherence window of the optics.
+pub fn diffuser_scale(optics: &Optics) -> Result<f64> {
+    Ok(Matter::new(optics)?.diffuser_scale(window_sigma_um(optics, REFERENCE_NM)))
 }
 
 /// The gain without reflectance, in parts for s and p polarisation.
@@ -399,7 +410,7 @@ impl Inside {
         if !above.iter().all(|cos| *cos > HORIZON) {
             return None;
         }
-        let (wi, wr) = if n == 1.0 { (wi, wr) } else { (refracted(wi, n), refracted(wr, n)) };
+        let (wi, wr) = if n == 1.0 { (wi, wr) } else { (inside(wi, n), inside(wr, n)) };
         Some(Inside { wi, wr, above, n })
     }
 
@@ -418,14 +429,14 @@ impl Stack {
 }
 
 /// The direction inside a medium of index n.
-fn refracted(v: DVec3, n: f64) -> DVec3 {
+fn inside(v: DVec3, n: f64) -> DVec3 {
     let plane = v.truncate() / n;
     plane.extend((1.0 - plane.length_squared()).max(0.0).sqrt())
 }
 
 /// Transmittances of the face of a medium of index n for s and p polarisation, from the cosines outside and inside
 /// (Fresnel).
-fn transmittances(outside: f64, inside: f64, n: f64) -> [f64; 2] {
+fn transmittance(outside: f64, inside: f64, n: f64) -> [f64; 2] {
     let s = (outside - n * inside) / (outside + n * inside);
     let p = (n * outside - inside) / (n * outside + inside);
     [1.0 - s * s, 1.0 - p * p]

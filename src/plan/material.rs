@@ -4,9 +4,9 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
+use super::data::Data;
 use super::item::{Item, suggest};
 use super::number::number;
-use super::optics::{Data, Optics};
 use super::words::{OBLIQUITIES, word_of};
 
 /// Named media of refractive indices, see [`crate::optics::medium`].
@@ -78,7 +78,7 @@ impl Medium {
     }
 
     /// Its file, if it has one.
-    fn data_mut(&mut self) -> Option<&mut Data> {
+    pub(super) fn data_mut(&mut self) -> Option<&mut Data> {
         match self {
             Medium::File(data) => Some(data),
             _ => None,
@@ -106,19 +106,6 @@ impl Serialize for Medium {
                 map.end()
             }
         }
-    }
-}
-
-impl Optics {
-    /// The tables of n and k that are files.
-    pub(crate) fn media_mut(&mut self) -> impl Iterator<Item = &mut Data> {
-        let material = match &mut self.material {
-            Material::Dielectric => None,
-            Material::Medium(medium) => Some(medium),
-        };
-        let films = self.films.iter_mut().map(|film| &mut film.index);
-        let media = films.chain([&mut self.cover_index]).chain(material);
-        media.filter_map(Medium::data_mut)
     }
 }
 
@@ -171,9 +158,27 @@ impl Obliquity {
     }
 }
 
-const NK: &str = "nk";
+pub(super) const NK: &str = "nk";
 const INDEX: &str = "index";
 const THICKNESS: &str = "thickness_nm";
+
+/// Keys of a film.
+pub(super) const FILM: [&str; 2] = [INDEX, THICKNESS];
+/// Paths of tables that name a file of n and k, each with that of the films it belongs to.
+pub(super) const TABLES: [[&str; 2]; 12] = [
+    ["optics.material", ""],
+    ["optics.cover_index", ""],
+    ["optics.films.index", "optics.films"],
+    ["surface.optics.material", ""],
+    ["surface.optics.cover_index", ""],
+    ["surface.optics.films.index", "surface.optics.films"],
+    ["variants.material", ""],
+    ["variants.cover_index", ""],
+    ["variants.films.index", "variants.films"],
+    ["preset.material", ""],
+    ["preset.cover_index", ""],
+    ["preset.films.index", "preset.films"],
+];
 
 /// Maximum number of films.
 const MAX_FILMS: usize = 16;
@@ -224,7 +229,7 @@ pub(super) fn films(item: &Item) -> Option<Vec<Film>> {
 
 fn film(item: &Item) -> Option<Film> {
     let table = item.table("{ index = 1.38, thickness_nm = 120 }")?;
-    table.only(&[INDEX, THICKNESS]);
+    table.only(&FILM);
     let what = "the refractive index of the film: a number, the name of a medium, or { nk = \"file.csv\" }";
     let known: Vec<&'static str> = METALS.iter().chain(COVERS).copied().collect();
     let index = table.require(INDEX, what).and_then(|index| {

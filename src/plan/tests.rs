@@ -21,7 +21,7 @@ use crate::tables::TableSpec;
 use crate::variant::{Form, Ground};
 
 /// One variant of every form, small enough to be computed many times.
-const FORMS: [&str; 17] = [
+const FORMS: [&str; 22] = [
     "terms = 5\ncoherence_um = 9",
     "terms = \"auto\"\nwindow_radius = \"auto\"\ncoherence_um = 9",
     "terms = 5\nwavelengths = { min_nm = 550, max_nm = 550 }",
@@ -36,6 +36,12 @@ const FORMS: [&str; 17] = [
     "mode = \"gems\"",
     "mode = \"orders\"\nlights = \"direction\"\ncoherence = \"ensemble\"",
     "mode = \"orders\"\ncoherence = \"ensemble\"\ncoherence_scaling = \"wavelength\"",
+    // metals, covers and films
+    "terms = 11\ncoherence_um = 9\nmaterial = \"copper\"\ncover_index = 1.4",
+    "mode = \"pq\"\nterms = \"auto\"\nbasis = \"optimal\"\ncover_index = \"polycarbonate\"",
+    "mode = \"adaptive\"\nterms = 9\nreconstruction = \"prefiltered\"\ncoherence_um = 9\nfilms = [{ index = 1.4, thickness_nm = 90 }]",
+    "mode = \"baked\"\nbake_mib = 4\ncoherence_um = 9\nmaterial = \"nickel\"\nobliquity = \"te\"",
+    "mode = \"orders\"\ncoherence = \"ensemble\"\ncoherence_scaling = \"wavelength\"\nmaterial = \"gold\"\nobliquity = \"unpolarised\"",
     // above the limit of errors
     "terms = 2\naccept_error = true\ncoherence_um = 9",
     "mode = \"pq\"\nterms = 2\naccept_error = true",
@@ -62,6 +68,8 @@ fn others(key: &str) -> &'static [&'static str] {
         "coherence_um" => &["4"],
         "source_diameter_deg" => &["5"],
         "refractive_index" => &["1.7"],
+        "cover_index" => &["1.6"],
+        "films" => &["[{ index = \"silver\", thickness_nm = 20 }]"],
         "illuminant" => &["\"A\""],
         "hoist" | "shadowing" | "accept_error" => &["true", "false"],
         _ => &[],

@@ -280,6 +280,10 @@ fn is_of_words(item: &Item) -> bool {
 /// Words in any order. A single word counts as an array of one.
 fn lights(item: &Item) -> Option<Vec<LightFunction>> {
     let items = if item.is_array() { item.elements("words")? } else { vec![item.clone()] };
+    if items.is_empty() {
+        item.fail("has no words", "list at least one kind of light, or remove the key");
+        return None;
+    }
     let mut found = vec![LightFunction::Direction];
     for item in items {
         found.push(item.word(LIGHT_FUNCTIONS)?);

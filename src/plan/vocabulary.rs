@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use serde_json::Value;
 
 use super::axis::Axis;
+use super::material;
 use super::optics::OPTICS;
 use super::variant::{AXES, WAVELENGTHS, axes};
 use super::words::names;
@@ -45,6 +46,12 @@ pub fn vocabulary() -> Vec<Key> {
     for table in ["surface.optics", "optics"] {
         for (name, words) in OPTICS.iter().map(of) {
             add(table, name, words);
+        }
+    }
+    for [table, films] in material::TABLES {
+        add(table, material::NK, Vec::new());
+        for name in material::FILM.into_iter().filter(|_| !films.is_empty()) {
+            add(films, name, Vec::new());
         }
     }
     for name in parse::PRESET {

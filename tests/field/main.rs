@@ -7,6 +7,7 @@ mod support;
 
 mod closed_forms;
 mod exact_field;
+mod matter;
 mod orders;
 mod reference;
 mod vectors;

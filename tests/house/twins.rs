@@ -51,6 +51,6 @@ fn the_gain_is_in_optics() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let shared = functions(&root.join("templates/gain.wgsl"));
     let of = |file| functions(&root.join("src/optics").join(file));
-    let optics = &of("gain.rs") | &of("directions.rs");
+    let optics = &(&of("gain.rs") | &of("directions.rs")) | &of("matter.rs");
     assert!(!shared.is_empty() && shared.is_subset(&optics), "{shared:?} against {optics:?}");
 }

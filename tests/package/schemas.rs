@@ -8,6 +8,7 @@ use std::{fs, path::Path};
 
 use crate::support::schemas::{is_of_type, places, walk};
 use diffraction_shaders::Compiler;
+use diffraction_shaders::input::read_plan;
 use diffraction_shaders::package::Package;
 use diffraction_shaders::package::manifest::SCHEMA_VERSION;
 use diffraction_shaders::plan::{Plan, Target, vocabulary};
@@ -124,6 +125,22 @@ name = "orders"
 mode = "orders"
 source_diameter_deg = 0.53
 [[preset]]
+name = "metal"
+mode = "orders"
+source_diameter_deg = 0.53
+material = { nk = "metal.csv" }
+cover_index = "pmma"
+films = [{ index = 2.2, thickness_nm = 60 }, { index = { nk = "metal.csv" }, thickness_nm = 5 }]
+obliquity = "unpolarised"
+[[preset]]
+name = "named-films"
+mode = "adaptive"
+terms = 7
+material = "gold"
+cover_index = 1.5
+films = [{ index = "silver", thickness_nm = 5 }]
+obliquity = "te"
+[[preset]]
 name = "orders-direction"
 mode = "orders"
 lights = ["direction"]
@@ -182,7 +199,23 @@ bake_mib = 0.25
 "#
         )
     };
-    FORMS.replace("BAKED", &baked.map(preset).concat())
+    let metals = ["aluminium", "silver", "gold", "copper", "nickel", "chromium", "dielectric"];
+    let metal = |(i, metal): (usize, &str)| {
+        format!(
+            r#"[[preset]]
+name = "{metal}"
+mode = "orders"
+lights = ["direction"]
+material = "{metal}"
+cover_index = "{}"
+obliquity = "{}"
+"#,
+            ["polycarbonate", "pmma"][i % 2],
+            ["te", "tm", "unpolarised", "stam"][i % 4]
+        )
+    };
+    let metals: String = metals.into_iter().enumerate().map(metal).collect();
+    FORMS.replace("BAKED", &(baked.map(preset).concat() + &metals))
 }
 
 /// A surface whose table is wider than any API guarantees, so that every profile has its gap.
@@ -205,7 +238,10 @@ struct Made {
 }
 
 fn made(text: &str) -> Made {
-    let plan = Plan::parse(text, Path::new("plan.toml")).unwrap_or_else(|e| panic!("{e}"));
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("metal.csv"), "wavelength_nm,n,k\n380,1,3\n780,2,5\n").unwrap();
+    fs::write(folder.path().join("plan.toml"), text).unwrap();
+    let plan = read_plan(&folder.path().join("plan.toml")).unwrap_or_else(|e| panic!("{e:?}"));
     let package = Compiler::new(&plan).compile().unwrap_or_else(|e| panic!("{e}"));
     Made { plan, package }
 }

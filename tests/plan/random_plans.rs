@@ -94,7 +94,9 @@ proptest! {
 }
 
 /// What a random plan may be refused for: combinations of words that each are valid.
-const CONSTRAINTS: [&str; 10] = [
+const CONSTRAINTS: [&str; 12] = [
+    "lights with a size have no meaning",
+    "the share of each polarisation",
     "hoist = false",
     "pq repeats",
     "pq has no coherence window",
@@ -197,7 +199,7 @@ const FAULTS: [Fault; 10] = [
 ];
 
 /// Numbers that a key refuses, by the last part of its name.
-const BAD_NUMBERS: [(&str, &[&str]); 25] = [
+const BAD_NUMBERS: [(&str, &[&str]); 28] = [
     ("schema", &["0", "2", "-1", "1.0"]),
     ("period_um", &["0", "-1.0", "nan", "inf"]),
     ("height_um", &["0.0", "-0.1", "-inf", "nan"]),
@@ -207,6 +209,9 @@ const BAD_NUMBERS: [(&str, &[&str]); 25] = [
     ("clip_percent", &["-1", "50", "nan"]),
     ("coherence_um", &["0", "0.09", "10001", "inf"]),
     ("refractive_index", &["1", "0.5", "5.01", "[]"]),
+    ("cover_index", &["0.99", "0", "-1.5", "4.1", "nan", "{ nk = 1 }", "{}", "[]"]),
+    ("films", &["1", "[1]", "[{ index = 1.4 }]", "[{ index = 0.9, thickness_nm = 9 }]"]),
+    ("thickness_nm", &["0", "-1", "10001", "nan", "inf"]),
     ("terms", &["0", "201", "[0]", "[1, 2, -3]", "1.5", "[]"]),
     ("window_radius", &["-1", "65", "[0, 65]", "1e2"]),
     ("term_error", &["0", "0.6", "-1e-3", "nan"]),

@@ -270,11 +270,31 @@ fn numbers(name: &str, large: Large) -> Option<BoxedStrategy<String>> {
         "bake_mib" => float(0.25..0.5),
         "coherence_um" => float(if large.prefiltered { 0.1..4.0 } else { 0.1..200.0 }),
         "refractive_index" => float(1.01..5.0),
+        "cover_index" => prop_oneof![6 => float(1.0..1.9), 1 => file()].boxed(),
+        "material" => prop_oneof![1 => file(), 4 => Just("\"gold\"".to_owned())].boxed(),
+        "films" => films().boxed(),
         "illuminant" => {
             select(vec!["D65", "D50", "A", "E", "F1"]).prop_map(|name| format!("{name:?}")).boxed()
         }
         _ => return None,
     })
+}
+
+/// A table of n and k that nobody reads: variants with it are gaps.
+fn file() -> Just<String> {
+    Just("{ nk = \"n.csv\" }".to_owned())
+}
+
+/// No film, or up to two.
+fn films() -> impl Strategy<Value = String> {
+    let index = prop_oneof![
+        (1.0..5.0f64).prop_map(|n| format!("{n:?}")),
+        select(vec!["\"silver\"", "\"pmma\""]).prop_map(str::to_owned),
+        file(),
+    ];
+    let film = (index, 1.0..900.0f64)
+        .prop_map(|(index, nm)| format!("{{ index = {index}, thickness_nm = {nm:?} }}"));
+    vec(film, 0..3).prop_map(|films| format!("[{}]", films.join(", ")))
 }
 
 /// A range of wavelengths: wide, narrow or a single one.

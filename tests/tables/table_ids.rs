@@ -5,7 +5,7 @@ use std::path::Path;
 
 use diffraction_shaders::input::{SurfaceInput, read_surfaces};
 use diffraction_shaders::plan::{
-    Auto, Basis, Mode, Plan, Reconstruction, TableFormat, Variant, Window,
+    Auto, Basis, Medium, Mode, Plan, Reconstruction, TableFormat, Variant, Window,
 };
 use diffraction_shaders::tables::{TableSpec, strongest_period_um};
 use diffraction_shaders::variant::{Form, Ground};
@@ -54,6 +54,8 @@ coherence = "ensemble"
 coherence_um = [5, 20]
 coherence_scaling = ["fixed", "wavelength"]
 refractive_index = [1.5, 1.3]
+material = ["dielectric", "gold"]
+cover_index = [1, 1.4]
 shadowing = [true, false]
 [[preset]]
 name = "single"
@@ -82,6 +84,10 @@ fn inputs(spec: &TableSpec, surface: &SurfaceInput, variant: &Variant, forget: &
     let coherence_um = if forget == "coherence_um" { 0.0 } else { coherence_um };
     let light = optics.illuminant.identity();
     let (id, rotate_deg) = (surface.identity(), surface.spec().rotate_deg);
+    let matter = optics.matter().map(|matter| json!([matter, light]));
+    let matter = if forget == "material" { None } else { matter };
+    // phases and the rows about the matter depend on the ends of the range
+    let phases = optics.matter().map(|_| json!([optics.cover_index, waves.max_nm]));
     let prefiltered = variant.reconstruction == Reconstruction::Prefiltered;
     let count = match variant.terms {
         Auto::Value(n) if variant.basis == Basis::Optimal => json!([n, light, waves.max_nm]),
@@ -96,27 +102,34 @@ fn inputs(spec: &TableSpec, surface: &SurfaceInput, variant: &Variant, forget: &
         (_, Auto::Auto) => json!([coherence_um, coherence_scaling, waves.max_nm]),
     };
     let packing = if forget == "packing" { Value::Null } else { json!(variant.packing) };
-    let terms = json!([id, variant.basis, count, reach, waves.min_nm, packing, variant.table]);
+    let covered = if optics.cover_index == Medium::Constant(1.0) { None } else { phases };
+    let terms =
+        json!([id, variant.basis, count, reach, waves.min_nm, packing, variant.table, covered]);
     // the scales of 16-bit terms are in the spectrum
     let scales = if variant.table == TableFormat::F16 { terms.clone() } else { Value::Null };
     match spec {
         TableSpec::Terms(_) => terms,
-        TableSpec::Coefficients(_) => json!([id, variant.basis, count, waves.min_nm, prefiltered]),
+        TableSpec::Coefficients(_) => {
+            json!([id, variant.basis, count, waves.min_nm, prefiltered, covered])
+        }
         TableSpec::Colours(_) => json!([
             [id, waves.min_nm, waves.max_nm, variant.table, variant.bake_error, variant.bake_mib],
-            [coherence_um, coherence, coherence_scaling, light]
+            [coherence_um, coherence, coherence_scaling, light, matter]
         ]),
-        TableSpec::Nodes(_) => json!([light, waves, rotate_deg, scales]),
+        TableSpec::Nodes(_) => json!([light, waves, rotate_deg, scales, matter]),
         TableSpec::Levels(_) => {
-            json!([id, coherence_um, light, waves.min_nm, waves.max_nm, rotate_deg, scales])
+            json!([
+                [id, coherence_um, light, waves.min_nm, waves.max_nm, rotate_deg, scales],
+                matter
+            ])
         }
         TableSpec::Lobes(_) => json!([
             [light, waves.min_nm, waves.max_nm, rotate_deg, scales],
-            [id, coherence_scaling]
+            [id, coherence_scaling, matter]
         ]),
         TableSpec::Grating(_) => json!(id),
         TableSpec::Rotation(_) => json!(rotate_deg),
-        TableSpec::Efficiencies(_) => json!([id, waves.min_nm]),
+        TableSpec::Efficiencies(_) => json!([id, waves.min_nm, covered]),
         TableSpec::Moments(_) => json!([light, waves.min_nm, waves.max_nm]),
     }
 }

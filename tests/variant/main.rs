@@ -9,6 +9,7 @@ mod adaptive;
 mod baked;
 mod gems;
 mod judged;
+mod matter;
 mod mesh_frame;
 mod modes;
 mod orders;

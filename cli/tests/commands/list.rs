@@ -103,6 +103,14 @@ name = "sun"
 mode = "orders"
 lights = ["disc"]
 source_diameter_deg = 0.53
+[[preset]]
+name = "metal"
+mode = "orders"
+lights = ["direction"]
+material = "copper"
+cover_index = 1.5
+films = [{ index = 2.2, thickness_nm = 60 }]
+obliquity = "unpolarised"
 "#;
 
 /// All that a variant reads is in both outputs, whatever keys there are.

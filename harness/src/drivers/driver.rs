@@ -238,7 +238,7 @@ impl<D: Driver> Runner for DriverRunner<'_, D> {
         let rho = probe(&self.prepared, &self.driver, &spectrum, directions, &|_| ())?;
         self.finite(&rho)?;
         let gains = directions.iter().map(|Directions { wi, wr }| {
-            matter.geometry(*wi, *wr) * matter.ratio(lambda_nm, matter.facing(*wi, *wr))
+            matter.geometry(*wi, *wr) * matter.ratio(lambda_nm, matter.facing_of(*wi, *wr))
         });
         Ok(rho
             .iter()

@@ -41,7 +41,7 @@ pub fn tristimulus(
         return [0.0; 3];
     }
     let path = matter.path(wi, wr, twin.rotate_deg);
-    (corridor(twin, form, bins, path, Some(matter.facing(wi, wr))) * factor).to_array()
+    (corridor(twin, form, bins, path, Some(matter.facing_of(wi, wr))) * factor).to_array()
 }
 
 /// The sum over the bins of a strip along the segment, or over the bins about each node. Without `facing` the reflectance is

@@ -253,6 +253,6 @@ fn order_share(twin: &Twin<'_>, form: &Orders, order: DVec2, lambda_um: f64, wr:
     let wi = arrival(order_frequency(form, order), lambda_um, wr);
     let (matter, coat) = (form.matter(), &form.sum.coat);
     let turns = dispersed(twin, coat, matter.path(wi, wr, 0.0).z, lambda_um) / lambda_um;
-    let reflected = reflectance(twin, coat, lambda_um, matter.facing(wi, wr));
+    let reflected = reflectance(twin, coat, lambda_um, matter.facing_of(wi, wr));
     matter.geometry(wi, wr) / wi.z.max(1e-6) * reflected * efficiency(twin, form, order, turns)
 }

@@ -13,7 +13,7 @@ pub fn tristimulus(twin: &Twin<'_>, coat: &Coat, Directions { wi, wr }: Directio
         return [0.0; 3];
     }
     let path = coat.matter.path(wi, wr, twin.rotate_deg);
-    let facing = coat.matter.facing(wi, wr);
+    let facing = coat.matter.facing_of(wi, wr);
     let mut xyz = [0.0; 3];
     for node in 0..twin.spectrum.width as i64 {
         let [x, y, z, lambda_um] = twin.spectrum.load(node, 0, 0);

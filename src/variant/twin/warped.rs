@@ -17,7 +17,7 @@ pub fn tristimulus(twin: &Twin<'_>, form: &Warped, Directions { wi, wr }: Direct
         return [0.0; 3];
     }
     let path = coat.matter.path(wi, wr, twin.rotate_deg);
-    let facing = coat.matter.facing(wi, wr);
+    let facing = coat.matter.facing_of(wi, wr);
     let row = node_row(twin, path.truncate());
     let mut xyz = [0.0; 3];
     for node in 0..twin.spectrum.width as i64 {

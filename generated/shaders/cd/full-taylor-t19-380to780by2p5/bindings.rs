@@ -115,8 +115,8 @@ pub struct Table {
 pub const TERMS_TABLE: Table = Table {
     group: TERMS_GROUP,
     binding: TERMS_BINDING,
-    data: "../../../surfaces/cd/terms-097410d03fd0.bin",
-    description: "../../../surfaces/cd/terms-097410d03fd0.json",
+    data: "../../../surfaces/cd/terms-fab286d3b17c.bin",
+    description: "../../../surfaces/cd/terms-fab286d3b17c.json",
     bytes: 16800,
     format: "rgba32float",
     dimension: "2d-array",
@@ -130,13 +130,13 @@ pub const TERMS_TABLE: Table = Table {
 pub const SPECTRUM_TABLE: Table = Table {
     group: SPECTRUM_GROUP,
     binding: SPECTRUM_BINDING,
-    data: "../../../surfaces/cd/spectrum-c5f134ec16ec.bin",
-    description: "../../../surfaces/cd/spectrum-c5f134ec16ec.json",
-    bytes: 5152,
+    data: "../../../surfaces/cd/spectrum-694f0eb9b53e.bin",
+    description: "../../../surfaces/cd/spectrum-694f0eb9b53e.json",
+    bytes: 10304,
     format: "rgba32float",
     dimension: "2d",
     width: 161,
-    height: 2,
+    height: 4,
     layers: 1,
     sampler: None,
 };

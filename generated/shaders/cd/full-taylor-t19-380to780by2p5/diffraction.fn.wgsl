@@ -19,47 +19,114 @@ fn diffraction(wi: vec3f, wr: vec3f, terms: texture_2d_array<f32>, spectrum: tex
 const CENTRE_COLUMN: i32 = 10; // column of the central texel of the terms, from 0
 const CENTRE_ROW: i32 = 2; // row of the central texel of the terms, from 0
 const COHERENCE_UM: f32 = 65.0; // coherence length of the light, µm
+const COVER_INDEX: f32 = 1.59509; // refractive index of the cover at 550 nm, relative to air
 const LAYER_COUNT: i32 = 10; // number of layers of the terms, two terms in each
+const MATTER_CELLS: i32 = 1; // number of cells of the cosine
+const MATTER_COLUMNS: i32 = 161; // number of columns of the material
+const MATTER_COSINE: f32 = 0.7790805; // least cosine between half vector and viewer
+const MATTER_FROM_UM: f32 = 0.38; // wavelength of the first column, µm
+const MATTER_PACE: f32 = 400.0; // number of columns of the material per µm of wavelength
+const MATTER_ROW: i32 = 2; // first row of the material in the table of the spectrum
 const PATCH_HEIGHT_UM: f32 = 0.064; // height of the patch that tiles the plane, along y, µm
 const PATCH_WIDTH_UM: f32 = 1.6; // width of the patch that tiles the plane, along x, µm
-const REFRACTIVE_INDEX: f32 = 1.5; // refractive index of the material, relative to air
+const PHASE_MIN_UM: f32 = 0.23257379; // wavelength in air whose greatest phase per height is the greatest here, µm
 const WAVELENGTH_COUNT: i32 = 161; // number of wavelengths in the sum
-const WAVELENGTH_MIN_UM: f32 = 0.38; // shortest wavelength, µm
 const WINDOW_RADIUS: i32 = 1; // number of bins to each side of the nearest one
 
-// Reflectance relative to normal incidence, 1 to 1/R0, from the cosine between half vector and viewer (Schlick 1994,
-// eq. 15).
-fn fresnel_ratio(cos_half: f32) -> f32 {
-    let amplitude = (REFRACTIVE_INDEX - 1.0) / (REFRACTIVE_INDEX + 1.0);
-    let one_minus = 1.0 - cos_half;
-    let squared = one_minus * one_minus;
-    return 1.0 + (1.0 / (amplitude * amplitude) - 1.0) * squared * squared * one_minus;
+// Direction inside the cover, from a unit vector outside.
+fn inside(direction: vec3f) -> vec3f {
+    let plane = direction.xy / COVER_INDEX;
+    return vec3f(plane, sqrt(max(0.0, 1.0 - dot(plane, plane))));
 }
 
-// Shadowing and masking of V-cavities, 0 to 1 (Torrance and Sparrow 1967).
-fn shadowing(wi: vec3f, wr: vec3f) -> f32 {
-    let half_vector = normalize(wi + wr);
-    return min(1.0, 2.0 * half_vector.z * min(wi.z, wr.z) / dot(half_vector, wr));
+// Transmittance of the cover's face for s and p polarisation, 0 to 1, from the cosines outside and inside (Fresnel).
+fn transmittance(above: f32, below: f32) -> vec2f {
+    let s = (above - COVER_INDEX * below) / (above + COVER_INDEX * below);
+    let p = (COVER_INDEX * above - below) / (COVER_INDEX * above + below);
+    return vec2f(1.0 - s * s, 1.0 - p * p);
 }
 
-// The gain R/R0 · (1 + wi·wr)² / (w² cos θr) · S with the reflectance R/R0 and the shadowing S. It is zero where a
-// direction is at or below the horizon; a millionth above it counts as at it, since a cosine is rounded that much.
+// Share of the light that crosses the cover's face twice, of the polarisation that counts, or of both.
+fn crossed(wi: vec3f, light: vec3f, wr: vec3f, viewer: vec3f) -> f32 {
+    let in_share = transmittance(wi.z, light.z);
+    let out_share = transmittance(wr.z, viewer.z);
+    return 0.25 * (in_share.x + in_share.y) * (out_share.x + out_share.y);
+}
+
+// The obliquity factor O times the cosine of the light, times the shadowing. O is (1 + wi·wr)² / (cos θi cos θr w²), or for
+// one polarisation 4 cos θi cos θr / w² (the electric field along the grooves) or 4 (1 - s)² / (cos θi cos θr w²) (the
+// magnetic field), s = -αi·αr. Under a cover the directions are those inside, and the result has the transmittances of
+// its face. It is zero where a direction is at or below the horizon; a millionth above it counts as at it, since a
+// cosine is rounded that much.
 fn gain(wi: vec3f, wr: vec3f) -> f32 {
     if (!(wi.z > 1e-6 && wr.z > 1e-6)) {
         return 0.0;
     }
-    let half_vector = normalize(wi + wr);
-    let w = wi.z + wr.z;
-    let aligned = 1.0 + dot(wi, wr);
-    var factor = fresnel_ratio(dot(half_vector, wr)) * aligned * aligned / (w * w * wr.z);
-    factor *= shadowing(wi, wr);
+    let light = inside(wi);
+    let viewer = inside(wr);
+    // a cone of light is narrower inside
+    var factor = crossed(wi, light, wr, viewer) * wi.z / light.z;
+    let w = light.z + viewer.z;
+    let aligned = 1.0 + dot(light, viewer);
+    factor *= aligned * aligned / (w * w * viewer.z);
     return factor;
 }
 
-// Path difference (u, v, w) = -wi - wr in the frame of the surface; w is between -2 and 0.
+// What the reflectance depends on: the cosine between half vector and viewer on the relief, 0 to 1, and the share of s
+// polarisation.
+fn facing_of(wi: vec3f, wr: vec3f) -> vec2f {
+    let light = inside(wi);
+    let viewer = inside(wr);
+    let cos_half = dot(normalize(light + viewer), viewer);
+    return vec2f(cos_half, 0.5);
+}
+
+// Phase per height divided by the wave number in air, at 550 nm: the index of the cover times w inside, negative.
+fn depth(wi: vec3f, wr: vec3f) -> f32 {
+    return -COVER_INDEX * (inside(wi).z + inside(wr).z);
+}
+
+// Path difference (u, v) = -(wi + wr).xy in the frame of the surface, and the phase per height divided by the wave number.
 fn path_difference(wi: vec3f, wr: vec3f) -> vec3f {
-    let path = -wi - wr;
+    let path = vec3f(-wi.xy - wr.xy, depth(wi, wr));
     return path;
+}
+
+// Reflectance relative to its mean at normal incidence, with the dispersion of the cover's face. `facing`: cosine between
+// half vector and viewer on the relief, and the share of s polarisation.
+fn reflectance(lambda_um: f32, facing: vec2f, spectrum: texture_2d<f32>) -> f32 {
+    let first = reflectance_between(lambda_um, facing.x, 1, spectrum);
+    return first;
+}
+
+// Phase per height divided by the wave number in air, from that at 550 nm; both negative.
+fn dispersed(w: f32, lambda_um: f32, spectrum: texture_2d<f32>) -> f32 {
+    return -sqrt(max(0.0, w * w + matter_texel(lambda_um, 0, spectrum).x));
+}
+
+// Reflectance from the rows of one polarisation: a cubic over a cell of the cosine.
+fn reflectance_between(lambda_um: f32, cos_half: f32, first: i32, spectrum: texture_2d<f32>) -> f32 {
+    let share = clamp((cos_half - MATTER_COSINE) / (1.0 - MATTER_COSINE), 0.0, 1.0);
+    let place = share * f32(MATTER_CELLS);
+    let cell = min(i32(place), MATTER_CELLS - 1);
+    let part = place - f32(cell);
+    let powers = matter_texel(lambda_um, first + cell, spectrum);
+    return powers.x + part * (powers.y + part * (powers.z + part * powers.w));
+}
+
+// A row between the two nearest wavelengths.
+fn matter_texel(lambda_um: f32, row: i32, spectrum: texture_2d<f32>) -> vec4f {
+    let column = matter_column(lambda_um);
+    let index = min(i32(column), max(MATTER_COLUMNS - 2, 0));
+    let next = min(index + 1, MATTER_COLUMNS - 1);
+    let before = textureLoad(spectrum, vec2i(index, MATTER_ROW + row), 0);
+    let after = textureLoad(spectrum, vec2i(next, MATTER_ROW + row), 0);
+    return mix(before, after, column - f32(index));
+}
+
+// Place of a wavelength in columns.
+fn matter_column(lambda_um: f32) -> f32 {
+    return clamp((lambda_um - MATTER_FROM_UM) * MATTER_PACE, 0.0, f32(MATTER_COLUMNS - 1));
 }
 
 // Tristimulus values X, Y, Z for one pair of directions, relative to the peak of a mirror at normal incidence.
@@ -69,18 +136,24 @@ fn tristimulus(wi: vec3f, wr: vec3f, terms: texture_2d_array<f32>, spectrum: tex
         return vec3f(0.0);
     }
     let path = path_difference(wi, wr);
+    let facing = facing_of(wi, wr);
     var xyz = vec3f(0.0);
     for (var node = 0; node < WAVELENGTH_COUNT; node++) {
         let texel = textureLoad(spectrum, vec2i(node, 0), 0);
-        xyz += texel.xyz * response(path, texel.w, terms);
+        xyz += texel.xyz * response(path, texel.w, terms, spectrum) * reflectance(texel.w, facing, spectrum);
     }
     return factor * xyz;
 }
 
 // Argument τ of the series: w/λ relative to its largest magnitude, -1 to 0.
-fn series_argument(w: f32, lambda_um: f32) -> f32 {
-    let tau = 0.5 * w * WAVELENGTH_MIN_UM / lambda_um;
+fn series_argument(w: f32, lambda_um: f32, spectrum: texture_2d<f32>) -> f32 {
+    let tau = covered_argument(w, lambda_um, spectrum);
     return tau;
+}
+
+// Phase per height under the cover relative to its largest magnitude, -1 to 0.
+fn covered_argument(w: f32, lambda_um: f32, spectrum: texture_2d<f32>) -> f32 {
+    return 0.5 * dispersed(w, lambda_um, spectrum) * PHASE_MIN_UM / lambda_um;
 }
 
 // The complex amplitude of a bin: the sum of τ^n times term n, by Horner's rule.
@@ -108,10 +181,10 @@ fn window(offset: vec2f, sharpness: vec2f) -> f32 {
 }
 
 // |P|² at one wavelength in µm, relative to a mirror.
-fn response(path: vec3f, lambda_um: f32, terms: texture_2d_array<f32>) -> f32 {
+fn response(path: vec3f, lambda_um: f32, terms: texture_2d_array<f32>, spectrum: texture_2d<f32>) -> f32 {
     let place = path.xy / lambda_um * vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM);
     let nearest = floor(place + 0.5);
-    let tau = series_argument(path.z, lambda_um);
+    let tau = series_argument(path.z, lambda_um, spectrum);
     let sharpness = window_sharpness(lambda_um);
     var amplitude = vec2f(0.0);
     for (var s = -WINDOW_RADIUS; s <= WINDOW_RADIUS; s++) {

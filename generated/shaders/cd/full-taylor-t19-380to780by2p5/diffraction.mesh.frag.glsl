@@ -21,12 +21,18 @@ struct MeshParams {
 const int CENTRE_COLUMN = 10;
 const int CENTRE_ROW = 2;
 const float COHERENCE_UM = 65.0;
+const float COVER_INDEX = 1.59509;
 const int LAYER_COUNT = 10;
+const int MATTER_CELLS = 1;
+const int MATTER_COLUMNS = 161;
+const float MATTER_COSINE = 0.7790805;
+const float MATTER_FROM_UM = 0.38;
+const float MATTER_PACE = 400.0;
+const int MATTER_ROW = 2;
 const float PATCH_HEIGHT_UM = 0.064;
 const float PATCH_WIDTH_UM = 1.6;
-const float REFRACTIVE_INDEX = 1.5;
+const float PHASE_MIN_UM = 0.23257379;
 const int WAVELENGTH_COUNT = 161;
-const float WAVELENGTH_MIN_UM = 0.38;
 const int WINDOW_RADIUS = 1;
 
 layout(binding = 2) uniform sampler2D _group_0_binding_2_fs;
@@ -43,15 +49,21 @@ layout(location = 2) smooth in vec4 _vs2fs_location2;
 layout(location = 3) smooth in vec2 _vs2fs_location3;
 layout(location = 0) out vec4 _fs2p_location0;
 
-float fresnel_ratio(float cos_half) {
-    float one_minus = (1.0 - cos_half);
-    float squared = (one_minus * one_minus);
-    return (1.0 + (((23.999998 * squared) * squared) * one_minus));
+vec3 inside(vec3 direction) {
+    vec2 plane = (direction.xy / vec2(1.59509));
+    return vec3(plane, sqrt(max(0.0, (1.0 - dot(plane, plane)))));
 }
 
-float shadowing(vec3 wi, vec3 wr) {
-    vec3 half_vector = normalize((wi + wr));
-    return min(1.0, (((2.0 * half_vector.z) * min(wi.z, wr.z)) / dot(half_vector, wr)));
+vec2 transmittance(float above, float below) {
+    float s_1 = ((above - (COVER_INDEX * below)) / (above + (COVER_INDEX * below)));
+    float p = (((COVER_INDEX * above) - below) / ((COVER_INDEX * above) + below));
+    return vec2((1.0 - (s_1 * s_1)), (1.0 - (p * p)));
+}
+
+float crossed(vec3 wi, vec3 light, vec3 wr, vec3 viewer) {
+    vec2 _e6 = transmittance(wi.z, light.z);
+    vec2 _e9 = transmittance(wr.z, viewer.z);
+    return ((0.25 * (_e6.x + _e6.y)) * (_e9.x + _e9.y));
 }
 
 float gain(vec3 wi_1, vec3 wr_1) {
@@ -66,29 +78,80 @@ float gain(vec3 wi_1, vec3 wr_1) {
     if (!(_e11)) {
         return 0.0;
     }
-    vec3 half_vector_1 = normalize((wi_1 + wr_1));
-    float w_1 = (wi_1.z + wr_1.z);
-    float aligned = (1.0 + dot(wi_1, wr_1));
-    float _e23 = fresnel_ratio(dot(half_vector_1, wr_1));
-    factor = (((_e23 * aligned) * aligned) / ((w_1 * w_1) * wr_1.z));
-    float _e30 = factor;
-    float _e31 = shadowing(wi_1, wr_1);
-    factor = (_e30 * _e31);
-    float _e33 = factor;
-    return _e33;
+    vec3 _e14 = inside(wi_1);
+    vec3 _e15 = inside(wr_1);
+    float _e16 = crossed(wi_1, _e14, wr_1, _e15);
+    factor = ((_e16 * wi_1.z) / _e14.z);
+    float w_3 = (_e14.z + _e15.z);
+    float aligned = (1.0 + dot(_e14, _e15));
+    float _e27 = factor;
+    factor = (_e27 * ((aligned * aligned) / ((w_3 * w_3) * _e15.z)));
+    float _e34 = factor;
+    return _e34;
 }
 
-vec3 path_difference(vec3 wi_2, vec3 wr_2) {
-    vec3 path_1 = (-(wi_2) - wr_2);
+vec2 facing_of(vec3 wi_2, vec3 wr_2) {
+    vec3 _e2 = inside(wi_2);
+    vec3 _e3 = inside(wr_2);
+    float cos_half_1 = dot(normalize((_e2 + _e3)), _e3);
+    return vec2(cos_half_1, 0.5);
+}
+
+float depth(vec3 wi_3, vec3 wr_3) {
+    vec3 _e2 = inside(wi_3);
+    vec3 _e3 = inside(wr_3);
+    return (-1.59509 * (_e2.z + _e3.z));
+}
+
+vec3 path_difference(vec3 wi_4, vec3 wr_4) {
+    float _e2 = depth(wi_4, wr_4);
+    vec3 path_1 = vec3((-(wi_4.xy) - wr_4.xy), _e2);
     return path_1;
 }
 
-float series_argument(float w, float lambda_um) {
-    float tau_1 = (((0.5 * w) * WAVELENGTH_MIN_UM) / lambda_um);
-    return tau_1;
+float matter_column(float lambda_um) {
+    return clamp(((lambda_um - MATTER_FROM_UM) * MATTER_PACE), 0.0, 160.0);
 }
 
-vec2 window_sharpness(float lambda_um_1) {
+vec4 matter_texel(float lambda_um_1, int row) {
+    float _e2 = matter_column(lambda_um_1);
+    int index = min(int(_e2), 159);
+    int next = min((index + 1), 160);
+    vec4 before = texelFetch(_group_0_binding_2_fs, ivec2(index, (MATTER_ROW + row)), 0);
+    vec4 after = texelFetch(_group_0_binding_2_fs, ivec2(next, (MATTER_ROW + row)), 0);
+    return mix(before, after, (_e2 - float(index)));
+}
+
+float reflectance_between(float lambda_um_2, float cos_half, int first) {
+    float share = clamp(((cos_half - MATTER_COSINE) / 0.22091949), 0.0, 1.0);
+    float place_1 = (share * 1.0);
+    int cell = min(int(place_1), 0);
+    float part = (place_1 - float(cell));
+    vec4 _e18 = matter_texel(lambda_um_2, (first + cell));
+    return (_e18.x + (part * (_e18.y + (part * (_e18.z + (part * _e18.w))))));
+}
+
+float reflectance(float lambda_um_3, vec2 facing) {
+    float _e4 = reflectance_between(lambda_um_3, facing.x, 1);
+    return _e4;
+}
+
+float dispersed(float w, float lambda_um_4) {
+    vec4 _e3 = matter_texel(lambda_um_4, 0);
+    return -(sqrt(max(0.0, ((w * w) + _e3.x))));
+}
+
+float covered_argument(float w_1, float lambda_um_5) {
+    float _e2 = dispersed(w_1, lambda_um_5);
+    return (((0.5 * _e2) * PHASE_MIN_UM) / lambda_um_5);
+}
+
+float series_argument(float w_2, float lambda_um_6) {
+    float _e2 = covered_argument(w_2, lambda_um_6);
+    return _e2;
+}
+
+vec2 window_sharpness(float lambda_um_7) {
     float sigma_um = 16.25;
     float _e3 = sigma_um;
     vec2 turns = (vec2((6.2831855 * _e3)) / vec2(1.6, 0.064));
@@ -128,14 +191,14 @@ float window(vec2 offset, vec2 sharpness) {
     return exp(-(dot((offset * offset), sharpness)));
 }
 
-float response(vec3 path, float lambda_um_2) {
+float response(vec3 path, float lambda_um_8) {
     vec2 amplitude = vec2(0.0);
     int s = -1;
     int r = 0;
-    vec2 place_1 = ((path.xy / vec2(lambda_um_2)) * vec2(1.6, 0.064));
-    vec2 nearest = floor((place_1 + vec2(0.5)));
-    float _e20 = series_argument(path.z, lambda_um_2);
-    vec2 _e21 = window_sharpness(lambda_um_2);
+    vec2 place_2 = ((path.xy / vec2(lambda_um_8)) * vec2(1.6, 0.064));
+    vec2 nearest = floor((place_2 + vec2(0.5)));
+    float _e20 = series_argument(path.z, lambda_um_8);
+    vec2 _e21 = window_sharpness(lambda_um_8);
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
@@ -167,7 +230,7 @@ float response(vec3 path, float lambda_um_2) {
                     int _e30 = s;
                     vec2 bin_1 = (nearest + vec2(float(_e29), float(_e30)));
                     vec2 _e36 = bin_amplitude(ivec2(bin_1), _e20);
-                    float _e38 = window((place_1 - bin_1), _e21);
+                    float _e38 = window((place_2 - bin_1), _e21);
                     vec2 tap = (_e36 * _e38);
                     vec2 _e40 = amplitude;
                     amplitude = (_e40 + tap);
@@ -177,58 +240,60 @@ float response(vec3 path, float lambda_um_2) {
     }
     vec2 _e48 = amplitude;
     vec2 _e49 = amplitude;
-    float squared_1 = dot(_e48, _e49);
-    return squared_1;
+    float squared = dot(_e48, _e49);
+    return squared;
 }
 
-vec3 tristimulus(vec3 wi_3, vec3 wr_3) {
+vec3 tristimulus(vec3 wi_5, vec3 wr_5) {
     vec3 xyz = vec3(0.0);
     int node = 0;
-    float _e7 = gain(wi_3, wr_3);
+    float _e7 = gain(wi_5, wr_5);
     if ((_e7 == 0.0)) {
         return vec3(0.0);
     }
-    vec3 _e12 = path_difference(wi_3, wr_3);
+    vec3 _e12 = path_difference(wi_5, wr_5);
+    vec2 _e13 = facing_of(wi_5, wr_5);
     bool loop_init_3 = true;
     while(true) {
         if (!loop_init_3) {
-            int _e28 = node;
-            node = (_e28 + 1);
+            int _e32 = node;
+            node = (_e32 + 1);
         }
         loop_init_3 = false;
-        int _e13 = node;
-        if ((_e13 < WAVELENGTH_COUNT)) {
+        int _e14 = node;
+        if ((_e14 < WAVELENGTH_COUNT)) {
         } else {
             break;
         }
         {
-            int _e16 = node;
-            vec4 texel_2 = texelFetch(_group_0_binding_2_fs, ivec2(_e16, 0), 0);
-            vec3 _e22 = xyz;
-            float _e24 = response(_e12, texel_2.w);
-            xyz = (_e22 + (texel_2.xyz * _e24));
+            int _e17 = node;
+            vec4 texel_2 = texelFetch(_group_0_binding_2_fs, ivec2(_e17, 0), 0);
+            vec3 _e23 = xyz;
+            float _e25 = response(_e12, texel_2.w);
+            float _e27 = reflectance(texel_2.w, _e13);
+            xyz = (_e23 + ((texel_2.xyz * _e25) * _e27));
         }
     }
-    vec3 _e31 = xyz;
-    return (_e7 * _e31);
+    vec3 _e35 = xyz;
+    return (_e7 * _e35);
 }
 
 vec3 to_rgb(vec3 xyz_1) {
     return vec3(dot(vec3(3.2406, -1.5372, -0.4986), xyz_1), dot(vec3(-0.9689, 1.8758, 0.0415), xyz_1), dot(vec3(0.0557, -0.204, 1.057), xyz_1));
 }
 
-vec3 diffraction(vec3 wi_4, vec3 wr_4) {
-    vec3 _e2 = tristimulus(wi_4, wr_4);
+vec3 diffraction(vec3 wi_6, vec3 wr_6) {
+    vec3 _e2 = tristimulus(wi_6, wr_6);
     vec3 _e3 = to_rgb(_e2);
     return _e3;
 }
 
 vec3 unit(vec3 vector, float least) {
-    float squared_2 = dot(vector, vector);
-    if (!((squared_2 > least))) {
+    float squared_1 = dot(vector, vector);
+    if (!((squared_1 > least))) {
         return vec3(0.0);
     }
-    return (vector * inversesqrt(squared_2));
+    return (vector * inversesqrt(squared_1));
 }
 
 vec2 texel_turn(vec2 texel, vec2 size) {
@@ -240,24 +305,24 @@ vec2 texel_turn(vec2 texel, vec2 size) {
 
 vec2 orientation(vec2 uv_1) {
     vec2 size_1 = vec2(uvec2(textureSize(_group_0_binding_9_fs, 0).xy));
-    vec2 place_2 = (((uv_1 - floor(uv_1)) * size_1) - vec2(0.5));
-    vec2 corner = floor(place_2);
-    vec2 share = (place_2 - corner);
+    vec2 place_3 = (((uv_1 - floor(uv_1)) * size_1) - vec2(0.5));
+    vec2 corner = floor(place_3);
+    vec2 share_1 = (place_3 - corner);
     vec2 right = (corner + vec2(1.0, 0.0));
     vec2 _e17 = texel_turn(corner, size_1);
     vec2 _e18 = texel_turn(right, size_1);
-    vec2 above = mix(_e17, _e18, share.x);
+    vec2 above_1 = mix(_e17, _e18, share_1.x);
     vec2 under = vec2(0.0, 1.0);
     vec2 _e25 = texel_turn((corner + under), size_1);
     vec2 _e27 = texel_turn((right + under), size_1);
-    vec2 below = mix(_e25, _e27, share.x);
-    vec2 turn = mix(above, below, share.y);
-    float squared_3 = dot(turn, turn);
-    vec2 direction_1 = (turn * inversesqrt(max(squared_3, 1e-8)));
-    return ((squared_3 > 1e-8) ? direction_1 : vec2(1.0, 0.0));
+    vec2 below_1 = mix(_e25, _e27, share_1.x);
+    vec2 turn = mix(above_1, below_1, share_1.y);
+    float squared_2 = dot(turn, turn);
+    vec2 direction_2 = (turn * inversesqrt(max(squared_2, 1e-8)));
+    return ((squared_2 > 1e-8) ? direction_2 : vec2(1.0, 0.0));
 }
 
-vec3 in_frame(vec3 direction, vec3 normal_1, vec4 tangent_1, vec2 uv_2) {
+vec3 in_frame(vec3 direction_1, vec3 normal_1, vec4 tangent_1, vec2 uv_2) {
     vec3 _e5 = unit(normal_1, 1e-8);
     vec3 _e12 = unit((tangent_1.xyz - (dot(tangent_1.xyz, _e5) * _e5)), 1e-8);
     vec3 across = (((tangent_1.w < 0.0) ? -1.0 : 1.0) * cross(_e5, _e12));
@@ -267,7 +332,7 @@ vec3 in_frame(vec3 direction, vec3 normal_1, vec4 tangent_1, vec2 uv_2) {
     vec2 _e26 = orientation(uv_2);
     vec3 along = ((_e26.x * _e12) + (_e26.y * across));
     vec3 beside = ((_e26.x * across) - (_e26.y * _e12));
-    vec3 _e38 = unit(direction, 1e-36);
+    vec3 _e38 = unit(direction_1, 1e-36);
     vec3 _e44 = unit(vec3(dot(_e38, along), dot(_e38, beside), dot(_e38, _e5)), 1e-8);
     return _e44;
 }

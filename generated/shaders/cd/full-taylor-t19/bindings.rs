@@ -115,8 +115,8 @@ pub struct Table {
 pub const TERMS_TABLE: Table = Table {
     group: TERMS_GROUP,
     binding: TERMS_BINDING,
-    data: "../../../surfaces/cd/terms-097410d03fd0.bin",
-    description: "../../../surfaces/cd/terms-097410d03fd0.json",
+    data: "../../../surfaces/cd/terms-fab286d3b17c.bin",
+    description: "../../../surfaces/cd/terms-fab286d3b17c.json",
     bytes: 16800,
     format: "rgba32float",
     dimension: "2d-array",
@@ -130,13 +130,13 @@ pub const TERMS_TABLE: Table = Table {
 pub const SPECTRUM_TABLE: Table = Table {
     group: SPECTRUM_GROUP,
     binding: SPECTRUM_BINDING,
-    data: "../../../surfaces/cd/spectrum-567cf63581a3.bin",
-    description: "../../../surfaces/cd/spectrum-567cf63581a3.json",
-    bytes: 2592,
+    data: "../../../surfaces/cd/spectrum-512e83ff0e47.bin",
+    description: "../../../surfaces/cd/spectrum-512e83ff0e47.json",
+    bytes: 5184,
     format: "rgba32float",
     dimension: "2d",
     width: 81,
-    height: 2,
+    height: 4,
     layers: 1,
     sampler: None,
 };

@@ -18,12 +18,18 @@ struct Params {
 const int CENTRE_COLUMN = 10;
 const int CENTRE_ROW = 2;
 const float COHERENCE_UM = 65.0;
+const float COVER_INDEX = 1.59509;
 const int LAYER_COUNT = 10;
+const int MATTER_CELLS = 1;
+const int MATTER_COLUMNS = 81;
+const float MATTER_COSINE = 0.7790805;
+const float MATTER_FROM_UM = 0.38;
+const float MATTER_PACE = 200.0;
+const int MATTER_ROW = 2;
 const float PATCH_HEIGHT_UM = 0.064;
 const float PATCH_WIDTH_UM = 1.6;
-const float REFRACTIVE_INDEX = 1.5;
+const float PHASE_MIN_UM = 0.23257379;
 const int WAVELENGTH_COUNT = 81;
-const float WAVELENGTH_MIN_UM = 0.38;
 const int WINDOW_RADIUS = 1;
 
 layout(binding = 2) uniform sampler2D _group_0_binding_2_fs;
@@ -35,15 +41,21 @@ layout(std140, binding = 0) uniform Params_block_0Fragment { Params _group_0_bin
 layout(location = 0) smooth in vec2 _vs2fs_location0;
 layout(location = 0) out vec4 _fs2p_location0;
 
-float fresnel_ratio(float cos_half) {
-    float one_minus = (1.0 - cos_half);
-    float squared = (one_minus * one_minus);
-    return (1.0 + (((23.999998 * squared) * squared) * one_minus));
+vec3 inside(vec3 direction) {
+    vec2 plane = (direction.xy / vec2(1.59509));
+    return vec3(plane, sqrt(max(0.0, (1.0 - dot(plane, plane)))));
 }
 
-float shadowing(vec3 wi, vec3 wr) {
-    vec3 half_vector = normalize((wi + wr));
-    return min(1.0, (((2.0 * half_vector.z) * min(wi.z, wr.z)) / dot(half_vector, wr)));
+vec2 transmittance(float above, float below) {
+    float s_1 = ((above - (COVER_INDEX * below)) / (above + (COVER_INDEX * below)));
+    float p = (((COVER_INDEX * above) - below) / ((COVER_INDEX * above) + below));
+    return vec2((1.0 - (s_1 * s_1)), (1.0 - (p * p)));
+}
+
+float crossed(vec3 wi, vec3 light, vec3 wr, vec3 viewer) {
+    vec2 _e6 = transmittance(wi.z, light.z);
+    vec2 _e9 = transmittance(wr.z, viewer.z);
+    return ((0.25 * (_e6.x + _e6.y)) * (_e9.x + _e9.y));
 }
 
 float gain(vec3 wi_1, vec3 wr_1) {
@@ -58,29 +70,80 @@ float gain(vec3 wi_1, vec3 wr_1) {
     if (!(_e11)) {
         return 0.0;
     }
-    vec3 half_vector_1 = normalize((wi_1 + wr_1));
-    float w_1 = (wi_1.z + wr_1.z);
-    float aligned = (1.0 + dot(wi_1, wr_1));
-    float _e23 = fresnel_ratio(dot(half_vector_1, wr_1));
-    factor = (((_e23 * aligned) * aligned) / ((w_1 * w_1) * wr_1.z));
-    float _e30 = factor;
-    float _e31 = shadowing(wi_1, wr_1);
-    factor = (_e30 * _e31);
-    float _e33 = factor;
-    return _e33;
+    vec3 _e14 = inside(wi_1);
+    vec3 _e15 = inside(wr_1);
+    float _e16 = crossed(wi_1, _e14, wr_1, _e15);
+    factor = ((_e16 * wi_1.z) / _e14.z);
+    float w_3 = (_e14.z + _e15.z);
+    float aligned = (1.0 + dot(_e14, _e15));
+    float _e27 = factor;
+    factor = (_e27 * ((aligned * aligned) / ((w_3 * w_3) * _e15.z)));
+    float _e34 = factor;
+    return _e34;
 }
 
-vec3 path_difference(vec3 wi_2, vec3 wr_2) {
-    vec3 path_1 = (-(wi_2) - wr_2);
+vec2 facing_of(vec3 wi_2, vec3 wr_2) {
+    vec3 _e2 = inside(wi_2);
+    vec3 _e3 = inside(wr_2);
+    float cos_half_1 = dot(normalize((_e2 + _e3)), _e3);
+    return vec2(cos_half_1, 0.5);
+}
+
+float depth(vec3 wi_3, vec3 wr_3) {
+    vec3 _e2 = inside(wi_3);
+    vec3 _e3 = inside(wr_3);
+    return (-1.59509 * (_e2.z + _e3.z));
+}
+
+vec3 path_difference(vec3 wi_4, vec3 wr_4) {
+    float _e2 = depth(wi_4, wr_4);
+    vec3 path_1 = vec3((-(wi_4.xy) - wr_4.xy), _e2);
     return path_1;
 }
 
-float series_argument(float w, float lambda_um) {
-    float tau_1 = (((0.5 * w) * WAVELENGTH_MIN_UM) / lambda_um);
-    return tau_1;
+float matter_column(float lambda_um) {
+    return clamp(((lambda_um - MATTER_FROM_UM) * MATTER_PACE), 0.0, 80.0);
 }
 
-vec2 window_sharpness(float lambda_um_1) {
+vec4 matter_texel(float lambda_um_1, int row) {
+    float _e2 = matter_column(lambda_um_1);
+    int index = min(int(_e2), 79);
+    int next = min((index + 1), 80);
+    vec4 before = texelFetch(_group_0_binding_2_fs, ivec2(index, (MATTER_ROW + row)), 0);
+    vec4 after = texelFetch(_group_0_binding_2_fs, ivec2(next, (MATTER_ROW + row)), 0);
+    return mix(before, after, (_e2 - float(index)));
+}
+
+float reflectance_between(float lambda_um_2, float cos_half, int first) {
+    float share = clamp(((cos_half - MATTER_COSINE) / 0.22091949), 0.0, 1.0);
+    float place_2 = (share * 1.0);
+    int cell = min(int(place_2), 0);
+    float part = (place_2 - float(cell));
+    vec4 _e18 = matter_texel(lambda_um_2, (first + cell));
+    return (_e18.x + (part * (_e18.y + (part * (_e18.z + (part * _e18.w))))));
+}
+
+float reflectance(float lambda_um_3, vec2 facing) {
+    float _e4 = reflectance_between(lambda_um_3, facing.x, 1);
+    return _e4;
+}
+
+float dispersed(float w, float lambda_um_4) {
+    vec4 _e3 = matter_texel(lambda_um_4, 0);
+    return -(sqrt(max(0.0, ((w * w) + _e3.x))));
+}
+
+float covered_argument(float w_1, float lambda_um_5) {
+    float _e2 = dispersed(w_1, lambda_um_5);
+    return (((0.5 * _e2) * PHASE_MIN_UM) / lambda_um_5);
+}
+
+float series_argument(float w_2, float lambda_um_6) {
+    float _e2 = covered_argument(w_2, lambda_um_6);
+    return _e2;
+}
+
+vec2 window_sharpness(float lambda_um_7) {
     float sigma_um = 16.25;
     float _e3 = sigma_um;
     vec2 turns = (vec2((6.2831855 * _e3)) / vec2(1.6, 0.064));
@@ -120,14 +183,14 @@ float window(vec2 offset, vec2 sharpness) {
     return exp(-(dot((offset * offset), sharpness)));
 }
 
-float response(vec3 path, float lambda_um_2) {
+float response(vec3 path, float lambda_um_8) {
     vec2 amplitude = vec2(0.0);
     int s = -1;
     int r = 0;
-    vec2 place_2 = ((path.xy / vec2(lambda_um_2)) * vec2(1.6, 0.064));
-    vec2 nearest = floor((place_2 + vec2(0.5)));
-    float _e20 = series_argument(path.z, lambda_um_2);
-    vec2 _e21 = window_sharpness(lambda_um_2);
+    vec2 place_3 = ((path.xy / vec2(lambda_um_8)) * vec2(1.6, 0.064));
+    vec2 nearest = floor((place_3 + vec2(0.5)));
+    float _e20 = series_argument(path.z, lambda_um_8);
+    vec2 _e21 = window_sharpness(lambda_um_8);
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
@@ -159,7 +222,7 @@ float response(vec3 path, float lambda_um_2) {
                     int _e30 = s;
                     vec2 bin_1 = (nearest + vec2(float(_e29), float(_e30)));
                     vec2 _e36 = bin_amplitude(ivec2(bin_1), _e20);
-                    float _e38 = window((place_2 - bin_1), _e21);
+                    float _e38 = window((place_3 - bin_1), _e21);
                     vec2 tap = (_e36 * _e38);
                     vec2 _e40 = amplitude;
                     amplitude = (_e40 + tap);
@@ -169,48 +232,50 @@ float response(vec3 path, float lambda_um_2) {
     }
     vec2 _e48 = amplitude;
     vec2 _e49 = amplitude;
-    float squared_1 = dot(_e48, _e49);
-    return squared_1;
+    float squared = dot(_e48, _e49);
+    return squared;
 }
 
-vec3 tristimulus(vec3 wi_3, vec3 wr_3) {
+vec3 tristimulus(vec3 wi_5, vec3 wr_5) {
     vec3 xyz = vec3(0.0);
     int node = 0;
-    float _e7 = gain(wi_3, wr_3);
+    float _e7 = gain(wi_5, wr_5);
     if ((_e7 == 0.0)) {
         return vec3(0.0);
     }
-    vec3 _e12 = path_difference(wi_3, wr_3);
+    vec3 _e12 = path_difference(wi_5, wr_5);
+    vec2 _e13 = facing_of(wi_5, wr_5);
     bool loop_init_3 = true;
     while(true) {
         if (!loop_init_3) {
-            int _e28 = node;
-            node = (_e28 + 1);
+            int _e32 = node;
+            node = (_e32 + 1);
         }
         loop_init_3 = false;
-        int _e13 = node;
-        if ((_e13 < WAVELENGTH_COUNT)) {
+        int _e14 = node;
+        if ((_e14 < WAVELENGTH_COUNT)) {
         } else {
             break;
         }
         {
-            int _e16 = node;
-            vec4 texel_1 = texelFetch(_group_0_binding_2_fs, ivec2(_e16, 0), 0);
-            vec3 _e22 = xyz;
-            float _e24 = response(_e12, texel_1.w);
-            xyz = (_e22 + (texel_1.xyz * _e24));
+            int _e17 = node;
+            vec4 texel_1 = texelFetch(_group_0_binding_2_fs, ivec2(_e17, 0), 0);
+            vec3 _e23 = xyz;
+            float _e25 = response(_e12, texel_1.w);
+            float _e27 = reflectance(texel_1.w, _e13);
+            xyz = (_e23 + ((texel_1.xyz * _e25) * _e27));
         }
     }
-    vec3 _e31 = xyz;
-    return (_e7 * _e31);
+    vec3 _e35 = xyz;
+    return (_e7 * _e35);
 }
 
 vec3 to_rgb(vec3 xyz_1) {
     return vec3(dot(vec3(3.2406, -1.5372, -0.4986), xyz_1), dot(vec3(-0.9689, 1.8758, 0.0415), xyz_1), dot(vec3(0.0557, -0.204, 1.057), xyz_1));
 }
 
-vec3 diffraction(vec3 wi_4, vec3 wr_4) {
-    vec3 _e2 = tristimulus(wi_4, wr_4);
+vec3 diffraction(vec3 wi_6, vec3 wr_6) {
+    vec3 _e2 = tristimulus(wi_6, wr_6);
     vec3 _e3 = to_rgb(_e2);
     return _e3;
 }
@@ -223,8 +288,8 @@ vec2 pixel_of(vec2 place_1) {
 vec3 view_direction(vec2 pixel) {
     vec4 _e3 = _group_0_binding_0_fs.size;
     vec2 centre = ((((2.0 * pixel) + vec2(1.0)) / _e3.xy) - vec2(1.0));
-    float squared_2 = dot(centre, centre);
-    return vec3(centre, ((squared_2 < 1.0) ? sqrt(max(0.0, (1.0 - squared_2))) : -1.0));
+    float squared_1 = dot(centre, centre);
+    return vec3(centre, ((squared_1 < 1.0) ? sqrt(max(0.0, (1.0 - squared_1))) : -1.0));
 }
 
 void main() {

@@ -31,12 +31,18 @@ struct MeshVertex {
 const int CENTRE_COLUMN = 10;
 const int CENTRE_ROW = 2;
 const float COHERENCE_UM = 65.0;
+const float COVER_INDEX = 1.59509;
 const int LAYER_COUNT = 10;
+const int MATTER_CELLS = 1;
+const int MATTER_COLUMNS = 81;
+const float MATTER_COSINE = 0.7790805;
+const float MATTER_FROM_UM = 0.38;
+const float MATTER_PACE = 200.0;
+const int MATTER_ROW = 2;
 const float PATCH_HEIGHT_UM = 0.064;
 const float PATCH_WIDTH_UM = 1.6;
-const float REFRACTIVE_INDEX = 1.5;
+const float PHASE_MIN_UM = 0.23257379;
 const int WAVELENGTH_COUNT = 81;
-const float WAVELENGTH_MIN_UM = 0.38;
 const int WINDOW_RADIUS = 1;
 
 layout(std140) uniform MeshParams_block_0Vertex { MeshParams _group_0_binding_8_vs; };

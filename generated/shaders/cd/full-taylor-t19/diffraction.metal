@@ -43,28 +43,45 @@ struct MeshVertex {
 constant int CENTRE_COLUMN = 10;
 constant int CENTRE_ROW = 2;
 constant float COHERENCE_UM = 65.0;
+constant float COVER_INDEX = 1.59509;
 constant int LAYER_COUNT = 10;
+constant int MATTER_CELLS = 1;
+constant int MATTER_COLUMNS = 81;
+constant float MATTER_COSINE = 0.7790805;
+constant float MATTER_FROM_UM = 0.38;
+constant float MATTER_PACE = 200.0;
+constant int MATTER_ROW = 2;
 constant float PATCH_HEIGHT_UM = 0.064;
 constant float PATCH_WIDTH_UM = 1.6;
-constant float REFRACTIVE_INDEX = 1.5;
+constant float PHASE_MIN_UM = 0.23257379;
 constant int WAVELENGTH_COUNT = 81;
-constant float WAVELENGTH_MIN_UM = 0.38;
 constant int WINDOW_RADIUS = 1;
 
-float fresnel_ratio(
-    float cos_half
+metal::float3 inside(
+    metal::float3 direction
 ) {
-    float one_minus = 1.0 - cos_half;
-    float squared = one_minus * one_minus;
-    return 1.0 + (((23.999998 * squared) * squared) * one_minus);
+    metal::float2 plane = direction.xy / metal::float2(1.59509);
+    return metal::float3(plane, metal::sqrt(metal::max(0.0, 1.0 - metal::dot(plane, plane))));
 }
 
-float shadowing(
-    metal::float3 wi,
-    metal::float3 wr
+metal::float2 transmittance(
+    float above,
+    float below
 ) {
-    metal::float3 half_vector = metal::normalize(wi + wr);
-    return metal::min(1.0, ((2.0 * half_vector.z) * metal::min(wi.z, wr.z)) / metal::dot(half_vector, wr));
+    float s_1 = (above - (COVER_INDEX * below)) / (above + (COVER_INDEX * below));
+    float p = ((COVER_INDEX * above) - below) / ((COVER_INDEX * above) + below);
+    return metal::float2(1.0 - (s_1 * s_1), 1.0 - (p * p));
+}
+
+float crossed(
+    metal::float3 wi,
+    metal::float3 light,
+    metal::float3 wr,
+    metal::float3 viewer
+) {
+    metal::float2 _e6 = transmittance(wi.z, light.z);
+    metal::float2 _e9 = transmittance(wr.z, viewer.z);
+    return (0.25 * (_e6.x + _e6.y)) * (_e9.x + _e9.y);
 }
 
 float gain(
@@ -82,36 +99,121 @@ float gain(
     if (!(_e11)) {
         return 0.0;
     }
-    metal::float3 half_vector_1 = metal::normalize(wi_1 + wr_1);
-    float w_1 = wi_1.z + wr_1.z;
-    float aligned = 1.0 + metal::dot(wi_1, wr_1);
-    float _e23 = fresnel_ratio(metal::dot(half_vector_1, wr_1));
-    factor = ((_e23 * aligned) * aligned) / ((w_1 * w_1) * wr_1.z);
-    float _e30 = factor;
-    float _e31 = shadowing(wi_1, wr_1);
-    factor = _e30 * _e31;
-    float _e33 = factor;
-    return _e33;
+    metal::float3 _e14 = inside(wi_1);
+    metal::float3 _e15 = inside(wr_1);
+    float _e16 = crossed(wi_1, _e14, wr_1, _e15);
+    factor = (_e16 * wi_1.z) / _e14.z;
+    float w_3 = _e14.z + _e15.z;
+    float aligned = 1.0 + metal::dot(_e14, _e15);
+    float _e27 = factor;
+    factor = _e27 * ((aligned * aligned) / ((w_3 * w_3) * _e15.z));
+    float _e34 = factor;
+    return _e34;
 }
 
-metal::float3 path_difference(
+metal::float2 facing_of(
     metal::float3 wi_2,
     metal::float3 wr_2
 ) {
-    metal::float3 path_1 = -(wi_2) - wr_2;
+    metal::float3 _e2 = inside(wi_2);
+    metal::float3 _e3 = inside(wr_2);
+    float cos_half_1 = metal::dot(metal::normalize(_e2 + _e3), _e3);
+    return metal::float2(cos_half_1, 0.5);
+}
+
+float depth(
+    metal::float3 wi_3,
+    metal::float3 wr_3
+) {
+    metal::float3 _e2 = inside(wi_3);
+    metal::float3 _e3 = inside(wr_3);
+    return -1.59509 * (_e2.z + _e3.z);
+}
+
+metal::float3 path_difference(
+    metal::float3 wi_4,
+    metal::float3 wr_4
+) {
+    float _e2 = depth(wi_4, wr_4);
+    metal::float3 path_1 = metal::float3(-(wi_4.xy) - wr_4.xy, _e2);
     return path_1;
 }
 
-float series_argument(
-    float w,
+float matter_column(
     float lambda_um
 ) {
-    float tau_1 = ((0.5 * w) * WAVELENGTH_MIN_UM) / lambda_um;
-    return tau_1;
+    return metal::clamp((lambda_um - MATTER_FROM_UM) * MATTER_PACE, 0.0, 80.0);
+}
+
+int naga_f2i32(float value) {
+    return static_cast<int>(metal::clamp(value, -2147483600.0, 2147483500.0));
+}
+
+metal::float4 matter_texel(
+    float lambda_um_1,
+    int row,
+    metal::texture2d<float, metal::access::sample> spectrum
+) {
+    float _e2 = matter_column(lambda_um_1);
+    int index_1 = metal::min(naga_f2i32(_e2), 79);
+    int next = metal::min(as_type<int>(as_type<uint>(index_1) + as_type<uint>(1)), 80);
+    metal::float4 before = spectrum.read(metal::uint2(metal::int2(index_1, as_type<int>(as_type<uint>(MATTER_ROW) + as_type<uint>(row)))), 0);
+    metal::float4 after = spectrum.read(metal::uint2(metal::int2(next, as_type<int>(as_type<uint>(MATTER_ROW) + as_type<uint>(row)))), 0);
+    return metal::mix(before, after, _e2 - static_cast<float>(index_1));
+}
+
+float reflectance_between(
+    float lambda_um_2,
+    float cos_half,
+    int first,
+    metal::texture2d<float, metal::access::sample> spectrum
+) {
+    float share = metal::clamp((cos_half - MATTER_COSINE) / 0.22091949, 0.0, 1.0);
+    float place_4 = share * 1.0;
+    int cell = metal::min(naga_f2i32(place_4), 0);
+    float part = place_4 - static_cast<float>(cell);
+    metal::float4 _e18 = matter_texel(lambda_um_2, as_type<int>(as_type<uint>(first) + as_type<uint>(cell)), spectrum);
+    return _e18.x + (part * (_e18.y + (part * (_e18.z + (part * _e18.w)))));
+}
+
+float reflectance(
+    float lambda_um_3,
+    metal::float2 facing,
+    metal::texture2d<float, metal::access::sample> spectrum
+) {
+    float _e4 = reflectance_between(lambda_um_3, facing.x, 1, spectrum);
+    return _e4;
+}
+
+float dispersed(
+    float w,
+    float lambda_um_4,
+    metal::texture2d<float, metal::access::sample> spectrum
+) {
+    metal::float4 _e3 = matter_texel(lambda_um_4, 0, spectrum);
+    return -(metal::sqrt(metal::max(0.0, (w * w) + _e3.x)));
+}
+
+float covered_argument(
+    float w_1,
+    float lambda_um_5,
+    metal::texture2d<float, metal::access::sample> spectrum
+) {
+    float _e2 = dispersed(w_1, lambda_um_5, spectrum);
+    return ((0.5 * _e2) * PHASE_MIN_UM) / lambda_um_5;
+}
+
+float series_argument(
+    float w_2,
+    float lambda_um_6,
+    metal::texture2d<float, metal::access::sample> spectrum
+) {
+    float _e2 = covered_argument(w_2, lambda_um_6, spectrum);
+    return _e2;
 }
 
 metal::float2 window_sharpness(
-    float lambda_um_1
+    float lambda_um_7
 ) {
     float sigma_um = 16.25;
     float _e3 = sigma_um;
@@ -165,16 +267,17 @@ metal::int2 naga_f2i32(metal::float2 value) {
 
 float response(
     metal::float3 path,
-    float lambda_um_2,
+    float lambda_um_8,
+    metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d_array<float, metal::access::sample> terms
 ) {
     metal::float2 amplitude = metal::float2(0.0);
     int s = -1;
     int r = {};
-    metal::float2 place_4 = (path.xy / metal::float2(lambda_um_2)) * metal::float2(1.6, 0.064);
-    metal::float2 nearest = metal::floor(place_4 + metal::float2(0.5));
-    float _e20 = series_argument(path.z, lambda_um_2);
-    metal::float2 _e21 = window_sharpness(lambda_um_2);
+    metal::float2 place_5 = (path.xy / metal::float2(lambda_um_8)) * metal::float2(1.6, 0.064);
+    metal::float2 nearest = metal::floor(place_5 + metal::float2(0.5));
+    float _e20 = series_argument(path.z, lambda_um_8, spectrum);
+    metal::float2 _e21 = window_sharpness(lambda_um_8);
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
@@ -206,7 +309,7 @@ float response(
                     int _e30 = s;
                     metal::float2 bin_1 = nearest + metal::float2(static_cast<float>(_e29), static_cast<float>(_e30));
                     metal::float2 _e36 = bin_amplitude(naga_f2i32(bin_1), _e20, terms);
-                    float _e38 = window(place_4 - bin_1, _e21);
+                    float _e38 = window(place_5 - bin_1, _e21);
                     metal::float2 tap = _e36 * _e38;
                     metal::float2 _e40 = amplitude;
                     amplitude = _e40 + tap;
@@ -216,45 +319,47 @@ float response(
     }
     metal::float2 _e48 = amplitude;
     metal::float2 _e49 = amplitude;
-    float squared_1 = metal::dot(_e48, _e49);
-    return squared_1;
+    float squared = metal::dot(_e48, _e49);
+    return squared;
 }
 
 metal::float3 tristimulus(
-    metal::float3 wi_3,
-    metal::float3 wr_3,
+    metal::float3 wi_5,
+    metal::float3 wr_5,
     metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d_array<float, metal::access::sample> terms
 ) {
     metal::float3 xyz = metal::float3(0.0);
     int node = 0;
-    float _e7 = gain(wi_3, wr_3);
+    float _e7 = gain(wi_5, wr_5);
     if (_e7 == 0.0) {
         return metal::float3(0.0);
     }
-    metal::float3 _e12 = path_difference(wi_3, wr_3);
+    metal::float3 _e12 = path_difference(wi_5, wr_5);
+    metal::float2 _e13 = facing_of(wi_5, wr_5);
     bool loop_init_3 = true;
     while(true) {
         if (!loop_init_3) {
-            int _e28 = node;
-            node = as_type<int>(as_type<uint>(_e28) + as_type<uint>(1));
+            int _e32 = node;
+            node = as_type<int>(as_type<uint>(_e32) + as_type<uint>(1));
         }
         loop_init_3 = false;
-        int _e13 = node;
-        if (_e13 < WAVELENGTH_COUNT) {
+        int _e14 = node;
+        if (_e14 < WAVELENGTH_COUNT) {
         } else {
             break;
         }
         {
-            int _e16 = node;
-            metal::float4 texel_2 = spectrum.read(metal::uint2(metal::int2(_e16, 0)), 0);
-            metal::float3 _e22 = xyz;
-            float _e24 = response(_e12, texel_2.w, terms);
-            xyz = _e22 + (texel_2.xyz * _e24);
+            int _e17 = node;
+            metal::float4 texel_2 = spectrum.read(metal::uint2(metal::int2(_e17, 0)), 0);
+            metal::float3 _e23 = xyz;
+            float _e25 = response(_e12, texel_2.w, spectrum, terms);
+            float _e27 = reflectance(texel_2.w, _e13, spectrum);
+            xyz = _e23 + ((texel_2.xyz * _e25) * _e27);
         }
     }
-    metal::float3 _e31 = xyz;
-    return _e7 * _e31;
+    metal::float3 _e35 = xyz;
+    return _e7 * _e35;
 }
 
 metal::float3 to_rgb(
@@ -264,12 +369,12 @@ metal::float3 to_rgb(
 }
 
 metal::float3 diffraction(
-    metal::float3 wi_4,
-    metal::float3 wr_4,
+    metal::float3 wi_6,
+    metal::float3 wr_6,
     metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d_array<float, metal::access::sample> terms
 ) {
-    metal::float3 _e2 = tristimulus(wi_4, wr_4, spectrum, terms);
+    metal::float3 _e2 = tristimulus(wi_6, wr_6, spectrum, terms);
     metal::float3 _e3 = to_rgb(_e2);
     return _e3;
 }
@@ -288,19 +393,19 @@ metal::float3 view_direction(
 ) {
     metal::float4 _e3 = params.size;
     metal::float2 centre = (((2.0 * pixel) + metal::float2(1.0)) / _e3.xy) - metal::float2(1.0);
-    float squared_2 = metal::dot(centre, centre);
-    return metal::float3(centre, (squared_2 < 1.0) ? metal::sqrt(metal::max(0.0, 1.0 - squared_2)) : -1.0);
+    float squared_1 = metal::dot(centre, centre);
+    return metal::float3(centre, (squared_1 < 1.0) ? metal::sqrt(metal::max(0.0, 1.0 - squared_1)) : -1.0);
 }
 
 metal::float3 unit(
     metal::float3 vector,
     float least
 ) {
-    float squared_3 = metal::dot(vector, vector);
-    if (!((squared_3 > least))) {
+    float squared_2 = metal::dot(vector, vector);
+    if (!((squared_2 > least))) {
         return metal::float3(0.0);
     }
-    return vector * metal::rsqrt(squared_3);
+    return vector * metal::rsqrt(squared_2);
 }
 
 float model_volume(
@@ -344,25 +449,25 @@ metal::float2 orientation(
     metal::texture2d<float, metal::access::sample> orientation_map
 ) {
     metal::float2 size_1 = static_cast<metal::float2>(metal::uint2(orientation_map.get_width(0), orientation_map.get_height(0)));
-    metal::float2 place_5 = ((uv_2 - metal::floor(uv_2)) * size_1) - metal::float2(0.5);
-    metal::float2 corner = metal::floor(place_5);
-    metal::float2 share = place_5 - corner;
+    metal::float2 place_6 = ((uv_2 - metal::floor(uv_2)) * size_1) - metal::float2(0.5);
+    metal::float2 corner = metal::floor(place_6);
+    metal::float2 share_1 = place_6 - corner;
     metal::float2 right = corner + metal::float2(1.0, 0.0);
     metal::float2 _e17 = texel_turn(corner, size_1, orientation_map);
     metal::float2 _e18 = texel_turn(right, size_1, orientation_map);
-    metal::float2 above = metal::mix(_e17, _e18, share.x);
+    metal::float2 above_1 = metal::mix(_e17, _e18, share_1.x);
     metal::float2 under = metal::float2(0.0, 1.0);
     metal::float2 _e25 = texel_turn(corner + under, size_1, orientation_map);
     metal::float2 _e27 = texel_turn(right + under, size_1, orientation_map);
-    metal::float2 below = metal::mix(_e25, _e27, share.x);
-    metal::float2 turn = metal::mix(above, below, share.y);
-    float squared_4 = metal::dot(turn, turn);
-    metal::float2 direction_1 = turn * metal::rsqrt(metal::max(squared_4, 0.00000001));
-    return (squared_4 > 0.00000001) ? direction_1 : metal::float2(1.0, 0.0);
+    metal::float2 below_1 = metal::mix(_e25, _e27, share_1.x);
+    metal::float2 turn = metal::mix(above_1, below_1, share_1.y);
+    float squared_3 = metal::dot(turn, turn);
+    metal::float2 direction_2 = turn * metal::rsqrt(metal::max(squared_3, 0.00000001));
+    return (squared_3 > 0.00000001) ? direction_2 : metal::float2(1.0, 0.0);
 }
 
 metal::float3 in_frame(
-    metal::float3 direction,
+    metal::float3 direction_1,
     metal::float3 normal_3,
     metal::float4 tangent_2,
     metal::float2 uv_3,
@@ -377,7 +482,7 @@ metal::float3 in_frame(
     metal::float2 _e26 = orientation(uv_3, orientation_map);
     metal::float3 along = (_e26.x * _e12) + (_e26.y * across);
     metal::float3 beside = (_e26.x * across) - (_e26.y * _e12);
-    metal::float3 _e38 = unit(direction, 0.000000000000000000000000000000000001);
+    metal::float3 _e38 = unit(direction_1, 0.000000000000000000000000000000000001);
     metal::float3 _e44 = unit(metal::float3(metal::dot(_e38, along), metal::dot(_e38, beside), metal::dot(_e38, _e5)), 0.00000001);
     return _e44;
 }
@@ -391,8 +496,8 @@ struct vertOutput {
 vertex vertOutput vert(
   uint index [[vertex_id]]
 ) {
-    metal::float2 place_6 = metal::float2((index == 1u) ? 3.0 : -1.0, (index == 2u) ? 3.0 : -1.0);
-    const auto _tmp = FullScreen {metal::float4(place_6, 0.0, 1.0), place_6};
+    metal::float2 place_7 = metal::float2((index == 1u) ? 3.0 : -1.0, (index == 2u) ? 3.0 : -1.0);
+    const auto _tmp = FullScreen {metal::float4(place_7, 0.0, 1.0), place_7};
     return vertOutput { _tmp.position, _tmp.place };
 }
 
@@ -420,10 +525,6 @@ fragment mapOutput map(
     return mapOutput { metal::float4(_e12, 1.0) };
 }
 
-int naga_f2i32(float value) {
-    return static_cast<int>(metal::clamp(value, -2147483600.0, 2147483500.0));
-}
-
 
 struct probeInput {
     metal::float2 place_1 [[user(loc0), center_perspective]];
@@ -442,12 +543,12 @@ fragment probeOutput probe(
     metal::float2 _e1 = pixel_of(place_1, params);
     int column = naga_f2i32(_e1.x);
     float _e7 = params.size.y;
-    int row = naga_f2i32((_e7 - 1.0) - _e1.y);
-    metal::float4 _e18 = directions.read(metal::uint2(metal::int2(column, as_type<int>(as_type<uint>(2) * as_type<uint>(row)))), 0);
-    metal::float3 wi_5 = _e18.xyz;
-    metal::float4 _e27 = directions.read(metal::uint2(metal::int2(column, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(2) * as_type<uint>(row))) + as_type<uint>(1)))), 0);
-    metal::float3 wr_5 = _e27.xyz;
-    metal::float3 _e29 = tristimulus(wi_5, wr_5, spectrum, terms);
+    int row_1 = naga_f2i32((_e7 - 1.0) - _e1.y);
+    metal::float4 _e18 = directions.read(metal::uint2(metal::int2(column, as_type<int>(as_type<uint>(2) * as_type<uint>(row_1)))), 0);
+    metal::float3 wi_7 = _e18.xyz;
+    metal::float4 _e27 = directions.read(metal::uint2(metal::int2(column, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(2) * as_type<uint>(row_1))) + as_type<uint>(1)))), 0);
+    metal::float3 wr_7 = _e27.xyz;
+    metal::float3 _e29 = tristimulus(wi_7, wr_7, spectrum, terms);
     return probeOutput { metal::float4(_e29, 1.0) };
 }
 
@@ -476,7 +577,7 @@ vertex mesh_vertOutput mesh_vert(
     const auto uv = varyings_3.uv;
     const auto orientation_angle = varyings_3.orientation_angle;
     metal::float4x4 _e7 = mesh_params.model;
-    metal::float4 place_7 = _e7 * metal::float4(position, 1.0);
+    metal::float4 place_8 = _e7 * metal::float4(position, 1.0);
     metal::float3 _e11 = world_normal(normal, mesh_params);
     metal::float3 _e13 = unit(_e11, 0.000000000000000000000000000000000001);
     metal::float4x4 _e16 = mesh_params.model;
@@ -488,8 +589,8 @@ vertex mesh_vertOutput mesh_vert(
     metal::float3 turned = (metal::cos(orientation_angle) * _e28) + (metal::sin(orientation_angle) * across_1);
     metal::float4x4 _e46 = mesh_params.projection;
     metal::float4x4 _e49 = mesh_params.view;
-    metal::float4 clip = _e46 * (_e49 * place_7);
-    const auto _tmp_1 = MeshVertex {clip, place_7.xyz, _e13, metal::float4(turned, handedness), uv};
+    metal::float4 clip = _e46 * (_e49 * place_8);
+    const auto _tmp_1 = MeshVertex {clip, place_8.xyz, _e13, metal::float4(turned, handedness), uv};
     return mesh_vertOutput { _tmp_1.position, _tmp_1.place, _tmp_1.normal, _tmp_1.tangent, _tmp_1.uv };
 }
 

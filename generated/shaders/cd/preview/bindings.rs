@@ -115,8 +115,8 @@ pub struct Table {
 pub const TERMS_TABLE: Table = Table {
     group: TERMS_GROUP,
     binding: TERMS_BINDING,
-    data: "../../../surfaces/cd/terms-07fe057e94a8.bin",
-    description: "../../../surfaces/cd/terms-07fe057e94a8.json",
+    data: "../../../surfaces/cd/terms-87f1551d2bc9.bin",
+    description: "../../../surfaces/cd/terms-87f1551d2bc9.json",
     bytes: 11760,
     format: "rgba32float",
     dimension: "2d-array",
@@ -130,13 +130,13 @@ pub const TERMS_TABLE: Table = Table {
 pub const SPECTRUM_TABLE: Table = Table {
     group: SPECTRUM_GROUP,
     binding: SPECTRUM_BINDING,
-    data: "../../../surfaces/cd/spectrum-8796f139484e.bin",
-    description: "../../../surfaces/cd/spectrum-8796f139484e.json",
-    bytes: 1312,
+    data: "../../../surfaces/cd/spectrum-fc529f0cabad.bin",
+    description: "../../../surfaces/cd/spectrum-fc529f0cabad.json",
+    bytes: 2624,
     format: "rgba32float",
     dimension: "2d",
     width: 41,
-    height: 2,
+    height: 4,
     layers: 1,
     sampler: None,
 };

@@ -39,12 +39,18 @@ struct MeshVertex {
 static const int CENTRE_COLUMN = int(10);
 static const int CENTRE_ROW = int(2);
 static const float COHERENCE_UM = 65.0;
+static const float COVER_INDEX = 1.59509;
 static const int LAYER_COUNT = int(7);
+static const int MATTER_CELLS = int(1);
+static const int MATTER_COLUMNS = int(41);
+static const float MATTER_COSINE = 0.7790805;
+static const float MATTER_FROM_UM = 0.38;
+static const float MATTER_PACE = 100.0;
+static const int MATTER_ROW = int(2);
 static const float PATCH_HEIGHT_UM = 0.064;
 static const float PATCH_WIDTH_UM = 1.6;
-static const float REFRACTIVE_INDEX = 1.5;
+static const float PHASE_MIN_UM = 0.23257379;
 static const int WAVELENGTH_COUNT = int(41);
-static const float WAVELENGTH_MIN_UM = 0.38;
 static const int WINDOW_RADIUS = int(1);
 
 Texture2D<float4> spectrum : register(t2);
@@ -82,17 +88,24 @@ struct FragmentInput_mesh {
     float2 uv_5 : LOC3;
 };
 
-float fresnel_ratio(float cos_half)
+float3 inside(float3 direction)
 {
-    float one_minus = (1.0 - cos_half);
-    float squared = (one_minus * one_minus);
-    return (1.0 + (((23.999998 * squared) * squared) * one_minus));
+    float2 plane = (direction.xy / (1.59509).xx);
+    return float3(plane, sqrt(max(0.0, (1.0 - dot(plane, plane)))));
 }
 
-float shadowing(float3 wi, float3 wr)
+float2 transmittance(float above, float below)
 {
-    float3 half_vector = normalize((wi + wr));
-    return min(1.0, (((2.0 * half_vector.z) * min(wi.z, wr.z)) / dot(half_vector, wr)));
+    float s_1 = ((above - (COVER_INDEX * below)) / (above + (COVER_INDEX * below)));
+    float p = (((COVER_INDEX * above) - below) / ((COVER_INDEX * above) + below));
+    return float2((1.0 - (s_1 * s_1)), (1.0 - (p * p)));
+}
+
+float crossed(float3 wi, float3 light, float3 wr, float3 viewer)
+{
+    const float2 _e6 = transmittance(wi.z, light.z);
+    const float2 _e9 = transmittance(wr.z, viewer.z);
+    return ((0.25 * (_e6.x + _e6.y)) * (_e9.x + _e9.y));
 }
 
 float gain(float3 wi_1, float3 wr_1)
@@ -109,31 +122,94 @@ float gain(float3 wi_1, float3 wr_1)
     if (!(_e11)) {
         return 0.0;
     }
-    float3 half_vector_1 = normalize((wi_1 + wr_1));
-    float w_1 = (wi_1.z + wr_1.z);
-    float aligned = (1.0 + dot(wi_1, wr_1));
-    const float _e23 = fresnel_ratio(dot(half_vector_1, wr_1));
-    factor = (((_e23 * aligned) * aligned) / ((w_1 * w_1) * wr_1.z));
-    float _e30 = factor;
-    const float _e31 = shadowing(wi_1, wr_1);
-    factor = (_e30 * _e31);
-    float _e33 = factor;
-    return _e33;
+    const float3 _e14 = inside(wi_1);
+    const float3 _e15 = inside(wr_1);
+    const float _e16 = crossed(wi_1, _e14, wr_1, _e15);
+    factor = ((_e16 * wi_1.z) / _e14.z);
+    float w_3 = (_e14.z + _e15.z);
+    float aligned = (1.0 + dot(_e14, _e15));
+    float _e27 = factor;
+    factor = (_e27 * ((aligned * aligned) / ((w_3 * w_3) * _e15.z)));
+    float _e34 = factor;
+    return _e34;
 }
 
-float3 path_difference(float3 wi_2, float3 wr_2)
+float2 facing_of(float3 wi_2, float3 wr_2)
 {
-    float3 path_1 = (-(wi_2) - wr_2);
+    const float3 _e2 = inside(wi_2);
+    const float3 _e3 = inside(wr_2);
+    float cos_half_1 = dot(normalize((_e2 + _e3)), _e3);
+    return float2(cos_half_1, 0.5);
+}
+
+float depth(float3 wi_3, float3 wr_3)
+{
+    const float3 _e2 = inside(wi_3);
+    const float3 _e3 = inside(wr_3);
+    return (-1.59509 * (_e2.z + _e3.z));
+}
+
+float3 path_difference(float3 wi_4, float3 wr_4)
+{
+    const float _e2 = depth(wi_4, wr_4);
+    float3 path_1 = float3((-(wi_4.xy) - wr_4.xy), _e2);
     return path_1;
 }
 
-float series_argument(float w, float lambda_um)
+float matter_column(float lambda_um)
 {
-    float tau_1 = (((0.5 * w) * WAVELENGTH_MIN_UM) / lambda_um);
-    return tau_1;
+    return clamp(((lambda_um - MATTER_FROM_UM) * MATTER_PACE), 0.0, 40.0);
 }
 
-float2 window_sharpness(float lambda_um_1)
+int naga_f2i32(float value) {
+    return int(clamp(value, -2147483600.0, 2147483500.0));
+}
+
+float4 matter_texel(float lambda_um_1, int row)
+{
+    const float _e2 = matter_column(lambda_um_1);
+    int index_1 = min(naga_f2i32(_e2), int(39));
+    int next = min(asint(asuint(index_1) + asuint(int(1))), int(40));
+    float4 before = spectrum.Load(int3(int2(index_1, asint(asuint(MATTER_ROW) + asuint(row))), int(0)));
+    float4 after = spectrum.Load(int3(int2(next, asint(asuint(MATTER_ROW) + asuint(row))), int(0)));
+    return lerp(before, after, (_e2 - float(index_1)));
+}
+
+float reflectance_between(float lambda_um_2, float cos_half, int first)
+{
+    float share = clamp(((cos_half - MATTER_COSINE) / 0.22091949), 0.0, 1.0);
+    float place_9 = (share * 1.0);
+    int cell = min(naga_f2i32(place_9), int(0));
+    float part = (place_9 - float(cell));
+    const float4 _e18 = matter_texel(lambda_um_2, asint(asuint(first) + asuint(cell)));
+    return (_e18.x + (part * (_e18.y + (part * (_e18.z + (part * _e18.w))))));
+}
+
+float reflectance(float lambda_um_3, float2 facing)
+{
+    const float _e4 = reflectance_between(lambda_um_3, facing.x, int(1));
+    return _e4;
+}
+
+float dispersed(float w, float lambda_um_4)
+{
+    const float4 _e3 = matter_texel(lambda_um_4, int(0));
+    return -(sqrt(max(0.0, ((w * w) + _e3.x))));
+}
+
+float covered_argument(float w_1, float lambda_um_5)
+{
+    const float _e2 = dispersed(w_1, lambda_um_5);
+    return (((0.5 * _e2) * PHASE_MIN_UM) / lambda_um_5);
+}
+
+float series_argument(float w_2, float lambda_um_6)
+{
+    const float _e2 = covered_argument(w_2, lambda_um_6);
+    return _e2;
+}
+
+float2 window_sharpness(float lambda_um_7)
 {
     float sigma_um = 16.25;
 
@@ -182,16 +258,16 @@ int2 naga_f2i32(float2 value) {
     return int2(clamp(value, -2147483600.0, 2147483500.0));
 }
 
-float response(float3 path, float lambda_um_2)
+float response(float3 path, float lambda_um_8)
 {
     float2 amplitude = (0.0).xx;
     int s = int(-1);
     int r = (int)0;
 
-    float2 place_9 = ((path.xy / (lambda_um_2).xx) * float2(1.6, 0.064));
-    float2 nearest = floor((place_9 + (0.5).xx));
-    const float _e20 = series_argument(path.z, lambda_um_2);
-    const float2 _e21 = window_sharpness(lambda_um_2);
+    float2 place_10 = ((path.xy / (lambda_um_8).xx) * float2(1.6, 0.064));
+    float2 nearest = floor((place_10 + (0.5).xx));
+    const float _e20 = series_argument(path.z, lambda_um_8);
+    const float2 _e21 = window_sharpness(lambda_um_8);
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
@@ -223,7 +299,7 @@ float response(float3 path, float lambda_um_2)
                     int _e30 = s;
                     float2 bin_1 = (nearest + float2(float(_e29), float(_e30)));
                     const float2 _e36 = bin_amplitude(naga_f2i32(bin_1), _e20);
-                    const float _e38 = window((place_9 - bin_1), _e21);
+                    const float _e38 = window((place_10 - bin_1), _e21);
                     float2 tap = (_e36 * _e38);
                     float2 _e40 = amplitude;
                     amplitude = (_e40 + tap);
@@ -233,42 +309,44 @@ float response(float3 path, float lambda_um_2)
     }
     float2 _e48 = amplitude;
     float2 _e49 = amplitude;
-    float squared_1 = dot(_e48, _e49);
-    return squared_1;
+    float squared = dot(_e48, _e49);
+    return squared;
 }
 
-float3 tristimulus(float3 wi_3, float3 wr_3)
+float3 tristimulus(float3 wi_5, float3 wr_5)
 {
     float3 xyz = (0.0).xxx;
     int node = int(0);
 
-    const float _e7 = gain(wi_3, wr_3);
+    const float _e7 = gain(wi_5, wr_5);
     if ((_e7 == 0.0)) {
         return (0.0).xxx;
     }
-    const float3 _e12 = path_difference(wi_3, wr_3);
+    const float3 _e12 = path_difference(wi_5, wr_5);
+    const float2 _e13 = facing_of(wi_5, wr_5);
     bool loop_init_3 = true;
     while(true) {
         if (!loop_init_3) {
-            int _e28 = node;
-            node = asint(asuint(_e28) + asuint(int(1)));
+            int _e32 = node;
+            node = asint(asuint(_e32) + asuint(int(1)));
         }
         loop_init_3 = false;
-        int _e13 = node;
-        if ((_e13 < WAVELENGTH_COUNT)) {
+        int _e14 = node;
+        if ((_e14 < WAVELENGTH_COUNT)) {
         } else {
             break;
         }
         {
-            int _e16 = node;
-            float4 texel_2 = spectrum.Load(int3(int2(_e16, int(0)), int(0)));
-            float3 _e22 = xyz;
-            const float _e24 = response(_e12, texel_2.w);
-            xyz = (_e22 + (texel_2.xyz * _e24));
+            int _e17 = node;
+            float4 texel_2 = spectrum.Load(int3(int2(_e17, int(0)), int(0)));
+            float3 _e23 = xyz;
+            const float _e25 = response(_e12, texel_2.w);
+            const float _e27 = reflectance(texel_2.w, _e13);
+            xyz = (_e23 + ((texel_2.xyz * _e25) * _e27));
         }
     }
-    float3 _e31 = xyz;
-    return (_e7 * _e31);
+    float3 _e35 = xyz;
+    return (_e7 * _e35);
 }
 
 float3 to_rgb(float3 xyz_1)
@@ -276,9 +354,9 @@ float3 to_rgb(float3 xyz_1)
     return float3(dot(float3(3.2406, -1.5372, -0.4986), xyz_1), dot(float3(-0.9689, 1.8758, 0.0415), xyz_1), dot(float3(0.0557, -0.204, 1.057), xyz_1));
 }
 
-float3 diffraction(float3 wi_4, float3 wr_4)
+float3 diffraction(float3 wi_6, float3 wr_6)
 {
-    const float3 _e2 = tristimulus(wi_4, wr_4);
+    const float3 _e2 = tristimulus(wi_6, wr_6);
     const float3 _e3 = to_rgb(_e2);
     return _e3;
 }
@@ -293,17 +371,17 @@ float3 view_direction(float2 pixel)
 {
     float4 _e3 = params.size;
     float2 centre = ((((2.0 * pixel) + (1.0).xx) / _e3.xy) - (1.0).xx);
-    float squared_2 = dot(centre, centre);
-    return float3(centre, ((squared_2 < 1.0) ? sqrt(max(0.0, (1.0 - squared_2))) : -1.0));
+    float squared_1 = dot(centre, centre);
+    return float3(centre, ((squared_1 < 1.0) ? sqrt(max(0.0, (1.0 - squared_1))) : -1.0));
 }
 
 float3 unit(float3 vector_, float least)
 {
-    float squared_3 = dot(vector_, vector_);
-    if (!((squared_3 > least))) {
+    float squared_2 = dot(vector_, vector_);
+    if (!((squared_2 > least))) {
         return (0.0).xxx;
     }
-    return (vector_ * rsqrt(squared_3));
+    return (vector_ * rsqrt(squared_2));
 }
 
 float model_volume()
@@ -346,24 +424,24 @@ uint2 NagaMipDimensions2D(Texture2D<float4> tex, uint mip_level)
 float2 orientation(float2 uv_2)
 {
     float2 size_1 = float2(NagaMipDimensions2D(orientation_map, int(0)));
-    float2 place_10 = (((uv_2 - floor(uv_2)) * size_1) - (0.5).xx);
-    float2 corner = floor(place_10);
-    float2 share = (place_10 - corner);
+    float2 place_11 = (((uv_2 - floor(uv_2)) * size_1) - (0.5).xx);
+    float2 corner = floor(place_11);
+    float2 share_1 = (place_11 - corner);
     float2 right = (corner + float2(1.0, 0.0));
     const float2 _e17 = texel_turn(corner, size_1);
     const float2 _e18 = texel_turn(right, size_1);
-    float2 above = lerp(_e17, _e18, share.x);
+    float2 above_1 = lerp(_e17, _e18, share_1.x);
     float2 under = float2(0.0, 1.0);
     const float2 _e25 = texel_turn((corner + under), size_1);
     const float2 _e27 = texel_turn((right + under), size_1);
-    float2 below = lerp(_e25, _e27, share.x);
-    float2 turn = lerp(above, below, share.y);
-    float squared_4 = dot(turn, turn);
-    float2 direction_1 = (turn * rsqrt(max(squared_4, 1e-8)));
-    return ((squared_4 > 1e-8) ? direction_1 : float2(1.0, 0.0));
+    float2 below_1 = lerp(_e25, _e27, share_1.x);
+    float2 turn = lerp(above_1, below_1, share_1.y);
+    float squared_3 = dot(turn, turn);
+    float2 direction_2 = (turn * rsqrt(max(squared_3, 1e-8)));
+    return ((squared_3 > 1e-8) ? direction_2 : float2(1.0, 0.0));
 }
 
-float3 in_frame(float3 direction, float3 normal_3, float4 tangent_2, float2 uv_3)
+float3 in_frame(float3 direction_1, float3 normal_3, float4 tangent_2, float2 uv_3)
 {
     const float3 _e5 = unit(normal_3, 1e-8);
     const float3 _e12 = unit((tangent_2.xyz - (dot(tangent_2.xyz, _e5) * _e5)), 1e-8);
@@ -374,7 +452,7 @@ float3 in_frame(float3 direction, float3 normal_3, float4 tangent_2, float2 uv_3
     const float2 _e26 = orientation(uv_3);
     float3 along = ((_e26.x * _e12) + (_e26.y * across));
     float3 beside = ((_e26.x * across) - (_e26.y * _e12));
-    const float3 _e38 = unit(direction, 1e-36);
+    const float3 _e38 = unit(direction_1, 1e-36);
     const float3 _e44 = unit(float3(dot(_e38, along), dot(_e38, beside), dot(_e38, _e5)), 1e-8);
     return _e44;
 }
@@ -388,8 +466,8 @@ FullScreen ConstructFullScreen(float4 arg0, float2 arg1) {
 
 VertexOutput_vert vert(uint index : SV_VertexID)
 {
-    float2 place_11 = float2(((index == 1u) ? 3.0 : -1.0), ((index == 2u) ? 3.0 : -1.0));
-    const FullScreen fullscreen = ConstructFullScreen(float4(place_11, 0.0, 1.0), place_11);
+    float2 place_12 = float2(((index == 1u) ? 3.0 : -1.0), ((index == 2u) ? 3.0 : -1.0));
+    const FullScreen fullscreen = ConstructFullScreen(float4(place_12, 0.0, 1.0), place_12);
     const VertexOutput_vert fullscreen_1 = { fullscreen.place, fullscreen.position };
     return fullscreen_1;
 }
@@ -407,22 +485,18 @@ float4 map(FragmentInput_map fragmentinput_map) : SV_Target0
     return float4(_e12, 1.0);
 }
 
-int naga_f2i32(float value) {
-    return int(clamp(value, -2147483600.0, 2147483500.0));
-}
-
 float4 probe(FragmentInput_probe fragmentinput_probe) : SV_Target0
 {
     float2 place_1 = fragmentinput_probe.place_6;
     const float2 _e1 = pixel_of(place_1);
     int column = naga_f2i32(_e1.x);
     float _e7 = params.size.y;
-    int row = naga_f2i32(((_e7 - 1.0) - _e1.y));
-    float4 _e18 = directions.Load(int3(int2(column, asint(asuint(int(2)) * asuint(row))), int(0)));
-    float3 wi_5 = _e18.xyz;
-    float4 _e27 = directions.Load(int3(int2(column, asint(asuint(asint(asuint(int(2)) * asuint(row))) + asuint(int(1)))), int(0)));
-    float3 wr_5 = _e27.xyz;
-    const float3 _e29 = tristimulus(wi_5, wr_5);
+    int row_1 = naga_f2i32(((_e7 - 1.0) - _e1.y));
+    float4 _e18 = directions.Load(int3(int2(column, asint(asuint(int(2)) * asuint(row_1))), int(0)));
+    float3 wi_7 = _e18.xyz;
+    float4 _e27 = directions.Load(int3(int2(column, asint(asuint(asint(asuint(int(2)) * asuint(row_1))) + asuint(int(1)))), int(0)));
+    float3 wr_7 = _e27.xyz;
+    const float3 _e29 = tristimulus(wi_7, wr_7);
     return float4(_e29, 1.0);
 }
 
@@ -439,7 +513,7 @@ MeshVertex ConstructMeshVertex(float4 arg0, float3 arg1, float3 arg2, float4 arg
 VertexOutput_mesh_vert mesh_vert(float3 position : LOC0, float3 normal : LOC1, float4 tangent : LOC2, float2 uv : LOC3, float orientation_angle : LOC4)
 {
     float4x4 _e7 = mesh_params.model;
-    float4 place_12 = mul(float4(position, 1.0), _e7);
+    float4 place_13 = mul(float4(position, 1.0), _e7);
     const float3 _e11 = world_normal(normal);
     const float3 _e13 = unit(_e11, 1e-36);
     float4x4 _e16 = mesh_params.model;
@@ -451,8 +525,8 @@ VertexOutput_mesh_vert mesh_vert(float3 position : LOC0, float3 normal : LOC1, f
     float3 turned = ((cos(orientation_angle) * _e28) + (sin(orientation_angle) * across_1));
     float4x4 _e46 = mesh_params.projection;
     float4x4 _e49 = mesh_params.view;
-    float4 clip_ = mul(mul(place_12, _e49), _e46);
-    const MeshVertex meshvertex = ConstructMeshVertex(clip_, place_12.xyz, _e13, float4(turned, handedness), uv);
+    float4 clip_ = mul(mul(place_13, _e49), _e46);
+    const MeshVertex meshvertex = ConstructMeshVertex(clip_, place_13.xyz, _e13, float4(turned, handedness), uv);
     const VertexOutput_mesh_vert meshvertex_1 = { meshvertex.place, meshvertex.normal, meshvertex.tangent, meshvertex.uv, meshvertex.position };
     return meshvertex_1;
 }

@@ -39,9 +39,16 @@ struct MeshVertex {
 static const float BROADEST = 4.0;
 static const int CANDIDATE_COUNT = int(190);
 static const float COHERENCE_UM = 107.062;
-static const int EFFICIENCY_COLUMNS = int(10);
+static const float COVER_INDEX = 1.59509;
+static const int EFFICIENCY_COLUMNS = int(17);
 static const int LOBE_COLUMNS = int(360);
 static const int LOBE_ROWS = int(19);
+static const int MATTER_CELLS = int(1);
+static const int MATTER_COLUMNS = int(360);
+static const float MATTER_COSINE = 0.7790805;
+static const float MATTER_FROM_UM = 0.38;
+static const float MATTER_PACE = 897.5;
+static const int MATTER_ROW = int(40);
 static const int MINOR_COUNT = int(1);
 static const int MOMENT_COLUMNS = int(401);
 static const int NODE_BINS = int(1);
@@ -52,17 +59,18 @@ static const int ORDER_REACH_Y = int(0);
 static const int OUTER_NODES = int(2);
 static const float PANEL_ARC = 0.75;
 static const float PANEL_COLUMNS = 5.0;
-static const int PANEL_COUNT = int(5);
+static const int PANEL_COUNT = int(7);
+static const float PANEL_PACE = 2.964;
 static const float PATCH_HEIGHT_UM = 0.064;
 static const float PATCH_WIDTH_UM = 1.6;
+static const float PHASE_MIN_UM = 0.23257379;
 static const float REACH_SIGMAS = 4.0;
 static const float REFERENCE_UM = 0.55;
-static const float REFRACTIVE_INDEX = 1.5;
 static const float WAVELENGTH_MAX_UM = 0.78;
 static const float WAVELENGTH_MIN_UM = 0.38;
 
-Texture2D<float4> efficiencies : register(t1);
 Texture2D<float4> spectrum : register(t2);
+Texture2D<float4> efficiencies : register(t1);
 Texture2D<float4> moments : register(t4);
 cbuffer params : register(b0) { Params params; }
 Texture2D<float4> directions : register(t3);
@@ -97,17 +105,24 @@ struct FragmentInput_mesh {
     float2 uv_7 : LOC3;
 };
 
-float fresnel_ratio(float cos_half)
+float3 inside(float3 direction)
 {
-    float one_minus = (1.0 - cos_half);
-    float squared_2 = (one_minus * one_minus);
-    return (1.0 + (((23.999998 * squared_2) * squared_2) * one_minus));
+    float2 plane = (direction.xy / (1.59509).xx);
+    return float3(plane, sqrt(max(0.0, (1.0 - dot(plane, plane)))));
 }
 
-float shadowing(float3 wi, float3 wr)
+float2 transmittance(float above, float below)
 {
-    float3 half_vector = normalize((wi + wr));
-    return min(1.0, (((2.0 * half_vector.z) * min(wi.z, wr.z)) / dot(half_vector, wr)));
+    float s = ((above - (COVER_INDEX * below)) / (above + (COVER_INDEX * below)));
+    float p = (((COVER_INDEX * above) - below) / ((COVER_INDEX * above) + below));
+    return float2((1.0 - (s * s)), (1.0 - (p * p)));
+}
+
+float crossed(float3 wi, float3 light, float3 wr, float3 viewer)
+{
+    const float2 _e6 = transmittance(wi.z, light.z);
+    const float2 _e9 = transmittance(wr.z, viewer.z);
+    return ((0.25 * (_e6.x + _e6.y)) * (_e9.x + _e9.y));
 }
 
 float gain(float3 wi_1, float3 wr_1)
@@ -124,30 +139,83 @@ float gain(float3 wi_1, float3 wr_1)
     if (!(_e11)) {
         return 0.0;
     }
-    float3 half_vector_1 = normalize((wi_1 + wr_1));
-    float w = (wi_1.z + wr_1.z);
-    float aligned = (1.0 + dot(wi_1, wr_1));
-    const float _e23 = fresnel_ratio(dot(half_vector_1, wr_1));
-    factor = (((_e23 * aligned) * aligned) / ((w * w) * wr_1.z));
-    float _e30 = factor;
-    const float _e31 = shadowing(wi_1, wr_1);
-    factor = (_e30 * _e31);
-    float _e33 = factor;
-    return _e33;
+    const float3 _e14 = inside(wi_1);
+    const float3 _e15 = inside(wr_1);
+    const float _e16 = crossed(wi_1, _e14, wr_1, _e15);
+    factor = ((_e16 * wi_1.z) / _e14.z);
+    float w_1 = (_e14.z + _e15.z);
+    float aligned = (1.0 + dot(_e14, _e15));
+    float _e27 = factor;
+    factor = (_e27 * ((aligned * aligned) / ((w_1 * w_1) * _e15.z)));
+    float _e34 = factor;
+    return _e34;
 }
 
-float3 path_difference(float3 wi_2, float3 wr_2)
+float2 facing_of(float3 wi_2, float3 wr_2)
 {
-    float3 path_1 = (-(wi_2) - wr_2);
+    const float3 _e2 = inside(wi_2);
+    const float3 _e3 = inside(wr_2);
+    float cos_half_1 = dot(normalize((_e2 + _e3)), _e3);
+    return float2(cos_half_1, 0.5);
+}
+
+float depth(float3 wi_3, float3 wr_3)
+{
+    const float3 _e2 = inside(wi_3);
+    const float3 _e3 = inside(wr_3);
+    return (-1.59509 * (_e2.z + _e3.z));
+}
+
+float3 path_difference(float3 wi_4, float3 wr_4)
+{
+    const float _e2 = depth(wi_4, wr_4);
+    float3 path_1 = float3((-(wi_4.xy) - wr_4.xy), _e2);
     return path_1;
 }
 
-int2 naga_abs(int2 val) {
-    return val >= 0 ? val : asint(-asuint(val));
+float matter_column(float lambda_um)
+{
+    return clamp(((lambda_um - MATTER_FROM_UM) * MATTER_PACE), 0.0, 359.0);
 }
 
 int naga_f2i32(float value) {
     return int(clamp(value, -2147483600.0, 2147483500.0));
+}
+
+float4 matter_texel(float lambda_um_1, int row)
+{
+    const float _e2 = matter_column(lambda_um_1);
+    int index_2 = min(naga_f2i32(_e2), int(358));
+    int next = min(asint(asuint(index_2) + asuint(int(1))), int(359));
+    float4 before = spectrum.Load(int3(int2(index_2, asint(asuint(MATTER_ROW) + asuint(row))), int(0)));
+    float4 after = spectrum.Load(int3(int2(next, asint(asuint(MATTER_ROW) + asuint(row))), int(0)));
+    return lerp(before, after, (_e2 - float(index_2)));
+}
+
+float reflectance_between(float lambda_um_2, float cos_half, int first)
+{
+    float share = clamp(((cos_half - MATTER_COSINE) / 0.22091949), 0.0, 1.0);
+    float place_10 = (share * 1.0);
+    int cell = min(naga_f2i32(place_10), int(0));
+    float part_1 = (place_10 - float(cell));
+    const float4 _e18 = matter_texel(lambda_um_2, asint(asuint(first) + asuint(cell)));
+    return (_e18.x + (part_1 * (_e18.y + (part_1 * (_e18.z + (part_1 * _e18.w))))));
+}
+
+float reflectance(float lambda_um_3, float2 facing)
+{
+    const float _e4 = reflectance_between(lambda_um_3, facing.x, int(1));
+    return _e4;
+}
+
+float dispersed(float w, float lambda_um_4)
+{
+    const float4 _e3 = matter_texel(lambda_um_4, int(0));
+    return -(sqrt(max(0.0, ((w * w) + _e3.x))));
+}
+
+int2 naga_abs(int2 val) {
+    return val >= 0 ? val : asint(-asuint(val));
 }
 
 float efficiency(int2 order, float turns)
@@ -156,14 +224,15 @@ float efficiency(int2 order, float turns)
     if (any((naga_abs(order) > reach_3))) {
         return 0.0;
     }
-    float place_10 = (clamp((-0.19 * turns), 0.0, 1.0) * 10.0);
-    int column_5 = min(naga_f2i32(place_10), int(9));
-    int row_6 = asint(asuint(asint(asuint(asint(asuint(asint(asuint(order.y) + asuint(reach_3.y))) * asuint(asint(asuint(asint(asuint(int(2)) * asuint(reach_3.x))) + asuint(int(1)))))) + asuint(order.x))) + asuint(reach_3.x));
-    float4 edges = efficiencies.Load(int3(int2(column_5, row_6), int(0)));
-    float part_1 = (place_10 - float(column_5));
+    float share_1 = clamp((-0.116286896 * turns), 0.0, 1.0);
+    float place_11 = (share_1 * 17.0);
+    int column_5 = min(naga_f2i32(place_11), int(16));
+    int row_7 = asint(asuint(asint(asuint(asint(asuint(asint(asuint(order.y) + asuint(reach_3.y))) * asuint(asint(asuint(asint(asuint(int(2)) * asuint(reach_3.x))) + asuint(int(1)))))) + asuint(order.x))) + asuint(reach_3.x));
+    float4 edges = efficiencies.Load(int3(int2(column_5, row_7), int(0)));
+    float part_2 = (place_11 - float(column_5));
     float rise = (edges.z - edges.x);
     float bend = (((3.0 * rise) - (2.0 * edges.y)) - edges.w);
-    return (edges.x + (part_1 * (edges.y + (part_1 * (bend + (part_1 * ((edges.y + edges.w) - (2.0 * rise))))))));
+    return (edges.x + (part_2 * (edges.y + (part_2 * (bend + (part_2 * ((edges.y + edges.w) - (2.0 * rise))))))));
 }
 
 float2 wavenumbers()
@@ -193,9 +262,9 @@ int lobe_row(float breadth)
     return ((breadth >= 1.0) ? int(-1) : naga_f2i32(((breadth * 18.0) + 0.5)));
 }
 
-int lobe_halves(int row)
+int lobe_halves(int row_1)
 {
-    return ((asint(asuint(int(4)) * asuint(row)) >= LOBE_ROWS) ? int(2) : int(1));
+    return ((asint(asuint(int(4)) * asuint(row_1)) >= LOBE_ROWS) ? int(2) : int(1));
 }
 
 float node_wavenumber(int node, float2 range_2)
@@ -221,14 +290,9 @@ float window_exponent(float2 offset, float2 uv_3, float2 sharpness)
     return ((sharpness.x * dot(offset, offset)) + ((sharpness.y * along) * along));
 }
 
-float window_share(float exponent, float squared_1, float width_1, float pace_1)
+float4 lobe_light(float wavenumber_1, int node_1, int row_2, int side, float2 range_3)
 {
-    return ((width_1 * rsqrt(((width_1 * width_1) - ((pace_1 * pace_1) * squared_1)))) * exp(-(exponent)));
-}
-
-float4 lobe_light(float wavenumber_1, int node_1, int row_1, int side, float2 range_3)
-{
-    if ((row_1 < int(0))) {
+    if ((row_2 < int(0))) {
         float4 _e11 = spectrum.Load(int3(int2(node_1, int(0)), int(0)));
         return _e11;
     }
@@ -239,11 +303,16 @@ float4 lobe_light(float wavenumber_1, int node_1, int row_1, int side, float2 ra
     const float _e20 = window_width(range_3.x);
     float high = (range_3.y + ((margin * _e18) / _e20));
     float column_6 = (clamp(((wavenumber_1 - low) / (high - low)), 0.0, 1.0) * 359.0);
-    int line_ = asint(asuint(asint(asuint(int(2)) + asuint(row_1))) + asuint(asint(asuint(side) * asuint(LOBE_ROWS))));
-    int index_2 = min(naga_f2i32(column_6), int(358));
-    float4 before = spectrum.Load(int3(int2(index_2, line_), int(0)));
-    float4 after = spectrum.Load(int3(int2(asint(asuint(index_2) + asuint(int(1))), line_), int(0)));
-    return lerp(before, after, (column_6 - float(index_2)));
+    int line_ = asint(asuint(asint(asuint(int(2)) + asuint(row_2))) + asuint(asint(asuint(side) * asuint(LOBE_ROWS))));
+    int index_3 = min(naga_f2i32(column_6), int(358));
+    float4 before_1 = spectrum.Load(int3(int2(index_3, line_), int(0)));
+    float4 after_1 = spectrum.Load(int3(int2(asint(asuint(index_3) + asuint(int(1))), line_), int(0)));
+    return lerp(before_1, after_1, (column_6 - float(index_3)));
+}
+
+float window_share(float exponent, float squared_1, float width_1, float pace_1)
+{
+    return ((width_1 * rsqrt(((width_1 * width_1) - ((pace_1 * pace_1) * squared_1)))) * exp(-(exponent)));
 }
 
 int naga_div(int lhs, int rhs) {
@@ -254,7 +323,7 @@ int2 naga_f2i32(float2 value) {
     return int2(clamp(value, -2147483600.0, 2147483500.0));
 }
 
-float3 corridor(float3 path)
+float3 corridor(float3 path, float2 facing_1)
 {
     float3 xyz = (0.0).xxx;
     int index_1 = int(0);
@@ -270,158 +339,164 @@ float3 corridor(float3 path)
     float2 patch_um = float2(1.6, 0.064);
     float2 uv_8 = (steep ? path.yx : path.xy);
     float2 size_um_1 = (steep ? patch_um.yx : patch_um);
-    const float2 _e32 = wavenumbers();
-    const float _e34 = window_width(_e32.y);
-    float reach_4 = (REACH_SIGMAS * _e34);
-    float squared_3 = max(dot(uv_8, uv_8), 1e-12);
+    const float2 _e33 = wavenumbers();
+    const float _e35 = window_width(_e33.y);
+    float reach_4 = (REACH_SIGMAS * _e35);
+    float squared_2 = max(dot(uv_8, uv_8), 1e-12);
     float slope = (uv_8.y / ((uv_8.x == 0.0) ? 1.0 : uv_8.x));
     float2 pitch = ((1.0).xx / size_um_1);
-    float2 ends_2 = (uv_8.x * _e32);
-    float first = ceil(((min(ends_2.x, ends_2.y) - reach_4) * size_um_1.x));
+    float2 ends_2 = (uv_8.x * _e33);
+    float first_1 = ceil(((min(ends_2.x, ends_2.y) - reach_4) * size_um_1.x));
     float last = floor(((max(ends_2.x, ends_2.y) + reach_4) * size_um_1.x));
-    const float _e68 = lobe_breadth(sqrt(squared_3), _e32);
-    bool broad = (_e68 >= 1.0);
-    int count = asint(asuint((broad ? int(190) : asint(asuint(naga_f2i32((last - first))) + asuint(int(1))))) * asuint(MINOR_COUNT));
+    const float _e69 = lobe_breadth(sqrt(squared_2), _e33);
+    bool broad = (_e69 >= 1.0);
+    int count = asint(asuint((broad ? int(190) : asint(asuint(naga_f2i32((last - first_1))) + asuint(int(1))))) * asuint(MINOR_COUNT));
     float half_width = ((broad ? reach_4 : (reach_4 * sqrt((1.0 + (slope * slope))))) * size_um_1.y);
     float slant = ((slope * pitch.x) * size_um_1.y);
-    const float _e91 = node_pace(_e32);
-    float pace_2 = (broad ? _e91 : 0.0);
-    float nearness_1 = (1.0 / squared_3);
-    const int _e96 = lobe_row(_e68);
-    const int _e97 = lobe_halves(_e96);
-    side_1 = asint(asuint(_e97) - asuint(int(1)));
+    const float _e92 = node_pace(_e33);
+    float pace_2 = (broad ? _e92 : 0.0);
+    float nearness_1 = (1.0 / squared_2);
+    const int _e97 = lobe_row(_e69);
+    const int _e98 = lobe_halves(_e97);
+    side_1 = asint(asuint(_e98) - asuint(int(1)));
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            int _e211 = hit;
-            hit = asint(asuint(_e211) + asuint(int(1)));
+            int _e217 = hit;
+            hit = asint(asuint(_e217) + asuint(int(1)));
         }
         loop_init = false;
-        int _e100 = hit;
-        if ((_e100 < int(380))) {
+        int _e101 = hit;
+        if ((_e101 < int(380))) {
         } else {
             break;
         }
         {
-            int _e103 = side_1;
             int _e104 = side_1;
-            side_1 = ((asint(asuint(_e104) + asuint(int(1))) == _e97) ? int(0) : asint(asuint(_e103) + asuint(int(1))));
-            float _e112 = exponent_1;
-            int _e113 = side_1;
-            exponent_1 = ((_e113 == int(0)) ? 16.0 : _e112);
-            int _e118 = side_1;
-            int candidates = ((_e118 == int(0)) ? CANDIDATE_COUNT : int(0));
+            int _e105 = side_1;
+            side_1 = ((asint(asuint(_e105) + asuint(int(1))) == _e98) ? int(0) : asint(asuint(_e104) + asuint(int(1))));
+            float _e113 = exponent_1;
+            int _e114 = side_1;
+            exponent_1 = ((_e114 == int(0)) ? 16.0 : _e113);
+            int _e119 = side_1;
+            int candidates = ((_e119 == int(0)) ? CANDIDATE_COUNT : int(0));
             tried = int(0);
             bool loop_init_1 = true;
             while(true) {
                 if (!loop_init_1) {
-                    int _e183 = tried;
-                    tried = asint(asuint(_e183) + asuint(int(1)));
+                    int _e184 = tried;
+                    tried = asint(asuint(_e184) + asuint(int(1)));
                 }
                 loop_init_1 = false;
-                int _e125 = tried;
-                if ((_e125 < candidates)) {
+                int _e126 = tried;
+                if ((_e126 < candidates)) {
                 } else {
                     break;
                 }
                 {
-                    int _e127 = index_1;
-                    if ((_e127 >= count)) {
+                    int _e128 = index_1;
+                    if ((_e128 >= count)) {
                         break;
                     }
-                    int _e129 = index_1;
-                    int line_1 = naga_div(_e129, MINOR_COUNT);
+                    int _e130 = index_1;
+                    int line_1 = naga_div(_e130, MINOR_COUNT);
                     node_2 = naga_div(line_1, NODE_BINS);
-                    int _e134 = node_2;
-                    const float _e135 = node_wavenumber(_e134, _e32);
-                    int _e136 = node_2;
-                    float corner = (ceil((((_e135 * uv_8.x) - reach_4) * size_um_1.x)) + float(asint(asuint(line_1) - asuint(asint(asuint(_e136) * asuint(NODE_BINS))))));
-                    float major = (broad ? corner : (first + float(line_1)));
-                    float centre_1 = (broad ? ((_e135 * uv_8.y) * size_um_1.y) : (slant * major));
+                    int _e135 = node_2;
+                    const float _e136 = node_wavenumber(_e135, _e33);
+                    int _e137 = node_2;
+                    float corner = (ceil((((_e136 * uv_8.x) - reach_4) * size_um_1.x)) + float(asint(asuint(line_1) - asuint(asint(asuint(_e137) * asuint(NODE_BINS))))));
+                    float major = (broad ? corner : (first_1 + float(line_1)));
+                    float centre_1 = (broad ? ((_e136 * uv_8.y) * size_um_1.y) : (slant * major));
                     float lowest = ceil((centre_1 - half_width));
-                    int _e159 = index_1;
-                    bin = float2(major, (lowest + float(asint(asuint(_e159) - asuint(asint(asuint(line_1) * asuint(MINOR_COUNT)))))));
-                    float2 _e166 = bin;
-                    float2 place_11 = (_e166 * pitch);
-                    const float _e168 = lobe_centre(place_11, uv_8, nearness_1);
-                    wavenumber_2 = (broad ? _e135 : _e168);
-                    float _e170 = wavenumber_2;
-                    const float _e171 = window_width(_e170);
-                    const float2 _e172 = lobe_sharpness(_e171, squared_3, pace_2);
-                    float _e173 = wavenumber_2;
-                    const float _e176 = window_exponent(((_e173 * uv_8) - place_11), uv_8, _e172);
-                    exponent_1 = _e176;
-                    int _e177 = index_1;
-                    index_1 = asint(asuint(_e177) + asuint(int(1)));
-                    float _e180 = exponent_1;
-                    if ((_e180 < 16.0)) {
+                    int _e160 = index_1;
+                    bin = float2(major, (lowest + float(asint(asuint(_e160) - asuint(asint(asuint(line_1) * asuint(MINOR_COUNT)))))));
+                    float2 _e167 = bin;
+                    float2 place_12 = (_e167 * pitch);
+                    const float _e169 = lobe_centre(place_12, uv_8, nearness_1);
+                    wavenumber_2 = (broad ? _e136 : _e169);
+                    float _e171 = wavenumber_2;
+                    const float _e172 = window_width(_e171);
+                    const float2 _e173 = lobe_sharpness(_e172, squared_2, pace_2);
+                    float _e174 = wavenumber_2;
+                    const float _e177 = window_exponent(((_e174 * uv_8) - place_12), uv_8, _e173);
+                    exponent_1 = _e177;
+                    int _e178 = index_1;
+                    index_1 = asint(asuint(_e178) + asuint(int(1)));
+                    float _e181 = exponent_1;
+                    if ((_e181 < 16.0)) {
                         break;
                     }
                 }
             }
-            float _e186 = exponent_1;
-            if ((_e186 >= 16.0)) {
+            float _e187 = exponent_1;
+            if ((_e187 >= 16.0)) {
                 break;
             }
-            float _e189 = exponent_1;
             float _e190 = wavenumber_2;
-            const float _e191 = window_width(_e190);
-            const float _e192 = window_share(_e189, squared_3, _e191, pace_2);
-            float _e193 = wavenumber_2;
-            int _e194 = node_2;
-            int _e195 = side_1;
-            const float4 _e196 = lobe_light(_e193, _e194, _e96, _e195, _e32);
-            float3 _e197 = xyz;
-            float2 _e198 = bin;
-            float2 _e199 = bin;
-            const float _e206 = efficiency(naga_f2i32((steep ? _e199.yx : _e198)), (path.z / _e196.w));
-            xyz = (_e197 + ((_e192 * _e206) * _e196.xyz));
+            int _e191 = node_2;
+            int _e192 = side_1;
+            const float4 _e193 = lobe_light(_e190, _e191, _e97, _e192, _e33);
+            float _e194 = exponent_1;
+            float _e195 = wavenumber_2;
+            const float _e196 = window_width(_e195);
+            const float _e197 = window_share(_e194, squared_2, _e196, pace_2);
+            const float _e199 = reflectance(_e193.w, facing_1);
+            float share_2 = (_e197 * _e199);
+            const float _e203 = dispersed(path.z, _e193.w);
+            float turns_1 = (_e203 / _e193.w);
+            float3 _e206 = xyz;
+            float2 _e207 = bin;
+            float2 _e208 = bin;
+            const float _e212 = efficiency(naga_f2i32((steep ? _e208.yx : _e207)), turns_1);
+            xyz = (_e206 + ((share_2 * _e212) * _e193.xyz));
         }
     }
-    const float _e215 = window_width(1.0);
-    float scale = (broad ? 1.0 : (_e215 / sqrt(squared_3)));
-    float3 _e220 = xyz;
-    return (scale * _e220);
+    const float _e221 = window_width(1.0);
+    float scale = (broad ? 1.0 : (_e221 / sqrt(squared_2)));
+    float3 _e226 = xyz;
+    return (scale * _e226);
 }
 
-float3 tristimulus(float3 wi_3, float3 wr_3)
+float3 tristimulus(float3 wi_5, float3 wr_5)
 {
-    const float _e2 = gain(wi_3, wr_3);
+    const float _e2 = gain(wi_5, wr_5);
     if ((_e2 == 0.0)) {
         return (0.0).xxx;
     }
-    const float3 _e7 = path_difference(wi_3, wr_3);
-    const float3 _e8 = corridor(_e7);
-    return (_e2 * _e8);
+    const float3 _e7 = path_difference(wi_5, wr_5);
+    const float2 _e8 = facing_of(wi_5, wr_5);
+    const float3 _e9 = corridor(_e7, _e8);
+    return (_e2 * _e9);
 }
 
-float3 in_surface(float3 direction)
+float3 in_surface(float3 direction_1)
 {
-    return direction;
+    return direction_1;
 }
 
 float disc_chord_squared(float radius)
 {
     float half_ = (0.5 * clamp(radius, 0.0001, 1.5707963));
-    float squared_4 = (half_ * half_);
-    float inner = (1.0 - ((squared_4 / 42.0) * (1.0 - (squared_4 / 72.0))));
-    float sine = (half_ * (1.0 - ((squared_4 / 6.0) * (1.0 - ((squared_4 / 20.0) * inner)))));
+    float squared_3 = (half_ * half_);
+    float inner = (1.0 - ((squared_3 / 42.0) * (1.0 - (squared_3 / 72.0))));
+    float sine = (half_ * (1.0 - ((squared_3 / 6.0) * (1.0 - ((squared_3 / 20.0) * inner)))));
     return ((4.0 * sine) * sine);
 }
 
 float3 edge_normal(float3 start, float3 end, float side_2, float3 centre)
 {
     float3 normal_6 = (side_2 * cross(start, end));
-    float squared_5 = dot(normal_6, normal_6);
-    if ((squared_5 < 1e-12)) {
+    float squared_4 = dot(normal_6, normal_6);
+    if ((squared_4 < 1e-12)) {
         return centre;
     }
-    return (normal_6 * rsqrt(squared_5));
+    return (normal_6 * rsqrt(squared_4));
 }
 
 float normal_reflectance()
 {
-    return 0.040000003;
+    float4 _e5 = spectrum.Load(int3(int2(int(0), int(40)), int(0)));
+    return _e5.y;
 }
 
 int2 orders_between(float offset_1, float reach, float2 ends, float size_um, int limit)
@@ -429,9 +504,9 @@ int2 orders_between(float offset_1, float reach, float2 ends, float size_um, int
     float2 low_1 = (((size_um * (-(offset_1) - reach))).xx / ends);
     float2 high_1 = (((size_um * (-(offset_1) + reach))).xx / ends);
     float most = float(limit);
-    float first_1 = clamp(ceil(min(low_1.x, low_1.y)), -(most), (most + 1.0));
+    float first_2 = clamp(ceil(min(low_1.x, low_1.y)), -(most), (most + 1.0));
     float last_1 = clamp(floor(max(high_1.x, high_1.y)), (-(most) - 1.0), most);
-    return int2(naga_f2i32(first_1), naga_f2i32(last_1));
+    return int2(naga_f2i32(first_2), naga_f2i32(last_1));
 }
 
 int2 order_rows(float2 offset_2, float reach_1)
@@ -441,12 +516,12 @@ int2 order_rows(float2 offset_2, float reach_1)
     return _e8;
 }
 
-int2 order_columns(int row_2, float2 offset_3, float reach_2)
+int2 order_columns(int row_3, float2 offset_3, float reach_2)
 {
     float2 ends_1 = float2(0.38, 0.78);
 
-    if ((row_2 != int(0))) {
-        float2 sides = ((PATCH_HEIGHT_UM / float(row_2)) * (float2(-(reach_2), reach_2) - (offset_3.y).xx));
+    if ((row_3 != int(0))) {
+        float2 sides = ((PATCH_HEIGHT_UM / float(row_3)) * (float2(-(reach_2), reach_2) - (offset_3.y).xx));
         float _e19 = ends_1.x;
         ends_1.x = max(_e19, min(sides.x, sides.y));
         float _e26 = ends_1.y;
@@ -473,36 +548,36 @@ float3 polar(float2 frequency)
     return float3((frequency / (size_1).xx), size_1);
 }
 
-float3 arrival(float2 frequency_1, float lambda_um, float3 wr_4)
+float3 arrival(float2 frequency_1, float lambda_um_5, float3 wr_6)
 {
-    float2 shift = (lambda_um * frequency_1);
-    float squared_6 = ((wr_4.z * wr_4.z) - dot(shift, ((2.0 * wr_4.xy) + shift)));
-    return float3((-(wr_4.xy) - shift), sqrt(max(0.0, squared_6)));
+    float2 shift = (lambda_um_5 * frequency_1);
+    float squared_5 = ((wr_6.z * wr_6.z) - dot(shift, ((2.0 * wr_6.xy) + shift)));
+    return float3((-(wr_6.xy) - shift), sqrt(max(0.0, squared_5)));
 }
 
-float2 propagating(float2 frequency_2, float3 wr_5)
+float2 propagating(float2 frequency_2, float3 wr_7)
 {
     const float3 _e2 = polar(frequency_2);
-    float start_1 = -(dot(wr_5.xy, _e2.xy));
-    float across = ((wr_5.y * _e2.x) - (wr_5.x * _e2.y));
+    float start_1 = -(dot(wr_7.xy, _e2.xy));
+    float across = ((wr_7.y * _e2.x) - (wr_7.x * _e2.y));
     float half_1 = sqrt(max(0.0, (1.0 - (across * across))));
     float low_2 = max(WAVELENGTH_MIN_UM, ((start_1 - half_1) / _e2.z));
     return float2(low_2, min(WAVELENGTH_MAX_UM, ((start_1 + half_1) / _e2.z)));
 }
 
-float2 crossings(float2 frequency_3, float3 wr_6, float3 axis, float chord_squared)
+float2 crossings(float2 frequency_3, float3 wr_8, float3 axis, float chord_squared)
 {
     const float3 _e4 = polar(frequency_3);
     float2 across_1 = float2(-(_e4.y), _e4.x);
-    float2 start_2 = -(float2(dot(wr_6.xy, _e4.xy), dot(wr_6.xy, across_1)));
+    float2 start_2 = -(float2(dot(wr_8.xy, _e4.xy), dot(wr_8.xy, across_1)));
     float2 lamp = float2(dot(axis.xy, _e4.xy), dot(axis.xy, across_1));
     float apart = (start_2.y - lamp.y);
     float sine_squared = (chord_squared * (1.0 - (0.25 * chord_squared)));
-    float squared_7 = ((sine_squared - (apart * apart)) - ((chord_squared * start_2.y) * lamp.y));
-    if ((squared_7 <= 0.0)) {
+    float squared_6 = ((sine_squared - (apart * apart)) - ((chord_squared * start_2.y) * lamp.y));
+    if ((squared_6 <= 0.0)) {
         return (1000000000.0).xx;
     }
-    float2 root = (sqrt(squared_7) * float2(-1.0, 1.0));
+    float2 root = (sqrt(squared_6) * float2(-1.0, 1.0));
     float middle = ((1.0 - (0.5 * chord_squared)) - (start_2.y * lamp.y));
     float size_squared = max(((lamp.x * lamp.x) + (axis.z * axis.z)), 1e-12);
     float2 places = ((((lamp.x * middle)).xx + (axis.z * root)) / (size_squared).xx);
@@ -510,25 +585,29 @@ float2 crossings(float2 frequency_3, float3 wr_6, float3 axis, float chord_squar
     return ((heights > (0.0).xx) ? (((start_2.x).xx - places) / (_e4.z).xx) : (1000000000.0).xx);
 }
 
-bool within(float3 direction_1, float3 axis_1, float chord_squared_1)
+bool within(float3 direction_2, float3 axis_1, float chord_squared_1)
 {
-    float3 chord = (direction_1 - axis_1);
+    float3 chord = (direction_2 - axis_1);
     return (dot(chord, chord) < chord_squared_1);
 }
 
-int panel_count(float2 frequency_4, float from_um, float to_um, float3 wr_7)
+int panel_count(float2 frequency_4, float from_um, float to_um, float3 wr_9)
 {
-    const float3 _e4 = arrival(frequency_4, from_um, wr_7);
-    const float3 _e5 = arrival(frequency_4, to_um, wr_7);
+    const float3 _e4 = arrival(frequency_4, from_um, wr_9);
+    const float3 _e5 = arrival(frequency_4, to_um, wr_9);
     float middle_um = (0.5 * (from_um + to_um));
-    const float3 _e9 = arrival(frequency_4, middle_um, wr_7);
-    float turns_1 = (2.0 * abs((((_e4.z + wr_7.z) / from_um) - ((_e9.z + wr_7.z) / middle_um))));
-    float columns_2 = (1.9 * turns_1);
-    float needed = max((columns_2 / PANEL_COLUMNS), (distance(_e4, _e5) / PANEL_ARC));
-    return asint(asuint(min(naga_f2i32(needed), int(4))) + asuint(int(1)));
+    const float3 _e9 = arrival(frequency_4, middle_um, wr_9);
+    const float _e10 = depth(_e4, wr_9);
+    const float _e11 = depth(_e9, wr_9);
+    float turns_2 = (2.0 * abs(((_e10 / from_um) - (_e11 / middle_um))));
+    float columns_2 = (1.9768772 * turns_2);
+    float coloured = (PANEL_PACE * abs(((1.0 / from_um) - (1.0 / to_um))));
+    float curved = max((distance(_e4, _e5) / PANEL_ARC), coloured);
+    float needed = max((columns_2 / PANEL_COLUMNS), curved);
+    return asint(asuint(min(naga_f2i32(needed), int(6))) + asuint(int(1)));
 }
 
-float wavelength_between(float2 frequency_5, float from_um_1, float to_um_1, float part, float3 wr_8)
+float wavelength_between(float2 frequency_5, float from_um_1, float to_um_1, float part, float3 wr_10)
 {
     bool local_2 = (bool)0;
 
@@ -542,53 +621,58 @@ float wavelength_between(float2 frequency_5, float from_um_1, float to_um_1, flo
     if (_e14) {
         return (1.0 / lerp((1.0 / from_um_1), (1.0 / to_um_1), part));
     }
-    float start_3 = -(dot(wr_8.xy, _e6.xy));
-    float across_2 = ((wr_8.y * _e6.x) - (wr_8.x * _e6.y));
+    float start_3 = -(dot(wr_10.xy, _e6.xy));
+    float across_2 = ((wr_10.y * _e6.x) - (wr_10.x * _e6.y));
     float half_2 = sqrt(max(1e-12, (1.0 - (across_2 * across_2))));
     float2 ends_4 = (((start_3).xx - (float2(from_um_1, to_um_1) * _e6.z)) / (half_2).xx);
     float2 angles = asin(clamp(ends_4, (-1.0).xx, (1.0).xx));
-    float place_12 = (start_3 - (half_2 * sin(lerp(angles.x, angles.y, part))));
-    return clamp((place_12 / _e6.z), from_um_1, to_um_1);
+    float place_13 = (start_3 - (half_2 * sin(lerp(angles.x, angles.y, part))));
+    return clamp((place_13 / _e6.z), from_um_1, to_um_1);
 }
 
-float order_share(int2 order_2, float2 frequency_6, float lambda_um_1, float3 wr_9)
+float order_share(int2 order_2, float2 frequency_6, float lambda_um_6, float3 wr_11)
 {
-    const float3 _e4 = arrival(frequency_6, lambda_um_1, wr_9);
-    const float _e5 = gain(_e4, wr_9);
-    const float _e11 = efficiency(order_2, (-((_e4.z + wr_9.z)) / lambda_um_1));
-    return ((_e5 / max(_e4.z, 1e-6)) * _e11);
+    const float3 _e4 = arrival(frequency_6, lambda_um_6, wr_11);
+    const float _e5 = depth(_e4, wr_11);
+    const float _e6 = dispersed(_e5, lambda_um_6);
+    float turns_3 = (_e6 / lambda_um_6);
+    const float2 _e8 = facing_of(_e4, wr_11);
+    const float _e9 = reflectance(lambda_um_6, _e8);
+    const float _e10 = gain(_e4, wr_11);
+    const float _e11 = efficiency(order_2, turns_3);
+    return (((_e10 / max(_e4.z, 1e-6)) * _e9) * _e11);
 }
 
-float moment_place(float lambda_um_2)
+float moment_place(float lambda_um_7)
 {
-    float share = ((lambda_um_2 - WAVELENGTH_MIN_UM) / 0.39999998);
-    return (share * 400.0);
+    float share_3 = ((lambda_um_7 - WAVELENGTH_MIN_UM) / 0.39999998);
+    return (share_3 * 400.0);
 }
 
-int moment_column(float lambda_um_3)
+int moment_column(float lambda_um_8)
 {
-    const float _e1 = moment_place(lambda_um_3);
+    const float _e1 = moment_place(lambda_um_8);
     return clamp(naga_f2i32(_e1), int(0), int(399));
 }
 
-float3 column_part(float lambda_um_4, int column)
+float3 column_part(float lambda_um_9, int column)
 {
-    const float _e2 = moment_place(lambda_um_4);
-    float part_2 = clamp((_e2 - float(column)), 0.0, 1.0);
+    const float _e2 = moment_place(lambda_um_9);
+    float part_3 = clamp((_e2 - float(column)), 0.0, 1.0);
     float4 _e12 = moments.Load(int3(int2(column, int(3)), int(0)));
-    return (part_2 * _e12.xyz);
+    return (part_3 * _e12.xyz);
 }
 
 float4 column_powers(int column_1)
 {
-    float share_1 = ((float(column_1) + 0.5) / 400.0);
-    float t = (5.0 * (lerp(WAVELENGTH_MIN_UM, WAVELENGTH_MAX_UM, share_1) - 0.58));
+    float share_4 = ((float(column_1) + 0.5) / 400.0);
+    float t = (5.0 * (lerp(WAVELENGTH_MIN_UM, WAVELENGTH_MAX_UM, share_4) - 0.58));
     return float4(1.0, t, (t * t), ((t * t) * t));
 }
 
-float4 moment(int column_2, int row_3)
+float4 moment(int column_2, int row_4)
 {
-    float4 _e5 = moments.Load(int3(int2(column_2, row_3), int(0)));
+    float4 _e5 = moments.Load(int3(int2(column_2, row_4), int(0)));
     return _e5;
 }
 
@@ -611,27 +695,27 @@ float3 moments_between(float from_um_2, float to_um_2, float4 powers)
     float4 z = (((_e32 + (_e6.z * _e8)) - _e34) - (_e5.z * _e7));
     float centre_2 = (5.0 * ((0.5 * (from_um_2 + to_um_2)) - 0.58));
     float scale_1 = (1.0 / max((2.5 * (to_um_2 - from_um_2)), 1e-9));
-    float3 light = float3(x.x, y.x, z.x);
-    float3 first_2 = float3(x.y, y.y, z.y);
+    float3 light_1 = float3(x.x, y.x, z.x);
+    float3 first_3 = float3(x.y, y.y, z.y);
     float3 second = float3(x.z, y.z, z.z);
     float3 third = float3(x.w, y.w, z.w);
-    float3 linear_ = ((first_2 - (centre_2 * light)) * scale_1);
-    float3 square = (((second - (centre_2 * ((2.0 * first_2) - (centre_2 * light)))) * scale_1) * scale_1);
-    float3 cubic = ((third - ((3.0 * centre_2) * (second - (centre_2 * first_2)))) - (((centre_2 * centre_2) * centre_2) * light));
+    float3 linear_ = ((first_3 - (centre_2 * light_1)) * scale_1);
+    float3 square = (((second - (centre_2 * ((2.0 * first_3) - (centre_2 * light_1)))) * scale_1) * scale_1);
+    float3 cubic = ((third - ((3.0 * centre_2) * (second - (centre_2 * first_3)))) - (((centre_2 * centre_2) * centre_2) * light_1));
     float3 cube = (((cubic * scale_1) * scale_1) * scale_1);
-    return ((((powers.x * light) + (powers.y * clamp(linear_, -(light), light))) + (powers.z * clamp(square, -(light), light))) + (powers.w * clamp(cube, -(light), light)));
+    return ((((powers.x * light_1) + (powers.y * clamp(linear_, -(light_1), light_1))) + (powers.z * clamp(square, -(light_1), light_1))) + (powers.w * clamp(cube, -(light_1), light_1)));
 }
 
-float3 panel_colour(int2 order_3, float2 frequency_7, float from_um_3, float to_um_3, float3 wr_10)
+float3 panel_colour(int2 order_3, float2 frequency_7, float from_um_3, float to_um_3, float3 wr_12)
 {
     float middle_1 = (0.5 * (from_um_3 + to_um_3));
     float half_3 = (0.5 * (to_um_3 - from_um_3));
     float outer = (0.9238795 * half_3);
     float inner_1 = (0.38268343 * half_3);
-    const float _e16 = order_share(order_3, frequency_7, (middle_1 + outer), wr_10);
-    const float _e18 = order_share(order_3, frequency_7, (middle_1 + inner_1), wr_10);
-    const float _e20 = order_share(order_3, frequency_7, (middle_1 - inner_1), wr_10);
-    const float _e22 = order_share(order_3, frequency_7, (middle_1 - outer), wr_10);
+    const float _e16 = order_share(order_3, frequency_7, (middle_1 + outer), wr_12);
+    const float _e18 = order_share(order_3, frequency_7, (middle_1 + inner_1), wr_12);
+    const float _e20 = order_share(order_3, frequency_7, (middle_1 - inner_1), wr_12);
+    const float _e22 = order_share(order_3, frequency_7, (middle_1 - outer), wr_12);
     float mean = (0.25 * (((_e16 + _e18) + _e20) + _e22));
     float linear_1 = (0.5 * ((0.9238795 * (_e16 - _e22)) + (0.38268343 * (_e18 - _e20))));
     float square_1 = (0.35355338 * (((_e16 - _e18) - _e20) + _e22));
@@ -641,7 +725,7 @@ float3 panel_colour(int2 order_3, float2 frequency_7, float from_um_3, float to_
     return _e60;
 }
 
-float3 order_colour(int2 order_4, float from_um_4, float to_um_4, float3 wr_11)
+float3 order_colour(int2 order_4, float from_um_4, float to_um_4, float3 wr_13)
 {
     float3 xyz_1 = (0.0).xxx;
     float start_um = (float)0;
@@ -649,7 +733,7 @@ float3 order_colour(int2 order_4, float from_um_4, float to_um_4, float3 wr_11)
     float end_um = (float)0;
 
     const float2 _e11 = order_frequency(order_4);
-    const int _e12 = panel_count(_e11, from_um_4, to_um_4, wr_11);
+    const int _e12 = panel_count(_e11, from_um_4, to_um_4, wr_13);
     start_um = from_um_4;
     bool loop_init_2 = true;
     while(true) {
@@ -668,13 +752,13 @@ float3 order_colour(int2 order_4, float from_um_4, float to_um_4, float3 wr_11)
             int _e15 = panel;
             if ((_e15 < _e12)) {
                 int _e17 = panel;
-                const float _e21 = wavelength_between(_e11, from_um_4, to_um_4, (float(_e17) / float(_e12)), wr_11);
+                const float _e21 = wavelength_between(_e11, from_um_4, to_um_4, (float(_e17) / float(_e12)), wr_13);
                 end_um = _e21;
             }
             float3 _e22 = xyz_1;
             float _e23 = start_um;
             float _e24 = end_um;
-            const float3 _e25 = panel_colour(order_4, _e11, _e23, _e24, wr_11);
+            const float3 _e25 = panel_colour(order_4, _e11, _e23, _e24, wr_13);
             xyz_1 = (_e22 + _e25);
             float _e27 = end_um;
             start_um = _e27;
@@ -684,9 +768,9 @@ float3 order_colour(int2 order_4, float from_um_4, float to_um_4, float3 wr_11)
     return _e31;
 }
 
-float3 tristimulus_disc(float3 axis_2, float radius_1, float3 wr_12)
+float3 tristimulus_disc(float3 axis_2, float radius_1, float3 wr_14)
 {
-    int row_4 = (int)0;
+    int row_5 = (int)0;
     int2 columns = (int2)0;
     int column_3 = (int)0;
     int2 order_5 = int2(int(0), int(0));
@@ -702,17 +786,17 @@ float3 tristimulus_disc(float3 axis_2, float radius_1, float3 wr_12)
     bool local_5 = (bool)0;
     bool local_6 = (bool)0;
 
-    if (!((wr_12.z > 1e-6))) {
+    if (!((wr_14.z > 1e-6))) {
         return (0.0).xxx;
     }
-    const float3 _e34 = in_surface(wr_12);
+    const float3 _e34 = in_surface(wr_14);
     const float3 _e35 = in_surface(axis_2);
     const float _e36 = disc_chord_squared(radius_1);
     float reach_5 = sqrt(_e36);
     float2 offset_4 = (_e35.xy + _e34.xy);
     const int2 _e41 = order_rows(offset_4, reach_5);
-    row_4 = _e41.x;
-    int _e43 = row_4;
+    row_5 = _e41.x;
+    int _e43 = row_5;
     const int2 _e44 = order_columns(_e43, offset_4, reach_5);
     columns = _e44;
     int _e46 = columns.x;
@@ -747,7 +831,7 @@ float3 tristimulus_disc(float3 axis_2, float radius_1, float3 wr_12)
                 {
                     bool _e55 = lit_;
                     if (!(_e55)) {
-                        int _e57 = row_4;
+                        int _e57 = row_5;
                         local_3 = (_e57 > _e41.y);
                     } else {
                         local_3 = true;
@@ -757,7 +841,7 @@ float3 tristimulus_disc(float3 axis_2, float radius_1, float3 wr_12)
                         break;
                     }
                     int _e62 = column_3;
-                    int _e63 = row_4;
+                    int _e63 = row_5;
                     order_5 = int2(_e62, _e63);
                     int2 _e65 = order_5;
                     const float2 _e66 = order_frequency(_e65);
@@ -801,9 +885,9 @@ float3 tristimulus_disc(float3 axis_2, float radius_1, float3 wr_12)
                         int _e110 = column_3;
                         int _e112 = columns.y;
                         if ((_e110 > _e112)) {
-                            int _e114 = row_4;
-                            row_4 = asint(asuint(_e114) + asuint(int(1)));
-                            int _e117 = row_4;
+                            int _e114 = row_5;
+                            row_5 = asint(asuint(_e114) + asuint(int(1)));
+                            int _e117 = row_5;
                             const int2 _e118 = order_columns(_e117, offset_4, reach_5);
                             columns = _e118;
                             int _e120 = columns.x;
@@ -834,9 +918,9 @@ float3 tristimulus_disc(float3 axis_2, float radius_1, float3 wr_12)
     return ((_e142 / (3.1415927 * sine_squared_1)) * _e143);
 }
 
-float3 tristimulus_rectangle(float3 a, float3 b, float3 c, float3 d, float3 wr_13)
+float3 tristimulus_rectangle(float3 a, float3 b, float3 c, float3 d, float3 wr_15)
 {
-    int row_5 = (int)0;
+    int row_6 = (int)0;
     int2 columns_1 = (int2)0;
     int column_4 = (int)0;
     int2 order_6 = int2(int(0), int(0));
@@ -855,10 +939,10 @@ float3 tristimulus_rectangle(float3 a, float3 b, float3 c, float3 d, float3 wr_1
     bool local_12 = (bool)0;
     bool local_13 = (bool)0;
 
-    if (!((wr_13.z > 1e-6))) {
+    if (!((wr_15.z > 1e-6))) {
         return (0.0).xxx;
     }
-    const float3 _e39 = in_surface(wr_13);
+    const float3 _e39 = in_surface(wr_15);
     float3 centre_3 = normalize((((a + b) + c) + d));
     float3 turning = (((cross(a, b) + cross(b, c)) + cross(c, d)) + cross(d, a));
     float side_3 = ((dot(turning, centre_3) > 0.0) ? 1.0 : -1.0);
@@ -875,8 +959,8 @@ float3 tristimulus_rectangle(float3 a, float3 b, float3 c, float3 d, float3 wr_1
     float reach_6 = max(farther, max(distance(c, centre_3), distance(d, centre_3)));
     float2 offset_5 = (_e57.xy + _e39.xy);
     const int2 _e76 = order_rows(offset_5, reach_6);
-    row_5 = _e76.x;
-    int _e78 = row_5;
+    row_6 = _e76.x;
+    int _e78 = row_6;
     const int2 _e79 = order_columns(_e78, offset_5, reach_6);
     columns_1 = _e79;
     int _e81 = columns_1.x;
@@ -911,7 +995,7 @@ float3 tristimulus_rectangle(float3 a, float3 b, float3 c, float3 d, float3 wr_1
                 {
                     bool _e90 = lit_1;
                     if (!(_e90)) {
-                        int _e92 = row_5;
+                        int _e92 = row_6;
                         local_7 = (_e92 > _e76.y);
                     } else {
                         local_7 = true;
@@ -921,7 +1005,7 @@ float3 tristimulus_rectangle(float3 a, float3 b, float3 c, float3 d, float3 wr_1
                         break;
                     }
                     int _e97 = column_4;
-                    int _e98 = row_5;
+                    int _e98 = row_6;
                     order_6 = int2(_e97, _e98);
                     int2 _e100 = order_6;
                     const float2 _e101 = order_frequency(_e100);
@@ -994,9 +1078,9 @@ float3 tristimulus_rectangle(float3 a, float3 b, float3 c, float3 d, float3 wr_1
                         int _e179 = column_4;
                         int _e181 = columns_1.y;
                         if ((_e179 > _e181)) {
-                            int _e183 = row_5;
-                            row_5 = asint(asuint(_e183) + asuint(int(1)));
-                            int _e186 = row_5;
+                            int _e183 = row_6;
+                            row_6 = asint(asuint(_e183) + asuint(int(1)));
+                            int _e186 = row_6;
                             const int2 _e187 = order_columns(_e186, offset_5, reach_6);
                             columns_1 = _e187;
                             int _e189 = columns_1.x;
@@ -1031,23 +1115,23 @@ float3 to_rgb(float3 xyz_4)
     return float3(dot(float3(3.2406, -1.5372, -0.4986), xyz_4), dot(float3(-0.9689, 1.8758, 0.0415), xyz_4), dot(float3(0.0557, -0.204, 1.057), xyz_4));
 }
 
-float3 diffraction(float3 wi_4, float3 wr_14)
+float3 diffraction(float3 wi_6, float3 wr_16)
 {
-    const float3 _e2 = tristimulus(wi_4, wr_14);
+    const float3 _e2 = tristimulus(wi_6, wr_16);
     const float3 _e3 = to_rgb(_e2);
     return _e3;
 }
 
-float3 diffraction_disc(float3 axis_3, float radius_2, float3 wr_15)
+float3 diffraction_disc(float3 axis_3, float radius_2, float3 wr_17)
 {
-    const float3 _e3 = tristimulus_disc(axis_3, radius_2, wr_15);
+    const float3 _e3 = tristimulus_disc(axis_3, radius_2, wr_17);
     const float3 _e4 = to_rgb(_e3);
     return _e4;
 }
 
-float3 diffraction_rectangle(float3 a_1, float3 b_1, float3 c_1, float3 d_1, float3 wr_16)
+float3 diffraction_rectangle(float3 a_1, float3 b_1, float3 c_1, float3 d_1, float3 wr_18)
 {
-    const float3 _e5 = tristimulus_rectangle(a_1, b_1, c_1, d_1, wr_16);
+    const float3 _e5 = tristimulus_rectangle(a_1, b_1, c_1, d_1, wr_18);
     const float3 _e6 = to_rgb(_e5);
     return _e6;
 }
@@ -1062,17 +1146,17 @@ float3 view_direction(float2 pixel)
 {
     float4 _e3 = params.size;
     float2 centre_4 = ((((2.0 * pixel) + (1.0).xx) / _e3.xy) - (1.0).xx);
-    float squared_8 = dot(centre_4, centre_4);
-    return float3(centre_4, ((squared_8 < 1.0) ? sqrt(max(0.0, (1.0 - squared_8))) : -1.0));
+    float squared_7 = dot(centre_4, centre_4);
+    return float3(centre_4, ((squared_7 < 1.0) ? sqrt(max(0.0, (1.0 - squared_7))) : -1.0));
 }
 
 float3 unit(float3 vector_, float least)
 {
-    float squared_9 = dot(vector_, vector_);
-    if (!((squared_9 > least))) {
+    float squared_8 = dot(vector_, vector_);
+    if (!((squared_8 > least))) {
         return (0.0).xxx;
     }
-    return (vector_ * rsqrt(squared_9));
+    return (vector_ * rsqrt(squared_8));
 }
 
 float model_volume()
@@ -1115,24 +1199,24 @@ uint2 NagaMipDimensions2D(Texture2D<float4> tex, uint mip_level)
 float2 orientation(float2 uv_4)
 {
     float2 size_2 = float2(NagaMipDimensions2D(orientation_map, int(0)));
-    float2 place_13 = (((uv_4 - floor(uv_4)) * size_2) - (0.5).xx);
-    float2 corner_1 = floor(place_13);
-    float2 share_2 = (place_13 - corner_1);
+    float2 place_14 = (((uv_4 - floor(uv_4)) * size_2) - (0.5).xx);
+    float2 corner_1 = floor(place_14);
+    float2 share_5 = (place_14 - corner_1);
     float2 right = (corner_1 + float2(1.0, 0.0));
     const float2 _e17 = texel_turn(corner_1, size_2);
     const float2 _e18 = texel_turn(right, size_2);
-    float2 above = lerp(_e17, _e18, share_2.x);
+    float2 above_1 = lerp(_e17, _e18, share_5.x);
     float2 under = float2(0.0, 1.0);
     const float2 _e25 = texel_turn((corner_1 + under), size_2);
     const float2 _e27 = texel_turn((right + under), size_2);
-    float2 below = lerp(_e25, _e27, share_2.x);
-    float2 turn = lerp(above, below, share_2.y);
-    float squared_10 = dot(turn, turn);
-    float2 direction_3 = (turn * rsqrt(max(squared_10, 1e-8)));
-    return ((squared_10 > 1e-8) ? direction_3 : float2(1.0, 0.0));
+    float2 below_1 = lerp(_e25, _e27, share_5.x);
+    float2 turn = lerp(above_1, below_1, share_5.y);
+    float squared_9 = dot(turn, turn);
+    float2 direction_4 = (turn * rsqrt(max(squared_9, 1e-8)));
+    return ((squared_9 > 1e-8) ? direction_4 : float2(1.0, 0.0));
 }
 
-float3 in_frame(float3 direction_2, float3 normal_3, float4 tangent_2, float2 uv_5)
+float3 in_frame(float3 direction_3, float3 normal_3, float4 tangent_2, float2 uv_5)
 {
     const float3 _e5 = unit(normal_3, 1e-8);
     const float3 _e12 = unit((tangent_2.xyz - (dot(tangent_2.xyz, _e5) * _e5)), 1e-8);
@@ -1143,7 +1227,7 @@ float3 in_frame(float3 direction_2, float3 normal_3, float4 tangent_2, float2 uv
     const float2 _e26 = orientation(uv_5);
     float3 along_1 = ((_e26.x * _e12) + (_e26.y * across_3));
     float3 beside = ((_e26.x * across_3) - (_e26.y * _e12));
-    const float3 _e38 = unit(direction_2, 1e-36);
+    const float3 _e38 = unit(direction_3, 1e-36);
     const float3 _e44 = unit(float3(dot(_e38, along_1), dot(_e38, beside), dot(_e38, _e5)), 1e-8);
     return _e44;
 }
@@ -1157,8 +1241,8 @@ FullScreen ConstructFullScreen(float4 arg0, float2 arg1) {
 
 VertexOutput_vert vert(uint index : SV_VertexID)
 {
-    float2 place_14 = float2(((index == 1u) ? 3.0 : -1.0), ((index == 2u) ? 3.0 : -1.0));
-    const FullScreen fullscreen = ConstructFullScreen(float4(place_14, 0.0, 1.0), place_14);
+    float2 place_15 = float2(((index == 1u) ? 3.0 : -1.0), ((index == 2u) ? 3.0 : -1.0));
+    const FullScreen fullscreen = ConstructFullScreen(float4(place_15, 0.0, 1.0), place_15);
     const VertexOutput_vert fullscreen_1 = { fullscreen.place, fullscreen.position };
     return fullscreen_1;
 }
@@ -1182,24 +1266,24 @@ float4 probe(FragmentInput_probe fragmentinput_probe) : SV_Target0
     const float2 _e1 = pixel_of(place_1);
     int column_7 = naga_f2i32(_e1.x);
     float _e7 = params.size.y;
-    int row_7 = naga_f2i32(((_e7 - 1.0) - _e1.y));
-    float4 first_3 = directions.Load(int3(int2(column_7, asint(asuint(int(5)) * asuint(row_7))), int(0)));
-    float4 viewer = directions.Load(int3(int2(column_7, asint(asuint(asint(asuint(int(5)) * asuint(row_7))) + asuint(int(1)))), int(0)));
-    if ((first_3.w == 1.0)) {
-        const float3 _e33 = tristimulus_disc(first_3.xyz, viewer.w, viewer.xyz);
+    int row_8 = naga_f2i32(((_e7 - 1.0) - _e1.y));
+    float4 first_4 = directions.Load(int3(int2(column_7, asint(asuint(int(5)) * asuint(row_8))), int(0)));
+    float4 viewer_1 = directions.Load(int3(int2(column_7, asint(asuint(asint(asuint(int(5)) * asuint(row_8))) + asuint(int(1)))), int(0)));
+    if ((first_4.w == 1.0)) {
+        const float3 _e33 = tristimulus_disc(first_4.xyz, viewer_1.w, viewer_1.xyz);
         return float4(_e33, 1.0);
     }
-    if ((first_3.w == 2.0)) {
-        float4 _e46 = directions.Load(int3(int2(column_7, asint(asuint(asint(asuint(int(5)) * asuint(row_7))) + asuint(int(2)))), int(0)));
+    if ((first_4.w == 2.0)) {
+        float4 _e46 = directions.Load(int3(int2(column_7, asint(asuint(asint(asuint(int(5)) * asuint(row_8))) + asuint(int(2)))), int(0)));
         float3 second_1 = _e46.xyz;
-        float4 _e55 = directions.Load(int3(int2(column_7, asint(asuint(asint(asuint(int(5)) * asuint(row_7))) + asuint(int(3)))), int(0)));
+        float4 _e55 = directions.Load(int3(int2(column_7, asint(asuint(asint(asuint(int(5)) * asuint(row_8))) + asuint(int(3)))), int(0)));
         float3 third_1 = _e55.xyz;
-        float4 _e64 = directions.Load(int3(int2(column_7, asint(asuint(asint(asuint(int(5)) * asuint(row_7))) + asuint(int(4)))), int(0)));
+        float4 _e64 = directions.Load(int3(int2(column_7, asint(asuint(asint(asuint(int(5)) * asuint(row_8))) + asuint(int(4)))), int(0)));
         float3 fourth = _e64.xyz;
-        const float3 _e68 = tristimulus_rectangle(first_3.xyz, second_1, third_1, fourth, viewer.xyz);
+        const float3 _e68 = tristimulus_rectangle(first_4.xyz, second_1, third_1, fourth, viewer_1.xyz);
         return float4(_e68, 1.0);
     }
-    const float3 _e73 = tristimulus(first_3.xyz, viewer.xyz);
+    const float3 _e73 = tristimulus(first_4.xyz, viewer_1.xyz);
     return float4(_e73, 1.0);
 }
 
@@ -1216,7 +1300,7 @@ MeshVertex ConstructMeshVertex(float4 arg0, float3 arg1, float3 arg2, float4 arg
 VertexOutput_mesh_vert mesh_vert(float3 position : LOC0, float3 normal : LOC1, float4 tangent : LOC2, float2 uv : LOC3, float orientation_angle : LOC4)
 {
     float4x4 _e7 = mesh_params.model;
-    float4 place_15 = mul(float4(position, 1.0), _e7);
+    float4 place_16 = mul(float4(position, 1.0), _e7);
     const float3 _e11 = world_normal(normal);
     const float3 _e13 = unit(_e11, 1e-36);
     float4x4 _e16 = mesh_params.model;
@@ -1228,8 +1312,8 @@ VertexOutput_mesh_vert mesh_vert(float3 position : LOC0, float3 normal : LOC1, f
     float3 turned = ((cos(orientation_angle) * _e28) + (sin(orientation_angle) * across_4));
     float4x4 _e46 = mesh_params.projection;
     float4x4 _e49 = mesh_params.view;
-    float4 clip_ = mul(mul(place_15, _e49), _e46);
-    const MeshVertex meshvertex = ConstructMeshVertex(clip_, place_15.xyz, _e13, float4(turned, handedness), uv);
+    float4 clip_ = mul(mul(place_16, _e49), _e46);
+    const MeshVertex meshvertex = ConstructMeshVertex(clip_, place_16.xyz, _e13, float4(turned, handedness), uv);
     const VertexOutput_mesh_vert meshvertex_1 = { meshvertex.place, meshvertex.normal, meshvertex.tangent, meshvertex.uv, meshvertex.position };
     return meshvertex_1;
 }

@@ -21,9 +21,16 @@ struct MeshParams {
 const float BROADEST = 4.0;
 const int CANDIDATE_COUNT = 190;
 const float COHERENCE_UM = 107.062;
-const int EFFICIENCY_COLUMNS = 10;
+const float COVER_INDEX = 1.59509;
+const int EFFICIENCY_COLUMNS = 17;
 const int LOBE_COLUMNS = 360;
 const int LOBE_ROWS = 19;
+const int MATTER_CELLS = 1;
+const int MATTER_COLUMNS = 360;
+const float MATTER_COSINE = 0.7790805;
+const float MATTER_FROM_UM = 0.38;
+const float MATTER_PACE = 897.5;
+const int MATTER_ROW = 40;
 const int MINOR_COUNT = 1;
 const int MOMENT_COLUMNS = 401;
 const int NODE_BINS = 1;
@@ -34,18 +41,19 @@ const int ORDER_REACH_Y = 0;
 const int OUTER_NODES = 2;
 const float PANEL_ARC = 0.75;
 const float PANEL_COLUMNS = 5.0;
-const int PANEL_COUNT = 5;
+const int PANEL_COUNT = 7;
+const float PANEL_PACE = 2.964;
 const float PATCH_HEIGHT_UM = 0.064;
 const float PATCH_WIDTH_UM = 1.6;
+const float PHASE_MIN_UM = 0.23257379;
 const float REACH_SIGMAS = 4.0;
 const float REFERENCE_UM = 0.55;
-const float REFRACTIVE_INDEX = 1.5;
 const float WAVELENGTH_MAX_UM = 0.78;
 const float WAVELENGTH_MIN_UM = 0.38;
 
-layout(binding = 1) uniform sampler2D _group_0_binding_1_fs;
-
 layout(binding = 2) uniform sampler2D _group_0_binding_2_fs;
+
+layout(binding = 1) uniform sampler2D _group_0_binding_1_fs;
 
 layout(std140, binding = 8) uniform MeshParams_block_0Fragment { MeshParams _group_0_binding_8_fs; };
 
@@ -57,15 +65,21 @@ layout(location = 2) smooth in vec4 _vs2fs_location2;
 layout(location = 3) smooth in vec2 _vs2fs_location3;
 layout(location = 0) out vec4 _fs2p_location0;
 
-float fresnel_ratio(float cos_half) {
-    float one_minus = (1.0 - cos_half);
-    float squared_2 = (one_minus * one_minus);
-    return (1.0 + (((23.999998 * squared_2) * squared_2) * one_minus));
+vec3 inside(vec3 direction) {
+    vec2 plane = (direction.xy / vec2(1.59509));
+    return vec3(plane, sqrt(max(0.0, (1.0 - dot(plane, plane)))));
 }
 
-float shadowing(vec3 wi, vec3 wr) {
-    vec3 half_vector = normalize((wi + wr));
-    return min(1.0, (((2.0 * half_vector.z) * min(wi.z, wr.z)) / dot(half_vector, wr)));
+vec2 transmittance(float above, float below) {
+    float s = ((above - (COVER_INDEX * below)) / (above + (COVER_INDEX * below)));
+    float p = (((COVER_INDEX * above) - below) / ((COVER_INDEX * above) + below));
+    return vec2((1.0 - (s * s)), (1.0 - (p * p)));
+}
+
+float crossed(vec3 wi, vec3 light, vec3 wr, vec3 viewer) {
+    vec2 _e6 = transmittance(wi.z, light.z);
+    vec2 _e9 = transmittance(wr.z, viewer.z);
+    return ((0.25 * (_e6.x + _e6.y)) * (_e9.x + _e9.y));
 }
 
 float gain(vec3 wi_1, vec3 wr_1) {
@@ -80,21 +94,67 @@ float gain(vec3 wi_1, vec3 wr_1) {
     if (!(_e11)) {
         return 0.0;
     }
-    vec3 half_vector_1 = normalize((wi_1 + wr_1));
-    float w = (wi_1.z + wr_1.z);
-    float aligned = (1.0 + dot(wi_1, wr_1));
-    float _e23 = fresnel_ratio(dot(half_vector_1, wr_1));
-    factor = (((_e23 * aligned) * aligned) / ((w * w) * wr_1.z));
-    float _e30 = factor;
-    float _e31 = shadowing(wi_1, wr_1);
-    factor = (_e30 * _e31);
-    float _e33 = factor;
-    return _e33;
+    vec3 _e14 = inside(wi_1);
+    vec3 _e15 = inside(wr_1);
+    float _e16 = crossed(wi_1, _e14, wr_1, _e15);
+    factor = ((_e16 * wi_1.z) / _e14.z);
+    float w_1 = (_e14.z + _e15.z);
+    float aligned = (1.0 + dot(_e14, _e15));
+    float _e27 = factor;
+    factor = (_e27 * ((aligned * aligned) / ((w_1 * w_1) * _e15.z)));
+    float _e34 = factor;
+    return _e34;
 }
 
-vec3 path_difference(vec3 wi_2, vec3 wr_2) {
-    vec3 path_1 = (-(wi_2) - wr_2);
+vec2 facing_of(vec3 wi_2, vec3 wr_2) {
+    vec3 _e2 = inside(wi_2);
+    vec3 _e3 = inside(wr_2);
+    float cos_half_1 = dot(normalize((_e2 + _e3)), _e3);
+    return vec2(cos_half_1, 0.5);
+}
+
+float depth(vec3 wi_3, vec3 wr_3) {
+    vec3 _e2 = inside(wi_3);
+    vec3 _e3 = inside(wr_3);
+    return (-1.59509 * (_e2.z + _e3.z));
+}
+
+vec3 path_difference(vec3 wi_4, vec3 wr_4) {
+    float _e2 = depth(wi_4, wr_4);
+    vec3 path_1 = vec3((-(wi_4.xy) - wr_4.xy), _e2);
     return path_1;
+}
+
+float matter_column(float lambda_um) {
+    return clamp(((lambda_um - MATTER_FROM_UM) * MATTER_PACE), 0.0, 359.0);
+}
+
+vec4 matter_texel(float lambda_um_1, int row) {
+    float _e2 = matter_column(lambda_um_1);
+    int index_1 = min(int(_e2), 358);
+    int next = min((index_1 + 1), 359);
+    vec4 before = texelFetch(_group_0_binding_2_fs, ivec2(index_1, (MATTER_ROW + row)), 0);
+    vec4 after = texelFetch(_group_0_binding_2_fs, ivec2(next, (MATTER_ROW + row)), 0);
+    return mix(before, after, (_e2 - float(index_1)));
+}
+
+float reflectance_between(float lambda_um_2, float cos_half, int first) {
+    float share = clamp(((cos_half - MATTER_COSINE) / 0.22091949), 0.0, 1.0);
+    float place_2 = (share * 1.0);
+    int cell = min(int(place_2), 0);
+    float part = (place_2 - float(cell));
+    vec4 _e18 = matter_texel(lambda_um_2, (first + cell));
+    return (_e18.x + (part * (_e18.y + (part * (_e18.z + (part * _e18.w))))));
+}
+
+float reflectance(float lambda_um_3, vec2 facing) {
+    float _e4 = reflectance_between(lambda_um_3, facing.x, 1);
+    return _e4;
+}
+
+float dispersed(float w, float lambda_um_4) {
+    vec4 _e3 = matter_texel(lambda_um_4, 0);
+    return -(sqrt(max(0.0, ((w * w) + _e3.x))));
 }
 
 float efficiency(ivec2 order, float turns) {
@@ -102,14 +162,15 @@ float efficiency(ivec2 order, float turns) {
     if (any(greaterThan(abs(order), reach))) {
         return 0.0;
     }
-    float place_2 = (clamp((-0.19 * turns), 0.0, 1.0) * 10.0);
-    int column = min(int(place_2), 9);
-    int row_2 = ((((order.y + reach.y) * ((2 * reach.x) + 1)) + order.x) + reach.x);
-    vec4 edges = texelFetch(_group_0_binding_1_fs, ivec2(column, row_2), 0);
-    float part = (place_2 - float(column));
+    float share_1 = clamp((-0.116286896 * turns), 0.0, 1.0);
+    float place_3 = (share_1 * 17.0);
+    int column = min(int(place_3), 16);
+    int row_3 = ((((order.y + reach.y) * ((2 * reach.x) + 1)) + order.x) + reach.x);
+    vec4 edges = texelFetch(_group_0_binding_1_fs, ivec2(column, row_3), 0);
+    float part_1 = (place_3 - float(column));
     float rise = (edges.z - edges.x);
     float bend = (((3.0 * rise) - (2.0 * edges.y)) - edges.w);
-    return (edges.x + (part * (edges.y + (part * (bend + (part * ((edges.y + edges.w) - (2.0 * rise))))))));
+    return (edges.x + (part_1 * (edges.y + (part_1 * (bend + (part_1 * ((edges.y + edges.w) - (2.0 * rise))))))));
 }
 
 vec2 wavenumbers() {
@@ -134,8 +195,8 @@ int lobe_row(float breadth) {
     return ((breadth >= 1.0) ? -1 : int(((breadth * 18.0) + 0.5)));
 }
 
-int lobe_halves(int row) {
-    return (((4 * row) >= LOBE_ROWS) ? 2 : 1);
+int lobe_halves(int row_1) {
+    return (((4 * row_1) >= LOBE_ROWS) ? 2 : 1);
 }
 
 float node_wavenumber(int node, vec2 range_2) {
@@ -157,12 +218,8 @@ float window_exponent(vec2 offset, vec2 uv_2, vec2 sharpness) {
     return ((sharpness.x * dot(offset, offset)) + ((sharpness.y * along) * along));
 }
 
-float window_share(float exponent, float squared_1, float width_1, float pace_1) {
-    return ((width_1 * inversesqrt(((width_1 * width_1) - ((pace_1 * pace_1) * squared_1)))) * exp(-(exponent)));
-}
-
-vec4 lobe_light(float wavenumber_1, int node_1, int row_1, int side, vec2 range_3) {
-    if ((row_1 < 0)) {
+vec4 lobe_light(float wavenumber_1, int node_1, int row_2, int side, vec2 range_3) {
+    if ((row_2 < 0)) {
         vec4 _e11 = texelFetch(_group_0_binding_2_fs, ivec2(node_1, 0), 0);
         return _e11;
     }
@@ -173,14 +230,18 @@ vec4 lobe_light(float wavenumber_1, int node_1, int row_1, int side, vec2 range_
     float _e20 = window_width(range_3.x);
     float high = (range_3.y + ((margin * _e18) / _e20));
     float column_1 = (clamp(((wavenumber_1 - low) / (high - low)), 0.0, 1.0) * 359.0);
-    int line = ((2 + row_1) + (side * LOBE_ROWS));
-    int index_1 = min(int(column_1), 358);
-    vec4 before = texelFetch(_group_0_binding_2_fs, ivec2(index_1, line), 0);
-    vec4 after = texelFetch(_group_0_binding_2_fs, ivec2((index_1 + 1), line), 0);
-    return mix(before, after, (column_1 - float(index_1)));
+    int line = ((2 + row_2) + (side * LOBE_ROWS));
+    int index_2 = min(int(column_1), 358);
+    vec4 before_1 = texelFetch(_group_0_binding_2_fs, ivec2(index_2, line), 0);
+    vec4 after_1 = texelFetch(_group_0_binding_2_fs, ivec2((index_2 + 1), line), 0);
+    return mix(before_1, after_1, (column_1 - float(index_2)));
 }
 
-vec3 corridor(vec3 path) {
+float window_share(float exponent, float squared_1, float width_1, float pace_1) {
+    return ((width_1 * inversesqrt(((width_1 * width_1) - ((pace_1 * pace_1) * squared_1)))) * exp(-(exponent)));
+}
+
+vec3 corridor(vec3 path, vec2 facing_1) {
     vec3 xyz = vec3(0.0);
     int index = 0;
     int node_2 = 0;
@@ -194,146 +255,151 @@ vec3 corridor(vec3 path) {
     vec2 patch_um = vec2(1.6, 0.064);
     vec2 uv_5 = (steep ? path.yx : path.xy);
     vec2 size_um = (steep ? patch_um.yx : patch_um);
-    vec2 _e32 = wavenumbers();
-    float _e34 = window_width(_e32.y);
-    float reach_1 = (REACH_SIGMAS * _e34);
-    float squared_3 = max(dot(uv_5, uv_5), 1e-12);
+    vec2 _e33 = wavenumbers();
+    float _e35 = window_width(_e33.y);
+    float reach_1 = (REACH_SIGMAS * _e35);
+    float squared_2 = max(dot(uv_5, uv_5), 1e-12);
     float slope = (uv_5.y / ((uv_5.x == 0.0) ? 1.0 : uv_5.x));
     vec2 pitch = (vec2(1.0) / size_um);
-    vec2 ends = (uv_5.x * _e32);
-    float first = ceil(((min(ends.x, ends.y) - reach_1) * size_um.x));
+    vec2 ends = (uv_5.x * _e33);
+    float first_1 = ceil(((min(ends.x, ends.y) - reach_1) * size_um.x));
     float last = floor(((max(ends.x, ends.y) + reach_1) * size_um.x));
-    float _e68 = lobe_breadth(sqrt(squared_3), _e32);
-    bool broad = (_e68 >= 1.0);
-    int count = ((broad ? 190 : (int((last - first)) + 1)) * MINOR_COUNT);
+    float _e69 = lobe_breadth(sqrt(squared_2), _e33);
+    bool broad = (_e69 >= 1.0);
+    int count = ((broad ? 190 : (int((last - first_1)) + 1)) * MINOR_COUNT);
     float half_width = ((broad ? reach_1 : (reach_1 * sqrt((1.0 + (slope * slope))))) * size_um.y);
     float slant = ((slope * pitch.x) * size_um.y);
-    float _e91 = node_pace(_e32);
-    float pace_2 = (broad ? _e91 : 0.0);
-    float nearness_1 = (1.0 / squared_3);
-    int _e96 = lobe_row(_e68);
-    int _e97 = lobe_halves(_e96);
-    side_1 = (_e97 - 1);
+    float _e92 = node_pace(_e33);
+    float pace_2 = (broad ? _e92 : 0.0);
+    float nearness_1 = (1.0 / squared_2);
+    int _e97 = lobe_row(_e69);
+    int _e98 = lobe_halves(_e97);
+    side_1 = (_e98 - 1);
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            int _e211 = hit;
-            hit = (_e211 + 1);
+            int _e217 = hit;
+            hit = (_e217 + 1);
         }
         loop_init = false;
-        int _e100 = hit;
-        if ((_e100 < 380)) {
+        int _e101 = hit;
+        if ((_e101 < 380)) {
         } else {
             break;
         }
         {
-            int _e103 = side_1;
             int _e104 = side_1;
-            side_1 = (((_e104 + 1) == _e97) ? 0 : (_e103 + 1));
-            float _e112 = exponent_1;
-            int _e113 = side_1;
-            exponent_1 = ((_e113 == 0) ? 16.0 : _e112);
-            int _e118 = side_1;
-            int candidates = ((_e118 == 0) ? CANDIDATE_COUNT : 0);
+            int _e105 = side_1;
+            side_1 = (((_e105 + 1) == _e98) ? 0 : (_e104 + 1));
+            float _e113 = exponent_1;
+            int _e114 = side_1;
+            exponent_1 = ((_e114 == 0) ? 16.0 : _e113);
+            int _e119 = side_1;
+            int candidates = ((_e119 == 0) ? CANDIDATE_COUNT : 0);
             tried = 0;
             bool loop_init_1 = true;
             while(true) {
                 if (!loop_init_1) {
-                    int _e183 = tried;
-                    tried = (_e183 + 1);
+                    int _e184 = tried;
+                    tried = (_e184 + 1);
                 }
                 loop_init_1 = false;
-                int _e125 = tried;
-                if ((_e125 < candidates)) {
+                int _e126 = tried;
+                if ((_e126 < candidates)) {
                 } else {
                     break;
                 }
                 {
-                    int _e127 = index;
-                    if ((_e127 >= count)) {
+                    int _e128 = index;
+                    if ((_e128 >= count)) {
                         break;
                     }
-                    int _e129 = index;
-                    int line_1 = (_e129 / MINOR_COUNT);
+                    int _e130 = index;
+                    int line_1 = (_e130 / MINOR_COUNT);
                     node_2 = (line_1 / NODE_BINS);
-                    int _e134 = node_2;
-                    float _e135 = node_wavenumber(_e134, _e32);
-                    int _e136 = node_2;
-                    float corner = (ceil((((_e135 * uv_5.x) - reach_1) * size_um.x)) + float((line_1 - (_e136 * NODE_BINS))));
-                    float major = (broad ? corner : (first + float(line_1)));
-                    float centre = (broad ? ((_e135 * uv_5.y) * size_um.y) : (slant * major));
+                    int _e135 = node_2;
+                    float _e136 = node_wavenumber(_e135, _e33);
+                    int _e137 = node_2;
+                    float corner = (ceil((((_e136 * uv_5.x) - reach_1) * size_um.x)) + float((line_1 - (_e137 * NODE_BINS))));
+                    float major = (broad ? corner : (first_1 + float(line_1)));
+                    float centre = (broad ? ((_e136 * uv_5.y) * size_um.y) : (slant * major));
                     float lowest = ceil((centre - half_width));
-                    int _e159 = index;
-                    bin = vec2(major, (lowest + float((_e159 - (line_1 * MINOR_COUNT)))));
-                    vec2 _e166 = bin;
-                    vec2 place_3 = (_e166 * pitch);
-                    float _e168 = lobe_centre(place_3, uv_5, nearness_1);
-                    wavenumber_2 = (broad ? _e135 : _e168);
-                    float _e170 = wavenumber_2;
-                    float _e171 = window_width(_e170);
-                    vec2 _e172 = lobe_sharpness(_e171, squared_3, pace_2);
-                    float _e173 = wavenumber_2;
-                    float _e176 = window_exponent(((_e173 * uv_5) - place_3), uv_5, _e172);
-                    exponent_1 = _e176;
-                    int _e177 = index;
-                    index = (_e177 + 1);
-                    float _e180 = exponent_1;
-                    if ((_e180 < 16.0)) {
+                    int _e160 = index;
+                    bin = vec2(major, (lowest + float((_e160 - (line_1 * MINOR_COUNT)))));
+                    vec2 _e167 = bin;
+                    vec2 place_4 = (_e167 * pitch);
+                    float _e169 = lobe_centre(place_4, uv_5, nearness_1);
+                    wavenumber_2 = (broad ? _e136 : _e169);
+                    float _e171 = wavenumber_2;
+                    float _e172 = window_width(_e171);
+                    vec2 _e173 = lobe_sharpness(_e172, squared_2, pace_2);
+                    float _e174 = wavenumber_2;
+                    float _e177 = window_exponent(((_e174 * uv_5) - place_4), uv_5, _e173);
+                    exponent_1 = _e177;
+                    int _e178 = index;
+                    index = (_e178 + 1);
+                    float _e181 = exponent_1;
+                    if ((_e181 < 16.0)) {
                         break;
                     }
                 }
             }
-            float _e186 = exponent_1;
-            if ((_e186 >= 16.0)) {
+            float _e187 = exponent_1;
+            if ((_e187 >= 16.0)) {
                 break;
             }
-            float _e189 = exponent_1;
             float _e190 = wavenumber_2;
-            float _e191 = window_width(_e190);
-            float _e192 = window_share(_e189, squared_3, _e191, pace_2);
-            float _e193 = wavenumber_2;
-            int _e194 = node_2;
-            int _e195 = side_1;
-            vec4 _e196 = lobe_light(_e193, _e194, _e96, _e195, _e32);
-            vec3 _e197 = xyz;
-            vec2 _e198 = bin;
-            vec2 _e199 = bin;
-            float _e206 = efficiency(ivec2((steep ? _e199.yx : _e198)), (path.z / _e196.w));
-            xyz = (_e197 + ((_e192 * _e206) * _e196.xyz));
+            int _e191 = node_2;
+            int _e192 = side_1;
+            vec4 _e193 = lobe_light(_e190, _e191, _e97, _e192, _e33);
+            float _e194 = exponent_1;
+            float _e195 = wavenumber_2;
+            float _e196 = window_width(_e195);
+            float _e197 = window_share(_e194, squared_2, _e196, pace_2);
+            float _e199 = reflectance(_e193.w, facing_1);
+            float share_2 = (_e197 * _e199);
+            float _e203 = dispersed(path.z, _e193.w);
+            float turns_1 = (_e203 / _e193.w);
+            vec3 _e206 = xyz;
+            vec2 _e207 = bin;
+            vec2 _e208 = bin;
+            float _e212 = efficiency(ivec2((steep ? _e208.yx : _e207)), turns_1);
+            xyz = (_e206 + ((share_2 * _e212) * _e193.xyz));
         }
     }
-    float _e215 = window_width(1.0);
-    float scale = (broad ? 1.0 : (_e215 / sqrt(squared_3)));
-    vec3 _e220 = xyz;
-    return (scale * _e220);
+    float _e221 = window_width(1.0);
+    float scale = (broad ? 1.0 : (_e221 / sqrt(squared_2)));
+    vec3 _e226 = xyz;
+    return (scale * _e226);
 }
 
-vec3 tristimulus(vec3 wi_3, vec3 wr_3) {
-    float _e2 = gain(wi_3, wr_3);
+vec3 tristimulus(vec3 wi_5, vec3 wr_5) {
+    float _e2 = gain(wi_5, wr_5);
     if ((_e2 == 0.0)) {
         return vec3(0.0);
     }
-    vec3 _e7 = path_difference(wi_3, wr_3);
-    vec3 _e8 = corridor(_e7);
-    return (_e2 * _e8);
+    vec3 _e7 = path_difference(wi_5, wr_5);
+    vec2 _e8 = facing_of(wi_5, wr_5);
+    vec3 _e9 = corridor(_e7, _e8);
+    return (_e2 * _e9);
 }
 
 vec3 to_rgb(vec3 xyz_1) {
     return vec3(dot(vec3(3.2406, -1.5372, -0.4986), xyz_1), dot(vec3(-0.9689, 1.8758, 0.0415), xyz_1), dot(vec3(0.0557, -0.204, 1.057), xyz_1));
 }
 
-vec3 diffraction(vec3 wi_4, vec3 wr_4) {
-    vec3 _e2 = tristimulus(wi_4, wr_4);
+vec3 diffraction(vec3 wi_6, vec3 wr_6) {
+    vec3 _e2 = tristimulus(wi_6, wr_6);
     vec3 _e3 = to_rgb(_e2);
     return _e3;
 }
 
 vec3 unit(vec3 vector, float least) {
-    float squared_4 = dot(vector, vector);
-    if (!((squared_4 > least))) {
+    float squared_3 = dot(vector, vector);
+    if (!((squared_3 > least))) {
         return vec3(0.0);
     }
-    return (vector * inversesqrt(squared_4));
+    return (vector * inversesqrt(squared_3));
 }
 
 vec2 texel_turn(vec2 texel, vec2 size) {
@@ -345,24 +411,24 @@ vec2 texel_turn(vec2 texel, vec2 size) {
 
 vec2 orientation(vec2 uv_3) {
     vec2 size_1 = vec2(uvec2(textureSize(_group_0_binding_9_fs, 0).xy));
-    vec2 place_4 = (((uv_3 - floor(uv_3)) * size_1) - vec2(0.5));
-    vec2 corner_1 = floor(place_4);
-    vec2 share = (place_4 - corner_1);
+    vec2 place_5 = (((uv_3 - floor(uv_3)) * size_1) - vec2(0.5));
+    vec2 corner_1 = floor(place_5);
+    vec2 share_3 = (place_5 - corner_1);
     vec2 right = (corner_1 + vec2(1.0, 0.0));
     vec2 _e17 = texel_turn(corner_1, size_1);
     vec2 _e18 = texel_turn(right, size_1);
-    vec2 above = mix(_e17, _e18, share.x);
+    vec2 above_1 = mix(_e17, _e18, share_3.x);
     vec2 under = vec2(0.0, 1.0);
     vec2 _e25 = texel_turn((corner_1 + under), size_1);
     vec2 _e27 = texel_turn((right + under), size_1);
-    vec2 below = mix(_e25, _e27, share.x);
-    vec2 turn = mix(above, below, share.y);
-    float squared_5 = dot(turn, turn);
-    vec2 direction_1 = (turn * inversesqrt(max(squared_5, 1e-8)));
-    return ((squared_5 > 1e-8) ? direction_1 : vec2(1.0, 0.0));
+    vec2 below_1 = mix(_e25, _e27, share_3.x);
+    vec2 turn = mix(above_1, below_1, share_3.y);
+    float squared_4 = dot(turn, turn);
+    vec2 direction_2 = (turn * inversesqrt(max(squared_4, 1e-8)));
+    return ((squared_4 > 1e-8) ? direction_2 : vec2(1.0, 0.0));
 }
 
-vec3 in_frame(vec3 direction, vec3 normal_1, vec4 tangent_1, vec2 uv_4) {
+vec3 in_frame(vec3 direction_1, vec3 normal_1, vec4 tangent_1, vec2 uv_4) {
     vec3 _e5 = unit(normal_1, 1e-8);
     vec3 _e12 = unit((tangent_1.xyz - (dot(tangent_1.xyz, _e5) * _e5)), 1e-8);
     vec3 across = (((tangent_1.w < 0.0) ? -1.0 : 1.0) * cross(_e5, _e12));
@@ -372,7 +438,7 @@ vec3 in_frame(vec3 direction, vec3 normal_1, vec4 tangent_1, vec2 uv_4) {
     vec2 _e26 = orientation(uv_4);
     vec3 along_1 = ((_e26.x * _e12) + (_e26.y * across));
     vec3 beside = ((_e26.x * across) - (_e26.y * _e12));
-    vec3 _e38 = unit(direction, 1e-36);
+    vec3 _e38 = unit(direction_1, 1e-36);
     vec3 _e44 = unit(vec3(dot(_e38, along_1), dot(_e38, beside), dot(_e38, _e5)), 1e-8);
     return _e44;
 }

@@ -43,9 +43,16 @@ struct MeshVertex {
 constant float BROADEST = 4.0;
 constant int CANDIDATE_COUNT = 190;
 constant float COHERENCE_UM = 107.062;
-constant int EFFICIENCY_COLUMNS = 10;
+constant float COVER_INDEX = 1.59509;
+constant int EFFICIENCY_COLUMNS = 17;
 constant int LOBE_COLUMNS = 360;
 constant int LOBE_ROWS = 19;
+constant int MATTER_CELLS = 1;
+constant int MATTER_COLUMNS = 360;
+constant float MATTER_COSINE = 0.7790805;
+constant float MATTER_FROM_UM = 0.38;
+constant float MATTER_PACE = 897.5;
+constant int MATTER_ROW = 40;
 constant int MINOR_COUNT = 1;
 constant int MOMENT_COLUMNS = 401;
 constant int NODE_BINS = 1;
@@ -56,29 +63,41 @@ constant int ORDER_REACH_Y = 0;
 constant int OUTER_NODES = 2;
 constant float PANEL_ARC = 0.75;
 constant float PANEL_COLUMNS = 5.0;
-constant int PANEL_COUNT = 5;
+constant int PANEL_COUNT = 7;
+constant float PANEL_PACE = 2.964;
 constant float PATCH_HEIGHT_UM = 0.064;
 constant float PATCH_WIDTH_UM = 1.6;
+constant float PHASE_MIN_UM = 0.23257379;
 constant float REACH_SIGMAS = 4.0;
 constant float REFERENCE_UM = 0.55;
-constant float REFRACTIVE_INDEX = 1.5;
 constant float WAVELENGTH_MAX_UM = 0.78;
 constant float WAVELENGTH_MIN_UM = 0.38;
 
-float fresnel_ratio(
-    float cos_half
+metal::float3 inside(
+    metal::float3 direction
 ) {
-    float one_minus = 1.0 - cos_half;
-    float squared_2 = one_minus * one_minus;
-    return 1.0 + (((23.999998 * squared_2) * squared_2) * one_minus);
+    metal::float2 plane = direction.xy / metal::float2(1.59509);
+    return metal::float3(plane, metal::sqrt(metal::max(0.0, 1.0 - metal::dot(plane, plane))));
 }
 
-float shadowing(
-    metal::float3 wi,
-    metal::float3 wr
+metal::float2 transmittance(
+    float above,
+    float below
 ) {
-    metal::float3 half_vector = metal::normalize(wi + wr);
-    return metal::min(1.0, ((2.0 * half_vector.z) * metal::min(wi.z, wr.z)) / metal::dot(half_vector, wr));
+    float s = (above - (COVER_INDEX * below)) / (above + (COVER_INDEX * below));
+    float p = ((COVER_INDEX * above) - below) / ((COVER_INDEX * above) + below);
+    return metal::float2(1.0 - (s * s), 1.0 - (p * p));
+}
+
+float crossed(
+    metal::float3 wi,
+    metal::float3 light,
+    metal::float3 wr,
+    metal::float3 viewer
+) {
+    metal::float2 _e6 = transmittance(wi.z, light.z);
+    metal::float2 _e9 = transmittance(wr.z, viewer.z);
+    return (0.25 * (_e6.x + _e6.y)) * (_e9.x + _e9.y);
 }
 
 float gain(
@@ -96,32 +115,103 @@ float gain(
     if (!(_e11)) {
         return 0.0;
     }
-    metal::float3 half_vector_1 = metal::normalize(wi_1 + wr_1);
-    float w = wi_1.z + wr_1.z;
-    float aligned = 1.0 + metal::dot(wi_1, wr_1);
-    float _e23 = fresnel_ratio(metal::dot(half_vector_1, wr_1));
-    factor = ((_e23 * aligned) * aligned) / ((w * w) * wr_1.z);
-    float _e30 = factor;
-    float _e31 = shadowing(wi_1, wr_1);
-    factor = _e30 * _e31;
-    float _e33 = factor;
-    return _e33;
+    metal::float3 _e14 = inside(wi_1);
+    metal::float3 _e15 = inside(wr_1);
+    float _e16 = crossed(wi_1, _e14, wr_1, _e15);
+    factor = (_e16 * wi_1.z) / _e14.z;
+    float w_1 = _e14.z + _e15.z;
+    float aligned = 1.0 + metal::dot(_e14, _e15);
+    float _e27 = factor;
+    factor = _e27 * ((aligned * aligned) / ((w_1 * w_1) * _e15.z));
+    float _e34 = factor;
+    return _e34;
 }
 
-metal::float3 path_difference(
+metal::float2 facing_of(
     metal::float3 wi_2,
     metal::float3 wr_2
 ) {
-    metal::float3 path_1 = -(wi_2) - wr_2;
+    metal::float3 _e2 = inside(wi_2);
+    metal::float3 _e3 = inside(wr_2);
+    float cos_half_1 = metal::dot(metal::normalize(_e2 + _e3), _e3);
+    return metal::float2(cos_half_1, 0.5);
+}
+
+float depth(
+    metal::float3 wi_3,
+    metal::float3 wr_3
+) {
+    metal::float3 _e2 = inside(wi_3);
+    metal::float3 _e3 = inside(wr_3);
+    return -1.59509 * (_e2.z + _e3.z);
+}
+
+metal::float3 path_difference(
+    metal::float3 wi_4,
+    metal::float3 wr_4
+) {
+    float _e2 = depth(wi_4, wr_4);
+    metal::float3 path_1 = metal::float3(-(wi_4.xy) - wr_4.xy, _e2);
     return path_1;
 }
 
-metal::int2 naga_abs(metal::int2 val) {
-    return metal::select(as_type<metal::int2>(-as_type<metal::uint2>(val)), val, val >= 0);
+float matter_column(
+    float lambda_um
+) {
+    return metal::clamp((lambda_um - MATTER_FROM_UM) * MATTER_PACE, 0.0, 359.0);
 }
 
 int naga_f2i32(float value) {
     return static_cast<int>(metal::clamp(value, -2147483600.0, 2147483500.0));
+}
+
+metal::float4 matter_texel(
+    float lambda_um_1,
+    int row,
+    metal::texture2d<float, metal::access::sample> spectrum
+) {
+    float _e2 = matter_column(lambda_um_1);
+    int index_2 = metal::min(naga_f2i32(_e2), 358);
+    int next = metal::min(as_type<int>(as_type<uint>(index_2) + as_type<uint>(1)), 359);
+    metal::float4 before = spectrum.read(metal::uint2(metal::int2(index_2, as_type<int>(as_type<uint>(MATTER_ROW) + as_type<uint>(row)))), 0);
+    metal::float4 after = spectrum.read(metal::uint2(metal::int2(next, as_type<int>(as_type<uint>(MATTER_ROW) + as_type<uint>(row)))), 0);
+    return metal::mix(before, after, _e2 - static_cast<float>(index_2));
+}
+
+float reflectance_between(
+    float lambda_um_2,
+    float cos_half,
+    int first,
+    metal::texture2d<float, metal::access::sample> spectrum
+) {
+    float share = metal::clamp((cos_half - MATTER_COSINE) / 0.22091949, 0.0, 1.0);
+    float place_5 = share * 1.0;
+    int cell = metal::min(naga_f2i32(place_5), 0);
+    float part_1 = place_5 - static_cast<float>(cell);
+    metal::float4 _e18 = matter_texel(lambda_um_2, as_type<int>(as_type<uint>(first) + as_type<uint>(cell)), spectrum);
+    return _e18.x + (part_1 * (_e18.y + (part_1 * (_e18.z + (part_1 * _e18.w)))));
+}
+
+float reflectance(
+    float lambda_um_3,
+    metal::float2 facing,
+    metal::texture2d<float, metal::access::sample> spectrum
+) {
+    float _e4 = reflectance_between(lambda_um_3, facing.x, 1, spectrum);
+    return _e4;
+}
+
+float dispersed(
+    float w,
+    float lambda_um_4,
+    metal::texture2d<float, metal::access::sample> spectrum
+) {
+    metal::float4 _e3 = matter_texel(lambda_um_4, 0, spectrum);
+    return -(metal::sqrt(metal::max(0.0, (w * w) + _e3.x)));
+}
+
+metal::int2 naga_abs(metal::int2 val) {
+    return metal::select(as_type<metal::int2>(-as_type<metal::uint2>(val)), val, val >= 0);
 }
 
 float efficiency(
@@ -133,14 +223,15 @@ float efficiency(
     if (metal::any(naga_abs(order) > reach_3)) {
         return 0.0;
     }
-    float place_5 = metal::clamp(-0.19 * turns, 0.0, 1.0) * 10.0;
-    int column_5 = metal::min(naga_f2i32(place_5), 9);
-    int row_6 = as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(order.y) + as_type<uint>(reach_3.y))) * as_type<uint>(as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(2) * as_type<uint>(reach_3.x))) + as_type<uint>(1))))) + as_type<uint>(order.x))) + as_type<uint>(reach_3.x));
-    metal::float4 edges = efficiencies.read(metal::uint2(metal::int2(column_5, row_6)), 0);
-    float part_1 = place_5 - static_cast<float>(column_5);
+    float share_1 = metal::clamp(-0.116286896 * turns, 0.0, 1.0);
+    float place_6 = share_1 * 17.0;
+    int column_5 = metal::min(naga_f2i32(place_6), 16);
+    int row_7 = as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(order.y) + as_type<uint>(reach_3.y))) * as_type<uint>(as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(2) * as_type<uint>(reach_3.x))) + as_type<uint>(1))))) + as_type<uint>(order.x))) + as_type<uint>(reach_3.x));
+    metal::float4 edges = efficiencies.read(metal::uint2(metal::int2(column_5, row_7)), 0);
+    float part_2 = place_6 - static_cast<float>(column_5);
     float rise = edges.z - edges.x;
     float bend = ((3.0 * rise) - (2.0 * edges.y)) - edges.w;
-    return edges.x + (part_1 * (edges.y + (part_1 * (bend + (part_1 * ((edges.y + edges.w) - (2.0 * rise)))))));
+    return edges.x + (part_2 * (edges.y + (part_2 * (bend + (part_2 * ((edges.y + edges.w) - (2.0 * rise)))))));
 }
 
 metal::float2 wavenumbers(
@@ -176,9 +267,9 @@ int lobe_row(
 }
 
 int lobe_halves(
-    int row
+    int row_1
 ) {
-    return (as_type<int>(as_type<uint>(4) * as_type<uint>(row)) >= LOBE_ROWS) ? 2 : 1;
+    return (as_type<int>(as_type<uint>(4) * as_type<uint>(row_1)) >= LOBE_ROWS) ? 2 : 1;
 }
 
 float node_wavenumber(
@@ -215,24 +306,15 @@ float window_exponent(
     return (sharpness.x * metal::dot(offset, offset)) + ((sharpness.y * along) * along);
 }
 
-float window_share(
-    float exponent,
-    float squared_1,
-    float width_1,
-    float pace_1
-) {
-    return (width_1 * metal::rsqrt((width_1 * width_1) - ((pace_1 * pace_1) * squared_1))) * metal::exp(-(exponent));
-}
-
 metal::float4 lobe_light(
     float wavenumber_1,
     int node_1,
-    int row_1,
+    int row_2,
     int side,
     metal::float2 range_3,
     metal::texture2d<float, metal::access::sample> spectrum
 ) {
-    if (row_1 < 0) {
+    if (row_2 < 0) {
         metal::float4 _e11 = spectrum.read(metal::uint2(metal::int2(node_1, 0)), 0);
         return _e11;
     }
@@ -243,11 +325,20 @@ metal::float4 lobe_light(
     float _e20 = window_width(range_3.x);
     float high = range_3.y + ((margin * _e18) / _e20);
     float column_6 = metal::clamp((wavenumber_1 - low) / (high - low), 0.0, 1.0) * 359.0;
-    int line = as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(2) + as_type<uint>(row_1))) + as_type<uint>(as_type<int>(as_type<uint>(side) * as_type<uint>(LOBE_ROWS))));
-    int index_2 = metal::min(naga_f2i32(column_6), 358);
-    metal::float4 before = spectrum.read(metal::uint2(metal::int2(index_2, line)), 0);
-    metal::float4 after = spectrum.read(metal::uint2(metal::int2(as_type<int>(as_type<uint>(index_2) + as_type<uint>(1)), line)), 0);
-    return metal::mix(before, after, column_6 - static_cast<float>(index_2));
+    int line = as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(2) + as_type<uint>(row_2))) + as_type<uint>(as_type<int>(as_type<uint>(side) * as_type<uint>(LOBE_ROWS))));
+    int index_3 = metal::min(naga_f2i32(column_6), 358);
+    metal::float4 before_1 = spectrum.read(metal::uint2(metal::int2(index_3, line)), 0);
+    metal::float4 after_1 = spectrum.read(metal::uint2(metal::int2(as_type<int>(as_type<uint>(index_3) + as_type<uint>(1)), line)), 0);
+    return metal::mix(before_1, after_1, column_6 - static_cast<float>(index_3));
+}
+
+float window_share(
+    float exponent,
+    float squared_1,
+    float width_1,
+    float pace_1
+) {
+    return (width_1 * metal::rsqrt((width_1 * width_1) - ((pace_1 * pace_1) * squared_1))) * metal::exp(-(exponent));
 }
 
 int naga_div(int lhs, int rhs) {
@@ -260,8 +351,9 @@ metal::int2 naga_f2i32(metal::float2 value) {
 
 metal::float3 corridor(
     metal::float3 path,
-    metal::texture2d<float, metal::access::sample> efficiencies,
-    metal::texture2d<float, metal::access::sample> spectrum
+    metal::float2 facing_1,
+    metal::texture2d<float, metal::access::sample> spectrum,
+    metal::texture2d<float, metal::access::sample> efficiencies
 ) {
     metal::float3 xyz = metal::float3(0.0);
     int index_1 = 0;
@@ -276,148 +368,153 @@ metal::float3 corridor(
     metal::float2 patch_um = metal::float2(1.6, 0.064);
     metal::float2 uv_6 = steep ? path.yx : path.xy;
     metal::float2 size_um_1 = steep ? patch_um.yx : patch_um;
-    metal::float2 _e32 = wavenumbers();
-    float _e34 = window_width(_e32.y);
-    float reach_4 = REACH_SIGMAS * _e34;
-    float squared_3 = metal::max(metal::dot(uv_6, uv_6), 0.000000000001);
+    metal::float2 _e33 = wavenumbers();
+    float _e35 = window_width(_e33.y);
+    float reach_4 = REACH_SIGMAS * _e35;
+    float squared_2 = metal::max(metal::dot(uv_6, uv_6), 0.000000000001);
     float slope = uv_6.y / ((uv_6.x == 0.0) ? 1.0 : uv_6.x);
     metal::float2 pitch = metal::float2(1.0) / size_um_1;
-    metal::float2 ends_2 = uv_6.x * _e32;
-    float first = metal::ceil((metal::min(ends_2.x, ends_2.y) - reach_4) * size_um_1.x);
+    metal::float2 ends_2 = uv_6.x * _e33;
+    float first_1 = metal::ceil((metal::min(ends_2.x, ends_2.y) - reach_4) * size_um_1.x);
     float last = metal::floor((metal::max(ends_2.x, ends_2.y) + reach_4) * size_um_1.x);
-    float _e68 = lobe_breadth(metal::sqrt(squared_3), _e32);
-    bool broad = _e68 >= 1.0;
-    int count = as_type<int>(as_type<uint>(broad ? 190 : as_type<int>(as_type<uint>(naga_f2i32(last - first)) + as_type<uint>(1))) * as_type<uint>(MINOR_COUNT));
+    float _e69 = lobe_breadth(metal::sqrt(squared_2), _e33);
+    bool broad = _e69 >= 1.0;
+    int count = as_type<int>(as_type<uint>(broad ? 190 : as_type<int>(as_type<uint>(naga_f2i32(last - first_1)) + as_type<uint>(1))) * as_type<uint>(MINOR_COUNT));
     float half_width = (broad ? reach_4 : (reach_4 * metal::sqrt(1.0 + (slope * slope)))) * size_um_1.y;
     float slant = (slope * pitch.x) * size_um_1.y;
-    float _e91 = node_pace(_e32);
-    float pace_2 = broad ? _e91 : 0.0;
-    float nearness_1 = 1.0 / squared_3;
-    int _e96 = lobe_row(_e68);
-    int _e97 = lobe_halves(_e96);
-    side_1 = as_type<int>(as_type<uint>(_e97) - as_type<uint>(1));
+    float _e92 = node_pace(_e33);
+    float pace_2 = broad ? _e92 : 0.0;
+    float nearness_1 = 1.0 / squared_2;
+    int _e97 = lobe_row(_e69);
+    int _e98 = lobe_halves(_e97);
+    side_1 = as_type<int>(as_type<uint>(_e98) - as_type<uint>(1));
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            int _e211 = hit;
-            hit = as_type<int>(as_type<uint>(_e211) + as_type<uint>(1));
+            int _e217 = hit;
+            hit = as_type<int>(as_type<uint>(_e217) + as_type<uint>(1));
         }
         loop_init = false;
-        int _e100 = hit;
-        if (_e100 < 380) {
+        int _e101 = hit;
+        if (_e101 < 380) {
         } else {
             break;
         }
         {
-            int _e103 = side_1;
             int _e104 = side_1;
-            side_1 = (as_type<int>(as_type<uint>(_e104) + as_type<uint>(1)) == _e97) ? 0 : as_type<int>(as_type<uint>(_e103) + as_type<uint>(1));
-            float _e112 = exponent_1;
-            int _e113 = side_1;
-            exponent_1 = (_e113 == 0) ? 16.0 : _e112;
-            int _e118 = side_1;
-            int candidates = (_e118 == 0) ? CANDIDATE_COUNT : 0;
+            int _e105 = side_1;
+            side_1 = (as_type<int>(as_type<uint>(_e105) + as_type<uint>(1)) == _e98) ? 0 : as_type<int>(as_type<uint>(_e104) + as_type<uint>(1));
+            float _e113 = exponent_1;
+            int _e114 = side_1;
+            exponent_1 = (_e114 == 0) ? 16.0 : _e113;
+            int _e119 = side_1;
+            int candidates = (_e119 == 0) ? CANDIDATE_COUNT : 0;
             tried = 0;
             bool loop_init_1 = true;
             while(true) {
                 if (!loop_init_1) {
-                    int _e183 = tried;
-                    tried = as_type<int>(as_type<uint>(_e183) + as_type<uint>(1));
+                    int _e184 = tried;
+                    tried = as_type<int>(as_type<uint>(_e184) + as_type<uint>(1));
                 }
                 loop_init_1 = false;
-                int _e125 = tried;
-                if (_e125 < candidates) {
+                int _e126 = tried;
+                if (_e126 < candidates) {
                 } else {
                     break;
                 }
                 {
-                    int _e127 = index_1;
-                    if (_e127 >= count) {
+                    int _e128 = index_1;
+                    if (_e128 >= count) {
                         break;
                     }
-                    int _e129 = index_1;
-                    int line_1 = naga_div(_e129, MINOR_COUNT);
+                    int _e130 = index_1;
+                    int line_1 = naga_div(_e130, MINOR_COUNT);
                     node_2 = naga_div(line_1, NODE_BINS);
-                    int _e134 = node_2;
-                    float _e135 = node_wavenumber(_e134, _e32);
-                    int _e136 = node_2;
-                    float corner = metal::ceil(((_e135 * uv_6.x) - reach_4) * size_um_1.x) + static_cast<float>(as_type<int>(as_type<uint>(line_1) - as_type<uint>(as_type<int>(as_type<uint>(_e136) * as_type<uint>(NODE_BINS)))));
-                    float major = broad ? corner : (first + static_cast<float>(line_1));
-                    float centre_1 = broad ? ((_e135 * uv_6.y) * size_um_1.y) : (slant * major);
+                    int _e135 = node_2;
+                    float _e136 = node_wavenumber(_e135, _e33);
+                    int _e137 = node_2;
+                    float corner = metal::ceil(((_e136 * uv_6.x) - reach_4) * size_um_1.x) + static_cast<float>(as_type<int>(as_type<uint>(line_1) - as_type<uint>(as_type<int>(as_type<uint>(_e137) * as_type<uint>(NODE_BINS)))));
+                    float major = broad ? corner : (first_1 + static_cast<float>(line_1));
+                    float centre_1 = broad ? ((_e136 * uv_6.y) * size_um_1.y) : (slant * major);
                     float lowest = metal::ceil(centre_1 - half_width);
-                    int _e159 = index_1;
-                    bin = metal::float2(major, lowest + static_cast<float>(as_type<int>(as_type<uint>(_e159) - as_type<uint>(as_type<int>(as_type<uint>(line_1) * as_type<uint>(MINOR_COUNT))))));
-                    metal::float2 _e166 = bin;
-                    metal::float2 place_6 = _e166 * pitch;
-                    float _e168 = lobe_centre(place_6, uv_6, nearness_1);
-                    wavenumber_2 = broad ? _e135 : _e168;
-                    float _e170 = wavenumber_2;
-                    float _e171 = window_width(_e170);
-                    metal::float2 _e172 = lobe_sharpness(_e171, squared_3, pace_2);
-                    float _e173 = wavenumber_2;
-                    float _e176 = window_exponent((_e173 * uv_6) - place_6, uv_6, _e172);
-                    exponent_1 = _e176;
-                    int _e177 = index_1;
-                    index_1 = as_type<int>(as_type<uint>(_e177) + as_type<uint>(1));
-                    float _e180 = exponent_1;
-                    if (_e180 < 16.0) {
+                    int _e160 = index_1;
+                    bin = metal::float2(major, lowest + static_cast<float>(as_type<int>(as_type<uint>(_e160) - as_type<uint>(as_type<int>(as_type<uint>(line_1) * as_type<uint>(MINOR_COUNT))))));
+                    metal::float2 _e167 = bin;
+                    metal::float2 place_7 = _e167 * pitch;
+                    float _e169 = lobe_centre(place_7, uv_6, nearness_1);
+                    wavenumber_2 = broad ? _e136 : _e169;
+                    float _e171 = wavenumber_2;
+                    float _e172 = window_width(_e171);
+                    metal::float2 _e173 = lobe_sharpness(_e172, squared_2, pace_2);
+                    float _e174 = wavenumber_2;
+                    float _e177 = window_exponent((_e174 * uv_6) - place_7, uv_6, _e173);
+                    exponent_1 = _e177;
+                    int _e178 = index_1;
+                    index_1 = as_type<int>(as_type<uint>(_e178) + as_type<uint>(1));
+                    float _e181 = exponent_1;
+                    if (_e181 < 16.0) {
                         break;
                     }
                 }
             }
-            float _e186 = exponent_1;
-            if (_e186 >= 16.0) {
+            float _e187 = exponent_1;
+            if (_e187 >= 16.0) {
                 break;
             }
-            float _e189 = exponent_1;
             float _e190 = wavenumber_2;
-            float _e191 = window_width(_e190);
-            float _e192 = window_share(_e189, squared_3, _e191, pace_2);
-            float _e193 = wavenumber_2;
-            int _e194 = node_2;
-            int _e195 = side_1;
-            metal::float4 _e196 = lobe_light(_e193, _e194, _e96, _e195, _e32, spectrum);
-            metal::float3 _e197 = xyz;
-            metal::float2 _e198 = bin;
-            metal::float2 _e199 = bin;
-            float _e206 = efficiency(naga_f2i32(steep ? _e199.yx : _e198), path.z / _e196.w, efficiencies);
-            xyz = _e197 + ((_e192 * _e206) * _e196.xyz);
+            int _e191 = node_2;
+            int _e192 = side_1;
+            metal::float4 _e193 = lobe_light(_e190, _e191, _e97, _e192, _e33, spectrum);
+            float _e194 = exponent_1;
+            float _e195 = wavenumber_2;
+            float _e196 = window_width(_e195);
+            float _e197 = window_share(_e194, squared_2, _e196, pace_2);
+            float _e199 = reflectance(_e193.w, facing_1, spectrum);
+            float share_2 = _e197 * _e199;
+            float _e203 = dispersed(path.z, _e193.w, spectrum);
+            float turns_1 = _e203 / _e193.w;
+            metal::float3 _e206 = xyz;
+            metal::float2 _e207 = bin;
+            metal::float2 _e208 = bin;
+            float _e212 = efficiency(naga_f2i32(steep ? _e208.yx : _e207), turns_1, efficiencies);
+            xyz = _e206 + ((share_2 * _e212) * _e193.xyz);
         }
     }
-    float _e215 = window_width(1.0);
-    float scale = broad ? 1.0 : (_e215 / metal::sqrt(squared_3));
-    metal::float3 _e220 = xyz;
-    return scale * _e220;
+    float _e221 = window_width(1.0);
+    float scale = broad ? 1.0 : (_e221 / metal::sqrt(squared_2));
+    metal::float3 _e226 = xyz;
+    return scale * _e226;
 }
 
 metal::float3 tristimulus(
-    metal::float3 wi_3,
-    metal::float3 wr_3,
-    metal::texture2d<float, metal::access::sample> efficiencies,
-    metal::texture2d<float, metal::access::sample> spectrum
+    metal::float3 wi_5,
+    metal::float3 wr_5,
+    metal::texture2d<float, metal::access::sample> spectrum,
+    metal::texture2d<float, metal::access::sample> efficiencies
 ) {
-    float _e2 = gain(wi_3, wr_3);
+    float _e2 = gain(wi_5, wr_5);
     if (_e2 == 0.0) {
         return metal::float3(0.0);
     }
-    metal::float3 _e7 = path_difference(wi_3, wr_3);
-    metal::float3 _e8 = corridor(_e7, efficiencies, spectrum);
-    return _e2 * _e8;
+    metal::float3 _e7 = path_difference(wi_5, wr_5);
+    metal::float2 _e8 = facing_of(wi_5, wr_5);
+    metal::float3 _e9 = corridor(_e7, _e8, spectrum, efficiencies);
+    return _e2 * _e9;
 }
 
 metal::float3 in_surface(
-    metal::float3 direction
+    metal::float3 direction_1
 ) {
-    return direction;
+    return direction_1;
 }
 
 float disc_chord_squared(
     float radius
 ) {
     float half_ = 0.5 * metal::clamp(radius, 0.0001, 1.5707963);
-    float squared_4 = half_ * half_;
-    float inner = 1.0 - ((squared_4 / 42.0) * (1.0 - (squared_4 / 72.0)));
-    float sine = half_ * (1.0 - ((squared_4 / 6.0) * (1.0 - ((squared_4 / 20.0) * inner))));
+    float squared_3 = half_ * half_;
+    float inner = 1.0 - ((squared_3 / 42.0) * (1.0 - (squared_3 / 72.0)));
+    float sine = half_ * (1.0 - ((squared_3 / 6.0) * (1.0 - ((squared_3 / 20.0) * inner))));
     return (4.0 * sine) * sine;
 }
 
@@ -428,16 +525,18 @@ metal::float3 edge_normal(
     metal::float3 centre
 ) {
     metal::float3 normal_4 = side_2 * metal::cross(start, end);
-    float squared_5 = metal::dot(normal_4, normal_4);
-    if (squared_5 < 0.000000000001) {
+    float squared_4 = metal::dot(normal_4, normal_4);
+    if (squared_4 < 0.000000000001) {
         return centre;
     }
-    return normal_4 * metal::rsqrt(squared_5);
+    return normal_4 * metal::rsqrt(squared_4);
 }
 
 float normal_reflectance(
+    metal::texture2d<float, metal::access::sample> spectrum
 ) {
-    return 0.040000003;
+    metal::float4 _e5 = spectrum.read(metal::uint2(metal::int2(0, 40)), 0);
+    return _e5.y;
 }
 
 metal::int2 orders_between(
@@ -450,9 +549,9 @@ metal::int2 orders_between(
     metal::float2 low_1 = metal::float2(size_um * (-(offset_1) - reach)) / ends;
     metal::float2 high_1 = metal::float2(size_um * (-(offset_1) + reach)) / ends;
     float most = static_cast<float>(limit);
-    float first_1 = metal::clamp(metal::ceil(metal::min(low_1.x, low_1.y)), -(most), most + 1.0);
+    float first_2 = metal::clamp(metal::ceil(metal::min(low_1.x, low_1.y)), -(most), most + 1.0);
     float last_1 = metal::clamp(metal::floor(metal::max(high_1.x, high_1.y)), -(most) - 1.0, most);
-    return metal::int2(naga_f2i32(first_1), naga_f2i32(last_1));
+    return metal::int2(naga_f2i32(first_2), naga_f2i32(last_1));
 }
 
 metal::int2 order_rows(
@@ -465,13 +564,13 @@ metal::int2 order_rows(
 }
 
 metal::int2 order_columns(
-    int row_2,
+    int row_3,
     metal::float2 offset_3,
     float reach_2
 ) {
     metal::float2 ends_1 = metal::float2(0.38, 0.78);
-    if (row_2 != 0) {
-        metal::float2 sides = (PATCH_HEIGHT_UM / static_cast<float>(row_2)) * (metal::float2(-(reach_2), reach_2) - metal::float2(offset_3.y));
+    if (row_3 != 0) {
+        metal::float2 sides = (PATCH_HEIGHT_UM / static_cast<float>(row_3)) * (metal::float2(-(reach_2), reach_2) - metal::float2(offset_3.y));
         float _e19 = ends_1.x;
         ends_1.x = metal::max(_e19, metal::min(sides.x, sides.y));
         float _e26 = ends_1.y;
@@ -502,21 +601,21 @@ metal::float3 polar(
 
 metal::float3 arrival(
     metal::float2 frequency_1,
-    float lambda_um,
-    metal::float3 wr_4
+    float lambda_um_5,
+    metal::float3 wr_6
 ) {
-    metal::float2 shift = lambda_um * frequency_1;
-    float squared_6 = (wr_4.z * wr_4.z) - metal::dot(shift, (2.0 * wr_4.xy) + shift);
-    return metal::float3(-(wr_4.xy) - shift, metal::sqrt(metal::max(0.0, squared_6)));
+    metal::float2 shift = lambda_um_5 * frequency_1;
+    float squared_5 = (wr_6.z * wr_6.z) - metal::dot(shift, (2.0 * wr_6.xy) + shift);
+    return metal::float3(-(wr_6.xy) - shift, metal::sqrt(metal::max(0.0, squared_5)));
 }
 
 metal::float2 propagating(
     metal::float2 frequency_2,
-    metal::float3 wr_5
+    metal::float3 wr_7
 ) {
     metal::float3 _e2 = polar(frequency_2);
-    float start_1 = -(metal::dot(wr_5.xy, _e2.xy));
-    float across = (wr_5.y * _e2.x) - (wr_5.x * _e2.y);
+    float start_1 = -(metal::dot(wr_7.xy, _e2.xy));
+    float across = (wr_7.y * _e2.x) - (wr_7.x * _e2.y);
     float half_1 = metal::sqrt(metal::max(0.0, 1.0 - (across * across)));
     float low_2 = metal::max(WAVELENGTH_MIN_UM, (start_1 - half_1) / _e2.z);
     return metal::float2(low_2, metal::min(WAVELENGTH_MAX_UM, (start_1 + half_1) / _e2.z));
@@ -524,21 +623,21 @@ metal::float2 propagating(
 
 metal::float2 crossings(
     metal::float2 frequency_3,
-    metal::float3 wr_6,
+    metal::float3 wr_8,
     metal::float3 axis,
     float chord_squared
 ) {
     metal::float3 _e4 = polar(frequency_3);
     metal::float2 across_1 = metal::float2(-(_e4.y), _e4.x);
-    metal::float2 start_2 = -(metal::float2(metal::dot(wr_6.xy, _e4.xy), metal::dot(wr_6.xy, across_1)));
+    metal::float2 start_2 = -(metal::float2(metal::dot(wr_8.xy, _e4.xy), metal::dot(wr_8.xy, across_1)));
     metal::float2 lamp = metal::float2(metal::dot(axis.xy, _e4.xy), metal::dot(axis.xy, across_1));
     float apart = start_2.y - lamp.y;
     float sine_squared = chord_squared * (1.0 - (0.25 * chord_squared));
-    float squared_7 = (sine_squared - (apart * apart)) - ((chord_squared * start_2.y) * lamp.y);
-    if (squared_7 <= 0.0) {
+    float squared_6 = (sine_squared - (apart * apart)) - ((chord_squared * start_2.y) * lamp.y);
+    if (squared_6 <= 0.0) {
         return metal::float2(1000000000.0);
     }
-    metal::float2 root = metal::sqrt(squared_7) * metal::float2(-1.0, 1.0);
+    metal::float2 root = metal::sqrt(squared_6) * metal::float2(-1.0, 1.0);
     float middle = (1.0 - (0.5 * chord_squared)) - (start_2.y * lamp.y);
     float size_squared = metal::max((lamp.x * lamp.x) + (axis.z * axis.z), 0.000000000001);
     metal::float2 places = (metal::float2(lamp.x * middle) + (axis.z * root)) / metal::float2(size_squared);
@@ -547,11 +646,11 @@ metal::float2 crossings(
 }
 
 bool within(
-    metal::float3 direction_1,
+    metal::float3 direction_2,
     metal::float3 axis_1,
     float chord_squared_1
 ) {
-    metal::float3 chord = direction_1 - axis_1;
+    metal::float3 chord = direction_2 - axis_1;
     return metal::dot(chord, chord) < chord_squared_1;
 }
 
@@ -559,16 +658,20 @@ int panel_count(
     metal::float2 frequency_4,
     float from_um,
     float to_um,
-    metal::float3 wr_7
+    metal::float3 wr_9
 ) {
-    metal::float3 _e4 = arrival(frequency_4, from_um, wr_7);
-    metal::float3 _e5 = arrival(frequency_4, to_um, wr_7);
+    metal::float3 _e4 = arrival(frequency_4, from_um, wr_9);
+    metal::float3 _e5 = arrival(frequency_4, to_um, wr_9);
     float middle_um = 0.5 * (from_um + to_um);
-    metal::float3 _e9 = arrival(frequency_4, middle_um, wr_7);
-    float turns_1 = 2.0 * metal::abs(((_e4.z + wr_7.z) / from_um) - ((_e9.z + wr_7.z) / middle_um));
-    float columns_2 = 1.9 * turns_1;
-    float needed = metal::max(columns_2 / PANEL_COLUMNS, metal::distance(_e4, _e5) / PANEL_ARC);
-    return as_type<int>(as_type<uint>(metal::min(naga_f2i32(needed), 4)) + as_type<uint>(1));
+    metal::float3 _e9 = arrival(frequency_4, middle_um, wr_9);
+    float _e10 = depth(_e4, wr_9);
+    float _e11 = depth(_e9, wr_9);
+    float turns_2 = 2.0 * metal::abs((_e10 / from_um) - (_e11 / middle_um));
+    float columns_2 = 1.9768772 * turns_2;
+    float coloured = PANEL_PACE * metal::abs((1.0 / from_um) - (1.0 / to_um));
+    float curved = metal::max(metal::distance(_e4, _e5) / PANEL_ARC, coloured);
+    float needed = metal::max(columns_2 / PANEL_COLUMNS, curved);
+    return as_type<int>(as_type<uint>(metal::min(naga_f2i32(needed), 6)) + as_type<uint>(1));
 }
 
 float wavelength_between(
@@ -576,7 +679,7 @@ float wavelength_between(
     float from_um_1,
     float to_um_1,
     float part,
-    metal::float3 wr_8
+    metal::float3 wr_10
 ) {
     bool local_2 = {};
     metal::float3 _e6 = polar(frequency_5);
@@ -589,67 +692,73 @@ float wavelength_between(
     if (_e14) {
         return 1.0 / metal::mix(1.0 / from_um_1, 1.0 / to_um_1, part);
     }
-    float start_3 = -(metal::dot(wr_8.xy, _e6.xy));
-    float across_2 = (wr_8.y * _e6.x) - (wr_8.x * _e6.y);
+    float start_3 = -(metal::dot(wr_10.xy, _e6.xy));
+    float across_2 = (wr_10.y * _e6.x) - (wr_10.x * _e6.y);
     float half_2 = metal::sqrt(metal::max(0.000000000001, 1.0 - (across_2 * across_2)));
     metal::float2 ends_4 = (metal::float2(start_3) - (metal::float2(from_um_1, to_um_1) * _e6.z)) / metal::float2(half_2);
     metal::float2 angles = metal::asin(metal::clamp(ends_4, metal::float2(-1.0), metal::float2(1.0)));
-    float place_7 = start_3 - (half_2 * metal::sin(metal::mix(angles.x, angles.y, part)));
-    return metal::clamp(place_7 / _e6.z, from_um_1, to_um_1);
+    float place_8 = start_3 - (half_2 * metal::sin(metal::mix(angles.x, angles.y, part)));
+    return metal::clamp(place_8 / _e6.z, from_um_1, to_um_1);
 }
 
 float order_share(
     metal::int2 order_2,
     metal::float2 frequency_6,
-    float lambda_um_1,
-    metal::float3 wr_9,
+    float lambda_um_6,
+    metal::float3 wr_11,
+    metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d<float, metal::access::sample> efficiencies
 ) {
-    metal::float3 _e4 = arrival(frequency_6, lambda_um_1, wr_9);
-    float _e5 = gain(_e4, wr_9);
-    float _e11 = efficiency(order_2, -((_e4.z + wr_9.z)) / lambda_um_1, efficiencies);
-    return (_e5 / metal::max(_e4.z, 0.000001)) * _e11;
+    metal::float3 _e4 = arrival(frequency_6, lambda_um_6, wr_11);
+    float _e5 = depth(_e4, wr_11);
+    float _e6 = dispersed(_e5, lambda_um_6, spectrum);
+    float turns_3 = _e6 / lambda_um_6;
+    metal::float2 _e8 = facing_of(_e4, wr_11);
+    float _e9 = reflectance(lambda_um_6, _e8, spectrum);
+    float _e10 = gain(_e4, wr_11);
+    float _e11 = efficiency(order_2, turns_3, efficiencies);
+    return ((_e10 / metal::max(_e4.z, 0.000001)) * _e9) * _e11;
 }
 
 float moment_place(
-    float lambda_um_2
+    float lambda_um_7
 ) {
-    float share = (lambda_um_2 - WAVELENGTH_MIN_UM) / 0.39999998;
-    return share * 400.0;
+    float share_3 = (lambda_um_7 - WAVELENGTH_MIN_UM) / 0.39999998;
+    return share_3 * 400.0;
 }
 
 int moment_column(
-    float lambda_um_3
+    float lambda_um_8
 ) {
-    float _e1 = moment_place(lambda_um_3);
+    float _e1 = moment_place(lambda_um_8);
     return metal::clamp(naga_f2i32(_e1), 0, 399);
 }
 
 metal::float3 column_part(
-    float lambda_um_4,
+    float lambda_um_9,
     int column,
     metal::texture2d<float, metal::access::sample> moments
 ) {
-    float _e2 = moment_place(lambda_um_4);
-    float part_2 = metal::clamp(_e2 - static_cast<float>(column), 0.0, 1.0);
+    float _e2 = moment_place(lambda_um_9);
+    float part_3 = metal::clamp(_e2 - static_cast<float>(column), 0.0, 1.0);
     metal::float4 _e12 = moments.read(metal::uint2(metal::int2(column, 3)), 0);
-    return part_2 * _e12.xyz;
+    return part_3 * _e12.xyz;
 }
 
 metal::float4 column_powers(
     int column_1
 ) {
-    float share_1 = (static_cast<float>(column_1) + 0.5) / 400.0;
-    float t = 5.0 * (metal::mix(WAVELENGTH_MIN_UM, WAVELENGTH_MAX_UM, share_1) - 0.58);
+    float share_4 = (static_cast<float>(column_1) + 0.5) / 400.0;
+    float t = 5.0 * (metal::mix(WAVELENGTH_MIN_UM, WAVELENGTH_MAX_UM, share_4) - 0.58);
     return metal::float4(1.0, t, t * t, (t * t) * t);
 }
 
 metal::float4 moment(
     int column_2,
-    int row_3,
+    int row_4,
     metal::texture2d<float, metal::access::sample> moments
 ) {
-    metal::float4 _e5 = moments.read(metal::uint2(metal::int2(column_2, row_3)), 0);
+    metal::float4 _e5 = moments.read(metal::uint2(metal::int2(column_2, row_4)), 0);
     return _e5;
 }
 
@@ -676,15 +785,15 @@ metal::float3 moments_between(
     metal::float4 z = ((_e32 + (_e6.z * _e8)) - _e34) - (_e5.z * _e7);
     float centre_2 = 5.0 * ((0.5 * (from_um_2 + to_um_2)) - 0.58);
     float scale_1 = 1.0 / metal::max(2.5 * (to_um_2 - from_um_2), 0.000000001);
-    metal::float3 light = metal::float3(x.x, y.x, z.x);
-    metal::float3 first_2 = metal::float3(x.y, y.y, z.y);
+    metal::float3 light_1 = metal::float3(x.x, y.x, z.x);
+    metal::float3 first_3 = metal::float3(x.y, y.y, z.y);
     metal::float3 second = metal::float3(x.z, y.z, z.z);
     metal::float3 third = metal::float3(x.w, y.w, z.w);
-    metal::float3 linear = (first_2 - (centre_2 * light)) * scale_1;
-    metal::float3 square = ((second - (centre_2 * ((2.0 * first_2) - (centre_2 * light)))) * scale_1) * scale_1;
-    metal::float3 cubic = (third - ((3.0 * centre_2) * (second - (centre_2 * first_2)))) - (((centre_2 * centre_2) * centre_2) * light);
+    metal::float3 linear = (first_3 - (centre_2 * light_1)) * scale_1;
+    metal::float3 square = ((second - (centre_2 * ((2.0 * first_3) - (centre_2 * light_1)))) * scale_1) * scale_1;
+    metal::float3 cubic = (third - ((3.0 * centre_2) * (second - (centre_2 * first_3)))) - (((centre_2 * centre_2) * centre_2) * light_1);
     metal::float3 cube = ((cubic * scale_1) * scale_1) * scale_1;
-    return (((powers.x * light) + (powers.y * metal::clamp(linear, -(light), light))) + (powers.z * metal::clamp(square, -(light), light))) + (powers.w * metal::clamp(cube, -(light), light));
+    return (((powers.x * light_1) + (powers.y * metal::clamp(linear, -(light_1), light_1))) + (powers.z * metal::clamp(square, -(light_1), light_1))) + (powers.w * metal::clamp(cube, -(light_1), light_1));
 }
 
 metal::float3 panel_colour(
@@ -692,7 +801,8 @@ metal::float3 panel_colour(
     metal::float2 frequency_7,
     float from_um_3,
     float to_um_3,
-    metal::float3 wr_10,
+    metal::float3 wr_12,
+    metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> moments
 ) {
@@ -700,10 +810,10 @@ metal::float3 panel_colour(
     float half_3 = 0.5 * (to_um_3 - from_um_3);
     float outer = 0.9238795 * half_3;
     float inner_1 = 0.38268343 * half_3;
-    float _e16 = order_share(order_3, frequency_7, middle_1 + outer, wr_10, efficiencies);
-    float _e18 = order_share(order_3, frequency_7, middle_1 + inner_1, wr_10, efficiencies);
-    float _e20 = order_share(order_3, frequency_7, middle_1 - inner_1, wr_10, efficiencies);
-    float _e22 = order_share(order_3, frequency_7, middle_1 - outer, wr_10, efficiencies);
+    float _e16 = order_share(order_3, frequency_7, middle_1 + outer, wr_12, spectrum, efficiencies);
+    float _e18 = order_share(order_3, frequency_7, middle_1 + inner_1, wr_12, spectrum, efficiencies);
+    float _e20 = order_share(order_3, frequency_7, middle_1 - inner_1, wr_12, spectrum, efficiencies);
+    float _e22 = order_share(order_3, frequency_7, middle_1 - outer, wr_12, spectrum, efficiencies);
     float mean = 0.25 * (((_e16 + _e18) + _e20) + _e22);
     float linear_1 = 0.5 * ((0.9238795 * (_e16 - _e22)) + (0.38268343 * (_e18 - _e20)));
     float square_1 = 0.35355338 * (((_e16 - _e18) - _e20) + _e22);
@@ -717,7 +827,8 @@ metal::float3 order_colour(
     metal::int2 order_4,
     float from_um_4,
     float to_um_4,
-    metal::float3 wr_11,
+    metal::float3 wr_13,
+    metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> moments
 ) {
@@ -726,7 +837,7 @@ metal::float3 order_colour(
     int panel = 1;
     float end_um = {};
     metal::float2 _e11 = order_frequency(order_4);
-    int _e12 = panel_count(_e11, from_um_4, to_um_4, wr_11);
+    int _e12 = panel_count(_e11, from_um_4, to_um_4, wr_13);
     start_um = from_um_4;
     bool loop_init_2 = true;
     while(true) {
@@ -745,13 +856,13 @@ metal::float3 order_colour(
             int _e15 = panel;
             if (_e15 < _e12) {
                 int _e17 = panel;
-                float _e21 = wavelength_between(_e11, from_um_4, to_um_4, static_cast<float>(_e17) / static_cast<float>(_e12), wr_11);
+                float _e21 = wavelength_between(_e11, from_um_4, to_um_4, static_cast<float>(_e17) / static_cast<float>(_e12), wr_13);
                 end_um = _e21;
             }
             metal::float3 _e22 = xyz_1;
             float _e23 = start_um;
             float _e24 = end_um;
-            metal::float3 _e25 = panel_colour(order_4, _e11, _e23, _e24, wr_11, efficiencies, moments);
+            metal::float3 _e25 = panel_colour(order_4, _e11, _e23, _e24, wr_13, spectrum, efficiencies, moments);
             xyz_1 = _e22 + _e25;
             float _e27 = end_um;
             start_um = _e27;
@@ -764,11 +875,12 @@ metal::float3 order_colour(
 metal::float3 tristimulus_disc(
     metal::float3 axis_2,
     float radius_1,
-    metal::float3 wr_12,
+    metal::float3 wr_14,
+    metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> moments
 ) {
-    int row_4 = {};
+    int row_5 = {};
     metal::int2 columns = {};
     int column_3 = {};
     metal::int2 order_5 = metal::int2(0, 0);
@@ -783,17 +895,17 @@ metal::float3 tristimulus_disc(
     bool local_4 = {};
     bool local_5 = {};
     bool local_6 = {};
-    if (!((wr_12.z > 0.000001))) {
+    if (!((wr_14.z > 0.000001))) {
         return metal::float3(0.0);
     }
-    metal::float3 _e34 = in_surface(wr_12);
+    metal::float3 _e34 = in_surface(wr_14);
     metal::float3 _e35 = in_surface(axis_2);
     float _e36 = disc_chord_squared(radius_1);
     float reach_5 = metal::sqrt(_e36);
     metal::float2 offset_4 = _e35.xy + _e34.xy;
     metal::int2 _e41 = order_rows(offset_4, reach_5);
-    row_4 = _e41.x;
-    int _e43 = row_4;
+    row_5 = _e41.x;
+    int _e43 = row_5;
     metal::int2 _e44 = order_columns(_e43, offset_4, reach_5);
     columns = _e44;
     int _e46 = columns.x;
@@ -828,7 +940,7 @@ metal::float3 tristimulus_disc(
                 {
                     bool _e55 = lit;
                     if (!(_e55)) {
-                        int _e57 = row_4;
+                        int _e57 = row_5;
                         local_3 = _e57 > _e41.y;
                     } else {
                         local_3 = true;
@@ -838,7 +950,7 @@ metal::float3 tristimulus_disc(
                         break;
                     }
                     int _e62 = column_3;
-                    int _e63 = row_4;
+                    int _e63 = row_5;
                     order_5 = metal::int2(_e62, _e63);
                     metal::int2 _e65 = order_5;
                     metal::float2 _e66 = order_frequency(_e65);
@@ -882,9 +994,9 @@ metal::float3 tristimulus_disc(
                         int _e110 = column_3;
                         int _e112 = columns.y;
                         if (_e110 > _e112) {
-                            int _e114 = row_4;
-                            row_4 = as_type<int>(as_type<uint>(_e114) + as_type<uint>(1));
-                            int _e117 = row_4;
+                            int _e114 = row_5;
+                            row_5 = as_type<int>(as_type<uint>(_e114) + as_type<uint>(1));
+                            int _e117 = row_5;
                             metal::int2 _e118 = order_columns(_e117, offset_4, reach_5);
                             columns = _e118;
                             int _e120 = columns.x;
@@ -905,12 +1017,12 @@ metal::float3 tristimulus_disc(
             metal::int2 _e129 = order_5;
             float _e130 = from_um_5;
             float _e131 = to_um_5;
-            metal::float3 _e132 = order_colour(_e129, _e130, _e131, _e34, efficiencies, moments);
+            metal::float3 _e132 = order_colour(_e129, _e130, _e131, _e34, spectrum, efficiencies, moments);
             xyz_2 = _e128 + _e132;
         }
     }
     float sine_squared_1 = _e36 * (1.0 - (0.25 * _e36));
-    float _e142 = normal_reflectance();
+    float _e142 = normal_reflectance(spectrum);
     metal::float3 _e143 = xyz_2;
     return (_e142 / (3.1415927 * sine_squared_1)) * _e143;
 }
@@ -920,11 +1032,12 @@ metal::float3 tristimulus_rectangle(
     metal::float3 b,
     metal::float3 c,
     metal::float3 d,
-    metal::float3 wr_13,
+    metal::float3 wr_15,
+    metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> moments
 ) {
-    int row_5 = {};
+    int row_6 = {};
     metal::int2 columns_1 = {};
     int column_4 = {};
     metal::int2 order_6 = metal::int2(0, 0);
@@ -942,10 +1055,10 @@ metal::float3 tristimulus_rectangle(
     bool local_11 = {};
     bool local_12 = {};
     bool local_13 = {};
-    if (!((wr_13.z > 0.000001))) {
+    if (!((wr_15.z > 0.000001))) {
         return metal::float3(0.0);
     }
-    metal::float3 _e39 = in_surface(wr_13);
+    metal::float3 _e39 = in_surface(wr_15);
     metal::float3 centre_3 = metal::normalize(((a + b) + c) + d);
     metal::float3 turning = ((metal::cross(a, b) + metal::cross(b, c)) + metal::cross(c, d)) + metal::cross(d, a);
     float side_3 = (metal::dot(turning, centre_3) > 0.0) ? 1.0 : -1.0;
@@ -962,8 +1075,8 @@ metal::float3 tristimulus_rectangle(
     float reach_6 = metal::max(farther, metal::max(metal::distance(c, centre_3), metal::distance(d, centre_3)));
     metal::float2 offset_5 = _e57.xy + _e39.xy;
     metal::int2 _e76 = order_rows(offset_5, reach_6);
-    row_5 = _e76.x;
-    int _e78 = row_5;
+    row_6 = _e76.x;
+    int _e78 = row_6;
     metal::int2 _e79 = order_columns(_e78, offset_5, reach_6);
     columns_1 = _e79;
     int _e81 = columns_1.x;
@@ -998,7 +1111,7 @@ metal::float3 tristimulus_rectangle(
                 {
                     bool _e90 = lit_1;
                     if (!(_e90)) {
-                        int _e92 = row_5;
+                        int _e92 = row_6;
                         local_7 = _e92 > _e76.y;
                     } else {
                         local_7 = true;
@@ -1008,7 +1121,7 @@ metal::float3 tristimulus_rectangle(
                         break;
                     }
                     int _e97 = column_4;
-                    int _e98 = row_5;
+                    int _e98 = row_6;
                     order_6 = metal::int2(_e97, _e98);
                     metal::int2 _e100 = order_6;
                     metal::float2 _e101 = order_frequency(_e100);
@@ -1081,9 +1194,9 @@ metal::float3 tristimulus_rectangle(
                         int _e179 = column_4;
                         int _e181 = columns_1.y;
                         if (_e179 > _e181) {
-                            int _e183 = row_5;
-                            row_5 = as_type<int>(as_type<uint>(_e183) + as_type<uint>(1));
-                            int _e186 = row_5;
+                            int _e183 = row_6;
+                            row_6 = as_type<int>(as_type<uint>(_e183) + as_type<uint>(1));
+                            int _e186 = row_6;
                             metal::int2 _e187 = order_columns(_e186, offset_5, reach_6);
                             columns_1 = _e187;
                             int _e189 = columns_1.x;
@@ -1104,11 +1217,11 @@ metal::float3 tristimulus_rectangle(
             metal::int2 _e198 = order_6;
             float _e199 = from_um_6;
             float _e200 = to_um_6;
-            metal::float3 _e201 = order_colour(_e198, _e199, _e200, _e39, efficiencies, moments);
+            metal::float3 _e201 = order_colour(_e198, _e199, _e200, _e39, spectrum, efficiencies, moments);
             xyz_3 = _e197 + _e201;
         }
     }
-    float _e206 = normal_reflectance();
+    float _e206 = normal_reflectance(spectrum);
     metal::float3 _e207 = xyz_3;
     return _e206 * _e207;
 }
@@ -1120,12 +1233,12 @@ metal::float3 to_rgb(
 }
 
 metal::float3 diffraction(
-    metal::float3 wi_4,
-    metal::float3 wr_14,
-    metal::texture2d<float, metal::access::sample> efficiencies,
-    metal::texture2d<float, metal::access::sample> spectrum
+    metal::float3 wi_6,
+    metal::float3 wr_16,
+    metal::texture2d<float, metal::access::sample> spectrum,
+    metal::texture2d<float, metal::access::sample> efficiencies
 ) {
-    metal::float3 _e2 = tristimulus(wi_4, wr_14, efficiencies, spectrum);
+    metal::float3 _e2 = tristimulus(wi_6, wr_16, spectrum, efficiencies);
     metal::float3 _e3 = to_rgb(_e2);
     return _e3;
 }
@@ -1133,11 +1246,12 @@ metal::float3 diffraction(
 metal::float3 diffraction_disc(
     metal::float3 axis_3,
     float radius_2,
-    metal::float3 wr_15,
+    metal::float3 wr_17,
+    metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> moments
 ) {
-    metal::float3 _e3 = tristimulus_disc(axis_3, radius_2, wr_15, efficiencies, moments);
+    metal::float3 _e3 = tristimulus_disc(axis_3, radius_2, wr_17, spectrum, efficiencies, moments);
     metal::float3 _e4 = to_rgb(_e3);
     return _e4;
 }
@@ -1147,11 +1261,12 @@ metal::float3 diffraction_rectangle(
     metal::float3 b_1,
     metal::float3 c_1,
     metal::float3 d_1,
-    metal::float3 wr_16,
+    metal::float3 wr_18,
+    metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> moments
 ) {
-    metal::float3 _e5 = tristimulus_rectangle(a_1, b_1, c_1, d_1, wr_16, efficiencies, moments);
+    metal::float3 _e5 = tristimulus_rectangle(a_1, b_1, c_1, d_1, wr_18, spectrum, efficiencies, moments);
     metal::float3 _e6 = to_rgb(_e5);
     return _e6;
 }
@@ -1170,19 +1285,19 @@ metal::float3 view_direction(
 ) {
     metal::float4 _e3 = params.size;
     metal::float2 centre_4 = (((2.0 * pixel) + metal::float2(1.0)) / _e3.xy) - metal::float2(1.0);
-    float squared_8 = metal::dot(centre_4, centre_4);
-    return metal::float3(centre_4, (squared_8 < 1.0) ? metal::sqrt(metal::max(0.0, 1.0 - squared_8)) : -1.0);
+    float squared_7 = metal::dot(centre_4, centre_4);
+    return metal::float3(centre_4, (squared_7 < 1.0) ? metal::sqrt(metal::max(0.0, 1.0 - squared_7)) : -1.0);
 }
 
 metal::float3 unit(
     metal::float3 vector,
     float least
 ) {
-    float squared_9 = metal::dot(vector, vector);
-    if (!((squared_9 > least))) {
+    float squared_8 = metal::dot(vector, vector);
+    if (!((squared_8 > least))) {
         return metal::float3(0.0);
     }
-    return vector * metal::rsqrt(squared_9);
+    return vector * metal::rsqrt(squared_8);
 }
 
 float model_volume(
@@ -1226,25 +1341,25 @@ metal::float2 orientation(
     metal::texture2d<float, metal::access::sample> orientation_map
 ) {
     metal::float2 size_2 = static_cast<metal::float2>(metal::uint2(orientation_map.get_width(0), orientation_map.get_height(0)));
-    metal::float2 place_8 = ((uv_4 - metal::floor(uv_4)) * size_2) - metal::float2(0.5);
-    metal::float2 corner_1 = metal::floor(place_8);
-    metal::float2 share_2 = place_8 - corner_1;
+    metal::float2 place_9 = ((uv_4 - metal::floor(uv_4)) * size_2) - metal::float2(0.5);
+    metal::float2 corner_1 = metal::floor(place_9);
+    metal::float2 share_5 = place_9 - corner_1;
     metal::float2 right = corner_1 + metal::float2(1.0, 0.0);
     metal::float2 _e17 = texel_turn(corner_1, size_2, orientation_map);
     metal::float2 _e18 = texel_turn(right, size_2, orientation_map);
-    metal::float2 above = metal::mix(_e17, _e18, share_2.x);
+    metal::float2 above_1 = metal::mix(_e17, _e18, share_5.x);
     metal::float2 under = metal::float2(0.0, 1.0);
     metal::float2 _e25 = texel_turn(corner_1 + under, size_2, orientation_map);
     metal::float2 _e27 = texel_turn(right + under, size_2, orientation_map);
-    metal::float2 below = metal::mix(_e25, _e27, share_2.x);
-    metal::float2 turn = metal::mix(above, below, share_2.y);
-    float squared_10 = metal::dot(turn, turn);
-    metal::float2 direction_3 = turn * metal::rsqrt(metal::max(squared_10, 0.00000001));
-    return (squared_10 > 0.00000001) ? direction_3 : metal::float2(1.0, 0.0);
+    metal::float2 below_1 = metal::mix(_e25, _e27, share_5.x);
+    metal::float2 turn = metal::mix(above_1, below_1, share_5.y);
+    float squared_9 = metal::dot(turn, turn);
+    metal::float2 direction_4 = turn * metal::rsqrt(metal::max(squared_9, 0.00000001));
+    return (squared_9 > 0.00000001) ? direction_4 : metal::float2(1.0, 0.0);
 }
 
 metal::float3 in_frame(
-    metal::float3 direction_2,
+    metal::float3 direction_3,
     metal::float3 normal_3,
     metal::float4 tangent_2,
     metal::float2 uv_5,
@@ -1259,7 +1374,7 @@ metal::float3 in_frame(
     metal::float2 _e26 = orientation(uv_5, orientation_map);
     metal::float3 along_1 = (_e26.x * _e12) + (_e26.y * across_3);
     metal::float3 beside = (_e26.x * across_3) - (_e26.y * _e12);
-    metal::float3 _e38 = unit(direction_2, 0.000000000000000000000000000000000001);
+    metal::float3 _e38 = unit(direction_3, 0.000000000000000000000000000000000001);
     metal::float3 _e44 = unit(metal::float3(metal::dot(_e38, along_1), metal::dot(_e38, beside), metal::dot(_e38, _e5)), 0.00000001);
     return _e44;
 }
@@ -1273,8 +1388,8 @@ struct vertOutput {
 vertex vertOutput vert(
   uint index [[vertex_id]]
 ) {
-    metal::float2 place_9 = metal::float2((index == 1u) ? 3.0 : -1.0, (index == 2u) ? 3.0 : -1.0);
-    const auto _tmp = FullScreen {metal::float4(place_9, 0.0, 1.0), place_9};
+    metal::float2 place_10 = metal::float2((index == 1u) ? 3.0 : -1.0, (index == 2u) ? 3.0 : -1.0);
+    const auto _tmp = FullScreen {metal::float4(place_10, 0.0, 1.0), place_10};
     return vertOutput { _tmp.position, _tmp.place };
 }
 
@@ -1287,8 +1402,8 @@ struct mapOutput {
 };
 fragment mapOutput map(
   mapInput varyings_1 [[stage_in]]
-, metal::texture2d<float, metal::access::sample> efficiencies [[texture(1)]]
 , metal::texture2d<float, metal::access::sample> spectrum [[texture(2)]]
+, metal::texture2d<float, metal::access::sample> efficiencies [[texture(1)]]
 , constant Params& params [[buffer(0)]]
 ) {
     const auto place = varyings_1.place;
@@ -1298,7 +1413,7 @@ fragment mapOutput map(
         return mapOutput { metal::float4(0.0) };
     }
     metal::float4 _e10 = params.light;
-    metal::float3 _e12 = diffraction(_e10.xyz, _e2, efficiencies, spectrum);
+    metal::float3 _e12 = diffraction(_e10.xyz, _e2, spectrum, efficiencies);
     return mapOutput { metal::float4(_e12, 1.0) };
 }
 
@@ -1311,8 +1426,8 @@ struct probeOutput {
 };
 fragment probeOutput probe(
   probeInput varyings_2 [[stage_in]]
-, metal::texture2d<float, metal::access::sample> efficiencies [[texture(1)]]
 , metal::texture2d<float, metal::access::sample> spectrum [[texture(2)]]
+, metal::texture2d<float, metal::access::sample> efficiencies [[texture(1)]]
 , metal::texture2d<float, metal::access::sample> moments [[texture(4)]]
 , constant Params& params [[buffer(0)]]
 , metal::texture2d<float, metal::access::sample> directions [[texture(3)]]
@@ -1321,24 +1436,24 @@ fragment probeOutput probe(
     metal::float2 _e1 = pixel_of(place_1, params);
     int column_7 = naga_f2i32(_e1.x);
     float _e7 = params.size.y;
-    int row_7 = naga_f2i32((_e7 - 1.0) - _e1.y);
-    metal::float4 first_3 = directions.read(metal::uint2(metal::int2(column_7, as_type<int>(as_type<uint>(5) * as_type<uint>(row_7)))), 0);
-    metal::float4 viewer = directions.read(metal::uint2(metal::int2(column_7, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_7))) + as_type<uint>(1)))), 0);
-    if (first_3.w == 1.0) {
-        metal::float3 _e33 = tristimulus_disc(first_3.xyz, viewer.w, viewer.xyz, efficiencies, moments);
+    int row_8 = naga_f2i32((_e7 - 1.0) - _e1.y);
+    metal::float4 first_4 = directions.read(metal::uint2(metal::int2(column_7, as_type<int>(as_type<uint>(5) * as_type<uint>(row_8)))), 0);
+    metal::float4 viewer_1 = directions.read(metal::uint2(metal::int2(column_7, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_8))) + as_type<uint>(1)))), 0);
+    if (first_4.w == 1.0) {
+        metal::float3 _e33 = tristimulus_disc(first_4.xyz, viewer_1.w, viewer_1.xyz, spectrum, efficiencies, moments);
         return probeOutput { metal::float4(_e33, 1.0) };
     }
-    if (first_3.w == 2.0) {
-        metal::float4 _e46 = directions.read(metal::uint2(metal::int2(column_7, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_7))) + as_type<uint>(2)))), 0);
+    if (first_4.w == 2.0) {
+        metal::float4 _e46 = directions.read(metal::uint2(metal::int2(column_7, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_8))) + as_type<uint>(2)))), 0);
         metal::float3 second_1 = _e46.xyz;
-        metal::float4 _e55 = directions.read(metal::uint2(metal::int2(column_7, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_7))) + as_type<uint>(3)))), 0);
+        metal::float4 _e55 = directions.read(metal::uint2(metal::int2(column_7, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_8))) + as_type<uint>(3)))), 0);
         metal::float3 third_1 = _e55.xyz;
-        metal::float4 _e64 = directions.read(metal::uint2(metal::int2(column_7, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_7))) + as_type<uint>(4)))), 0);
+        metal::float4 _e64 = directions.read(metal::uint2(metal::int2(column_7, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_8))) + as_type<uint>(4)))), 0);
         metal::float3 fourth = _e64.xyz;
-        metal::float3 _e68 = tristimulus_rectangle(first_3.xyz, second_1, third_1, fourth, viewer.xyz, efficiencies, moments);
+        metal::float3 _e68 = tristimulus_rectangle(first_4.xyz, second_1, third_1, fourth, viewer_1.xyz, spectrum, efficiencies, moments);
         return probeOutput { metal::float4(_e68, 1.0) };
     }
-    metal::float3 _e73 = tristimulus(first_3.xyz, viewer.xyz, efficiencies, spectrum);
+    metal::float3 _e73 = tristimulus(first_4.xyz, viewer_1.xyz, spectrum, efficiencies);
     return probeOutput { metal::float4(_e73, 1.0) };
 }
 
@@ -1367,7 +1482,7 @@ vertex mesh_vertOutput mesh_vert(
     const auto uv = varyings_3.uv;
     const auto orientation_angle = varyings_3.orientation_angle;
     metal::float4x4 _e7 = mesh_params.model;
-    metal::float4 place_10 = _e7 * metal::float4(position, 1.0);
+    metal::float4 place_11 = _e7 * metal::float4(position, 1.0);
     metal::float3 _e11 = world_normal(normal, mesh_params);
     metal::float3 _e13 = unit(_e11, 0.000000000000000000000000000000000001);
     metal::float4x4 _e16 = mesh_params.model;
@@ -1379,8 +1494,8 @@ vertex mesh_vertOutput mesh_vert(
     metal::float3 turned = (metal::cos(orientation_angle) * _e28) + (metal::sin(orientation_angle) * across_4);
     metal::float4x4 _e46 = mesh_params.projection;
     metal::float4x4 _e49 = mesh_params.view;
-    metal::float4 clip = _e46 * (_e49 * place_10);
-    const auto _tmp_1 = MeshVertex {clip, place_10.xyz, _e13, metal::float4(turned, handedness), uv};
+    metal::float4 clip = _e46 * (_e49 * place_11);
+    const auto _tmp_1 = MeshVertex {clip, place_11.xyz, _e13, metal::float4(turned, handedness), uv};
     return mesh_vertOutput { _tmp_1.position, _tmp_1.place, _tmp_1.normal, _tmp_1.tangent, _tmp_1.uv };
 }
 
@@ -1396,8 +1511,8 @@ struct meshOutput {
 };
 fragment meshOutput mesh(
   meshInput varyings_4 [[stage_in]]
-, metal::texture2d<float, metal::access::sample> efficiencies [[texture(1)]]
 , metal::texture2d<float, metal::access::sample> spectrum [[texture(2)]]
+, metal::texture2d<float, metal::access::sample> efficiencies [[texture(1)]]
 , constant MeshParams& mesh_params [[buffer(8)]]
 , metal::texture2d<float, metal::access::sample> orientation_map [[texture(9)]]
 ) {
@@ -1419,6 +1534,6 @@ fragment meshOutput mesh(
     if (!(_e23)) {
         return meshOutput { metal::float4(0.0, 0.0, 0.0, 1.0) };
     }
-    metal::float3 _e30 = diffraction(_e9, _e15, efficiencies, spectrum);
+    metal::float3 _e30 = diffraction(_e9, _e15, spectrum, efficiencies);
     return meshOutput { metal::float4(_e30, 1.0) };
 }

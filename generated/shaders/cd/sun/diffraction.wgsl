@@ -11,9 +11,16 @@
 const BROADEST: f32 = 4.0; // width of the broadest narrow lobe, in distances between nodes
 const CANDIDATE_COUNT: i32 = 190; // maximum number of bins that are examined
 const COHERENCE_UM: f32 = 107.062; // coherence length of the light, µm
-const EFFICIENCY_COLUMNS: i32 = 10; // number of columns of the table of efficiencies
+const COVER_INDEX: f32 = 1.59509; // refractive index of the cover at 550 nm, relative to air
+const EFFICIENCY_COLUMNS: i32 = 17; // number of columns of the table of efficiencies
 const LOBE_COLUMNS: i32 = 360; // number of columns of the table of narrow lobes
 const LOBE_ROWS: i32 = 19; // number of widths in the table of narrow lobes
+const MATTER_CELLS: i32 = 1; // number of cells of the cosine
+const MATTER_COLUMNS: i32 = 360; // number of columns of the material
+const MATTER_COSINE: f32 = 0.7790805; // least cosine between half vector and viewer
+const MATTER_FROM_UM: f32 = 0.38; // wavelength of the first column, µm
+const MATTER_PACE: f32 = 897.5; // number of columns of the material per µm of wavelength
+const MATTER_ROW: i32 = 40; // first row of the material in the table of the spectrum
 const MINOR_COUNT: i32 = 1; // number of bins across the strip
 const MOMENT_COLUMNS: i32 = 401; // number of columns of the table of moments
 const NODE_BINS: i32 = 1; // number of columns of bins about a node
@@ -24,51 +31,116 @@ const ORDER_REACH_Y: i32 = 0; // largest order along y
 const OUTER_NODES: i32 = 2; // number of nodes beyond each end of the range of wavenumbers
 const PANEL_ARC: f32 = 0.75; // maximum change of the light's direction for one cubic
 const PANEL_COLUMNS: f32 = 5.0; // maximum number of columns of efficiencies for one cubic
-const PANEL_COUNT: i32 = 5; // maximum number of cubics for an order
+const PANEL_COUNT: i32 = 7; // maximum number of cubics for an order
+const PANEL_PACE: f32 = 2.964; // number of cubics per 1/µm of wavenumber that the reflectance needs
 const PATCH_HEIGHT_UM: f32 = 0.064; // height of the patch that tiles the plane, along y, µm
 const PATCH_WIDTH_UM: f32 = 1.6; // width of the patch that tiles the plane, along x, µm
+const PHASE_MIN_UM: f32 = 0.23257379; // wavelength in air whose greatest phase per height is the greatest here, µm
 const REACH_SIGMAS: f32 = 4.0; // reach of a lobe, in standard deviations of the window's spectrum
 const REFERENCE_UM: f32 = 0.55; // wavelength at which the coherence length is stated, µm
-const REFRACTIVE_INDEX: f32 = 1.5; // refractive index of the material, relative to air
 const WAVELENGTH_MAX_UM: f32 = 0.78; // longest wavelength, µm
 const WAVELENGTH_MIN_UM: f32 = 0.38; // shortest wavelength, µm
 
-// The gain, the factor in front of the interference term (Stam 1999, eqs. 7 and 11), with Schlick's reflectance and the
-// shadowing of V-cavities.
+// The gain, the factor in front of the interference term, without the reflectance of the material (Stam 1999, eqs. 7
+// and 11).
 
-// Reflectance relative to normal incidence, 1 to 1/R0, from the cosine between half vector and viewer (Schlick 1994,
-// eq. 15).
-fn fresnel_ratio(cos_half: f32) -> f32 {
-    let amplitude = (REFRACTIVE_INDEX - 1.0) / (REFRACTIVE_INDEX + 1.0);
-    let one_minus = 1.0 - cos_half;
-    let squared = one_minus * one_minus;
-    return 1.0 + (1.0 / (amplitude * amplitude) - 1.0) * squared * squared * one_minus;
+// Direction inside the cover, from a unit vector outside.
+fn inside(direction: vec3f) -> vec3f {
+    let plane = direction.xy / COVER_INDEX;
+    return vec3f(plane, sqrt(max(0.0, 1.0 - dot(plane, plane))));
 }
 
-// Shadowing and masking of V-cavities, 0 to 1 (Torrance and Sparrow 1967).
-fn shadowing(wi: vec3f, wr: vec3f) -> f32 {
-    let half_vector = normalize(wi + wr);
-    return min(1.0, 2.0 * half_vector.z * min(wi.z, wr.z) / dot(half_vector, wr));
+// Transmittance of the cover's face for s and p polarisation, 0 to 1, from the cosines outside and inside (Fresnel).
+fn transmittance(above: f32, below: f32) -> vec2f {
+    let s = (above - COVER_INDEX * below) / (above + COVER_INDEX * below);
+    let p = (COVER_INDEX * above - below) / (COVER_INDEX * above + below);
+    return vec2f(1.0 - s * s, 1.0 - p * p);
 }
 
-// The gain R/R0 · (1 + wi·wr)² / (w² cos θr) · S with the reflectance R/R0 and the shadowing S. It is zero where a
-// direction is at or below the horizon; a millionth above it counts as at it, since a cosine is rounded that much.
+// Share of the light that crosses the cover's face twice, of the polarisation that counts, or of both.
+fn crossed(wi: vec3f, light: vec3f, wr: vec3f, viewer: vec3f) -> f32 {
+    let in_share = transmittance(wi.z, light.z);
+    let out_share = transmittance(wr.z, viewer.z);
+    return 0.25 * (in_share.x + in_share.y) * (out_share.x + out_share.y);
+}
+
+// The obliquity factor O times the cosine of the light, times the shadowing. O is (1 + wi·wr)² / (cos θi cos θr w²), or for
+// one polarisation 4 cos θi cos θr / w² (the electric field along the grooves) or 4 (1 - s)² / (cos θi cos θr w²) (the
+// magnetic field), s = -αi·αr. Under a cover the directions are those inside, and the result has the transmittances of
+// its face. It is zero where a direction is at or below the horizon; a millionth above it counts as at it, since a
+// cosine is rounded that much.
 fn gain(wi: vec3f, wr: vec3f) -> f32 {
     if (!(wi.z > 1e-6 && wr.z > 1e-6)) {
         return 0.0;
     }
-    let half_vector = normalize(wi + wr);
-    let w = wi.z + wr.z;
-    let aligned = 1.0 + dot(wi, wr);
-    var factor = fresnel_ratio(dot(half_vector, wr)) * aligned * aligned / (w * w * wr.z);
-    factor *= shadowing(wi, wr);
+    let light = inside(wi);
+    let viewer = inside(wr);
+    // a cone of light is narrower inside
+    var factor = crossed(wi, light, wr, viewer) * wi.z / light.z;
+    let w = light.z + viewer.z;
+    let aligned = 1.0 + dot(light, viewer);
+    factor *= aligned * aligned / (w * w * viewer.z);
     return factor;
 }
 
-// Path difference (u, v, w) = -wi - wr in the frame of the surface; w is between -2 and 0.
+// What the reflectance depends on: the cosine between half vector and viewer on the relief, 0 to 1, and the share of s
+// polarisation.
+fn facing_of(wi: vec3f, wr: vec3f) -> vec2f {
+    let light = inside(wi);
+    let viewer = inside(wr);
+    let cos_half = dot(normalize(light + viewer), viewer);
+    return vec2f(cos_half, 0.5);
+}
+
+// Phase per height divided by the wave number in air, at 550 nm: the index of the cover times w inside, negative.
+fn depth(wi: vec3f, wr: vec3f) -> f32 {
+    return -COVER_INDEX * (inside(wi).z + inside(wr).z);
+}
+
+// Path difference (u, v) = -(wi + wr).xy in the frame of the surface, and the phase per height divided by the wave number.
 fn path_difference(wi: vec3f, wr: vec3f) -> vec3f {
-    let path = -wi - wr;
+    let path = vec3f(-wi.xy - wr.xy, depth(wi, wr));
     return path;
+}
+
+// Reflectance and dispersion, from the lowest rows of the table of the spectrum. Columns are equal steps of the
+// wavelength.
+
+// Reflectance relative to its mean at normal incidence, with the dispersion of the cover's face. `facing`: cosine between
+// half vector and viewer on the relief, and the share of s polarisation.
+fn reflectance(lambda_um: f32, facing: vec2f) -> f32 {
+    let first = reflectance_between(lambda_um, facing.x, 1);
+    return first;
+}
+
+// Phase per height divided by the wave number in air, from that at 550 nm; both negative.
+fn dispersed(w: f32, lambda_um: f32) -> f32 {
+    return -sqrt(max(0.0, w * w + matter_texel(lambda_um, 0).x));
+}
+
+// Reflectance from the rows of one polarisation: a cubic over a cell of the cosine.
+fn reflectance_between(lambda_um: f32, cos_half: f32, first: i32) -> f32 {
+    let share = clamp((cos_half - MATTER_COSINE) / (1.0 - MATTER_COSINE), 0.0, 1.0);
+    let place = share * f32(MATTER_CELLS);
+    let cell = min(i32(place), MATTER_CELLS - 1);
+    let part = place - f32(cell);
+    let powers = matter_texel(lambda_um, first + cell);
+    return powers.x + part * (powers.y + part * (powers.z + part * powers.w));
+}
+
+// A row between the two nearest wavelengths.
+fn matter_texel(lambda_um: f32, row: i32) -> vec4f {
+    let column = matter_column(lambda_um);
+    let index = min(i32(column), max(MATTER_COLUMNS - 2, 0));
+    let next = min(index + 1, MATTER_COLUMNS - 1);
+    let before = textureLoad(spectrum, vec2i(index, MATTER_ROW + row), 0);
+    let after = textureLoad(spectrum, vec2i(next, MATTER_ROW + row), 0);
+    return mix(before, after, column - f32(index));
+}
+
+// Place of a wavelength in columns.
+fn matter_column(lambda_um: f32) -> f32 {
+    return clamp((lambda_um - MATTER_FROM_UM) * MATTER_PACE, 0.0, f32(MATTER_COLUMNS - 1));
 }
 
 // Efficiencies |c|² of the orders of the patch, from a table.
@@ -83,7 +155,8 @@ fn efficiency(order: vec2i, turns: f32) -> f32 {
     if (any(abs(order) > reach)) {
         return 0.0;
     }
-    let place = clamp(-0.5 * WAVELENGTH_MIN_UM * turns, 0.0, 1.0) * f32(EFFICIENCY_COLUMNS);
+    let share = clamp(-0.5 * PHASE_MIN_UM * turns, 0.0, 1.0);
+    let place = share * f32(EFFICIENCY_COLUMNS);
     let column = min(i32(place), EFFICIENCY_COLUMNS - 1);
     let row = (order.y + reach.y) * (2 * reach.x + 1) + order.x + reach.x;
     let edges = textureLoad(efficiencies, vec2i(column, row), 0);
@@ -110,13 +183,13 @@ fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
     if (factor == 0.0) {
         return vec3f(0.0);
     }
-    return factor * corridor(path_difference(wi, wr));
+    return factor * corridor(path_difference(wi, wr), facing_of(wi, wr));
 }
 
 // X, Y, Z without the gain: the sum over the bins of a strip along the segment. The loop goes through the strip column
 // by column, with a few bins each, or row by row where the segment is steep. Where lobes are broad, the sum is over the
 // bins about each node.
-fn corridor(path: vec3f) -> vec3f {
+fn corridor(path: vec3f, facing: vec2f) -> vec3f {
     let steep = abs(path.y) > abs(path.x);
     let patch_um = vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM);
     let uv = select(path.xy, path.yx, steep);
@@ -176,9 +249,11 @@ fn corridor(path: vec3f) -> vec3f {
         if (exponent >= REACH_SIGMAS * REACH_SIGMAS) {
             break;
         }
-        let share = window_share(exponent, squared, window_width(wavenumber), pace);
         let light = lobe_light(wavenumber, node, row, side, range);
-        xyz += share * efficiency(vec2i(select(bin, bin.yx, steep)), path.z / light.w) * light.xyz;
+        let weight = window_share(exponent, squared, window_width(wavenumber), pace);
+        let share = weight * reflectance(light.w, facing);
+        let turns = dispersed(path.z, light.w) / light.w;
+        xyz += share * efficiency(vec2i(select(bin, bin.yx, steep)), turns) * light.xyz;
     }
     // colours of narrow lobes are stored divided by the lobe's width
     let scale = select(window_width(1.0) / sqrt(squared), 1.0, broad);
@@ -298,8 +373,7 @@ fn edge_normal(start: vec3f, end: vec3f, side: f32, centre: vec3f) -> vec3f {
 
 // Reflectance at normal incidence.
 fn normal_reflectance() -> f32 {
-    let amplitude = (REFRACTIVE_INDEX - 1.0) / (REFRACTIVE_INDEX + 1.0);
-    return amplitude * amplitude;
+    return textureLoad(spectrum, vec2i(0, MATTER_ROW), 0).y;
 }
 
 // First and last row of orders that may take light from within `reach` of a direction; `offset` is the sum of the
@@ -415,9 +489,11 @@ fn panel_count(frequency: vec2f, from_um: f32, to_um: f32, wr: vec3f) -> i32 {
     let middle_um = 0.5 * (from_um + to_um);
     let middle = arrival(frequency, middle_um, wr);
     // the phase changes fastest in the half of the shorter wavelengths
-    let turns = 2.0 * abs((first.z + wr.z) / from_um - (middle.z + wr.z) / middle_um);
-    let columns = 0.5 * WAVELENGTH_MIN_UM * f32(EFFICIENCY_COLUMNS) * turns;
-    let needed = max(columns / PANEL_COLUMNS, distance(first, last) / PANEL_ARC);
+    let turns = 2.0 * abs(depth(first, wr) / from_um - depth(middle, wr) / middle_um);
+    let columns = 0.5 * PHASE_MIN_UM * f32(EFFICIENCY_COLUMNS) * turns;
+    let coloured = PANEL_PACE * abs(1.0 / from_um - 1.0 / to_um);
+    let curved = max(distance(first, last) / PANEL_ARC, coloured);
+    let needed = max(columns / PANEL_COLUMNS, curved);
     return min(i32(needed), PANEL_COUNT - 1) + 1;
 }
 
@@ -516,7 +592,9 @@ fn moment(column: i32, row: i32) -> vec4f {
 // Share of the light that an order sends to the viewer, relative to the reflectance at normal incidence.
 fn order_share(order: vec2i, frequency: vec2f, lambda_um: f32, wr: vec3f) -> f32 {
     let wi = arrival(frequency, lambda_um, wr);
-    return gain(wi, wr) / max(wi.z, 1e-6) * efficiency(order, -(wi.z + wr.z) / lambda_um);
+    let turns = dispersed(depth(wi, wr), lambda_um) / lambda_um;
+    let reflected = reflectance(lambda_um, facing_of(wi, wr));
+    return gain(wi, wr) / max(wi.z, 1e-6) * reflected * efficiency(order, turns);
 }
 
 // Orders under a disc.
