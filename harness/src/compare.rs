@@ -310,7 +310,11 @@ fn record_energy(surface: &str, subject: Placement<'_>, sink: &mut dyn Sink) -> 
     }
     sink.begin(&format!("{surface}: under a white sky"));
     let white_sky = OrderSum::new(height, rotate_deg, &variant.optics)?.white_sky();
-    let optics = serde_json::to_value(&variant.optics).unwrap_or_default();
+    let mut optics = serde_json::to_value(&variant.optics).unwrap_or_default();
+    if let (true, Some(keys)) = (variant.optics.is_plain(), optics.as_object_mut()) {
+        // a dielectric in air is described by its index
+        keys.retain(|key, _| !Optics::MATTER.contains(&key.as_str()));
+    }
     sink.record(Record::Energy(Energy { surface: surface.to_owned(), optics, white_sky }))
 }
 

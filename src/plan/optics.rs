@@ -73,6 +73,9 @@ pub enum Colour {
 }
 
 impl Optics {
+    /// Keys that a dielectric in air does not need.
+    pub const MATTER: [&str; 4] = ["material", "cover_index", "films", "obliquity"];
+
     /// The defaults of a plan.
     pub fn standard() -> Optics {
         Optics {

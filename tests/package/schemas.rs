@@ -129,7 +129,7 @@ name = "metal"
 mode = "orders"
 source_diameter_deg = 0.53
 material = { nk = "metal.csv" }
-cover_index = "pmma"
+cover_index = { nk = "cover.csv" }
 films = [{ index = 2.2, thickness_nm = 60 }, { index = { nk = "metal.csv" }, thickness_nm = 5 }]
 obliquity = "unpolarised"
 [[preset]]
@@ -240,6 +240,8 @@ struct Made {
 fn made(text: &str) -> Made {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("metal.csv"), "wavelength_nm,n,k\n380,1,3\n780,2,5\n").unwrap();
+    fs::write(folder.path().join("cover.csv"), "wavelength_nm,n,k\n380,1.6,0\n780,1.5,0\n")
+        .unwrap();
     fs::write(folder.path().join("plan.toml"), text).unwrap();
     let plan = read_plan(&folder.path().join("plan.toml")).unwrap_or_else(|e| panic!("{e:?}"));
     let package = Compiler::new(&plan).compile().unwrap_or_else(|e| panic!("{e}"));

@@ -262,7 +262,9 @@ impl Fault {
             Fault::UnknownWord => {
                 let i = pairs.iter().copied().filter(|&i| {
                     // an illuminant or a file may have any name
-                    lines[i].contains('"') && !matches!(key(&lines[i]), Some("illuminant" | "file"))
+                    let is_file = lines[i].contains("nk = ");
+                    let is_free = matches!(key(&lines[i]), Some("illuminant" | "file"));
+                    lines[i].contains('"') && !is_free && !is_file
                 });
                 let found: Vec<usize> = i.collect();
                 let i = found[at.index(found.len())];

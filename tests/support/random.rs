@@ -248,6 +248,9 @@ fn value(key: &Key, large: Large) -> BoxedStrategy<String> {
         _ => false,
     };
     let words: Vec<String> = quoted(key).into_iter().filter(|word| !left_out(word)).collect();
+    if key.name == "material" {
+        return prop_oneof![9 => select(words), 1 => file()].boxed();
+    }
     match (numbers(&key.name, large), words.is_empty()) {
         (Some(numbers), true) => numbers,
         (Some(numbers), false) => prop_oneof![2 => numbers, 1 => select(words)].boxed(),
@@ -271,7 +274,6 @@ fn numbers(name: &str, large: Large) -> Option<BoxedStrategy<String>> {
         "coherence_um" => float(if large.prefiltered { 0.1..4.0 } else { 0.1..200.0 }),
         "refractive_index" => float(1.01..5.0),
         "cover_index" => prop_oneof![6 => float(1.0..1.9), 1 => file()].boxed(),
-        "material" => prop_oneof![1 => file(), 4 => Just("\"gold\"".to_owned())].boxed(),
         "films" => films().boxed(),
         "illuminant" => {
             select(vec!["D65", "D50", "A", "E", "F1"]).prop_map(|name| format!("{name:?}")).boxed()

@@ -54,8 +54,6 @@ coherence = "ensemble"
 coherence_um = [5, 20]
 coherence_scaling = ["fixed", "wavelength"]
 refractive_index = [1.5, 1.3]
-material = ["dielectric", "gold"]
-cover_index = [1, 1.4]
 shadowing = [true, false]
 [[preset]]
 name = "single"
@@ -75,6 +73,25 @@ mode = "pq"
 terms = 5
 window_radius = "auto"
 periods = [3, 4]
+"#;
+
+/// Metals, covers and films.
+const MATTER: &str = r#"
+[variants]
+mode = ["full", "adaptive", "baked", "orders"]
+basis = "optimal"
+terms = 8
+lights = [["direction"]]
+wavelengths = [{}, { max_nm = 700 }]
+bake_mib = 0.5
+coherence_um = 20
+coherence = "ensemble"
+material = ["dielectric", "gold"]
+refractive_index = [1.5, 1.3]
+cover_index = [1, 1.4, "polycarbonate"]
+films = [[], [{ index = 1.4, thickness_nm = 90 }]]
+obliquity = ["stam", "te"]
+illuminant = ["D65", "A"]
 "#;
 
 /// What a table depends on beside the tool's version; `forget`: a key that a careless list would lack.
@@ -139,7 +156,7 @@ fn compare(forget: &str) -> (usize, Vec<String>) {
     let mut of_inputs: BTreeMap<(String, String), String> = BTreeMap::new();
     let mut of_ids: BTreeMap<(String, String), String> = BTreeMap::new();
     let mut wrong = Vec::new();
-    for variants in [VARIANTS, OPTICS] {
+    for variants in [VARIANTS, OPTICS, MATTER] {
         let plan = Plan::parse(&format!("{SURFACES}{variants}"), Path::new("plan.toml")).unwrap();
         for surface in &read_surfaces(&plan.surfaces).unwrap() {
             let field = &surface.surface().unwrap().field;
@@ -177,7 +194,7 @@ fn tables_have_one_name_exactly_if_they_have_the_same_inputs() {
 
 #[test]
 fn a_forgotten_input_shows() {
-    for forgotten in ["packing", "coherence_um"] {
+    for forgotten in ["packing", "coherence_um", "material"] {
         assert!(!compare(forgotten).1.is_empty(), "{forgotten}");
     }
 }

@@ -64,6 +64,7 @@ mode = "baked"
 [[preset]]
 name = "orders"
 mode = "orders"
+lights = ["direction"]
 "#;
 
 fn plan(grating: &str, matter: &str, presets: &str) -> Plan {
@@ -165,7 +166,7 @@ fn pq_has_the_phase_inside_the_cover() {
     let placement = Placement { height: &height, rotate_deg: 0.0, variant };
     let twin = TwinRunner::new(placement, true).unwrap();
     for (theta, order, lambda_nm) in
-        [(20.0, 1, 480.0), (55.0, 1, 520.0), (70.0, 2, 450.0), (0.0, -1, 650.0)]
+        [(20.0, 1, 480.0), (55.0, -1, 520.0), (70.0, -2, 450.0), (0.0, -1, 650.0)]
     {
         let wi = direction(theta, 0.0);
         let x = -wi.x - f64::from(order) * lambda_nm * 1e-3 / 1.3;

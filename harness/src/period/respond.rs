@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use diffraction_shaders::error::Result;
 use diffraction_shaders::field::Scratch;
 use diffraction_shaders::field::reference::{Reference, evaluate_all};
-use diffraction_shaders::optics::{path_difference, window_sigma_um};
+use diffraction_shaders::optics::{Matter, path_difference, window_sigma_um};
 use diffraction_shaders::plan::Grating;
 use diffraction_shaders::runner::{Placement, Runner};
 use diffraction_shaders::variant::Form;
@@ -42,11 +42,11 @@ pub fn runner<'a>(
     }
 }
 
-/// The closed form of a grating with its period along the surface's x axis.
+/// The closed form of a grating with its period along the surface's x axis, which is rotated, and under the cover of its matter.
 pub fn profile<'a>(
     profile: &'a ClosedForm,
     protocol: Protocol,
-    rotate_deg: f64,
+    (rotate_deg, matter): (f64, &'a Matter),
     lobe: impl Fn(f64) -> Lobe + 'a,
 ) -> impl FnMut(f64, &[f64]) -> Result<Vec<f64>> + 'a {
     move |lambda_nm, angles| {
@@ -54,7 +54,8 @@ pub fn profile<'a>(
         let one = |&angle: &f64| {
             let directions = protocol.directions(angle);
             let path = path_difference(directions.wi, directions.wr, rotate_deg) / lambda_um;
-            profile.response([path.x, path.y], TAU * path.z, lobe(lambda_nm))
+            let z = TAU / lambda_um * matter.depth(directions.wi, directions.wr, lambda_nm);
+            profile.response([path.x, path.y], z, lobe(lambda_nm))
         };
         Ok(angles.iter().map(one).collect())
     }
@@ -82,7 +83,8 @@ pub fn yardstick(
     };
     let protocol = Protocol { whole: false, ..*protocol };
     let extent_um = extent_um(placement, protocol.wavelengths.max_nm)?;
-    let respond = profile(&closed, protocol, placement.rotate_deg, lobe);
+    let matter = Matter::new(optics)?;
+    let respond = profile(&closed, protocol, (placement.rotate_deg, &matter), lobe);
     measure(&protocol, extent_um, respond).map(Some)
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use diffraction_harness::period::{self, ClosedForm, HeatmapText, Lobe, Measurement, Protocol};
 use diffraction_shaders::input::load_surface as load;
-use diffraction_shaders::optics::window_sigma_um;
+use diffraction_shaders::optics::{Matter, window_sigma_um};
 use diffraction_shaders::plan::{Grating, Mode, Optics, Plan, Variant, Wavelengths};
 use diffraction_shaders::runner::{Placement, Runner, TwinRunner};
 use diffraction_shaders::surface::HeightField;
@@ -237,8 +237,9 @@ fn the_picture_names_its_axes_and_the_table_reads_back() {
     let grating = blazed(0.3, 100);
     let protocol = Protocol { whole: true, ..protocol(2.5) };
     let profile = ClosedForm::new(&grating).unwrap();
+    let matter = Matter::default();
     let lobe = |nm| Lobe::Window { sigma_um: window_sigma_um(&Optics::standard(), nm) };
-    let respond = period::profile(&profile, protocol, 0.0, lobe);
+    let respond = period::profile(&profile, protocol, (0.0, &matter), lobe);
     let found = period::measure(&protocol, 65.0, respond).unwrap();
     let picture = HeatmapText { title: "blazed, full & half", yardstick: Some(&found) };
     let svg = period::heatmap(&found, &protocol, picture).unwrap();

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::PoisonError;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::diagnostic::Diagnostic;
 use crate::encode::json as json_file;
@@ -60,7 +60,10 @@ pub(super) fn build<'a>(
         data: format!("../../../surfaces/{name}/{id}.bin"),
     };
     let entries = shapes.iter().zip(&ids).map(|pair| (pair.0, entry(pair))).collect();
-    let input_hash = of_value(&json!([surface.input.identity(), variant.hash(), TOOL_VERSION]));
+    let mut inputs =
+        vec![json!(surface.input.identity()), json!(variant.hash()), json!(TOOL_VERSION)];
+    inputs.extend(variant.optics.matter());
+    let input_hash = of_value(&Value::Array(inputs));
     let energy = surface.energy(&variant.optics);
     let subject = Described { surface: name, variant, form, tables: entries, input_hash, energy };
     let manifest = manifest(subject, &module, &emitted);

@@ -15,11 +15,15 @@ use super::NAGA_VERSION;
 use super::work::{Work, formed, placed};
 
 /// Hash of everything that a package is made from but the program and the templates: surfaces with their files, variants
-/// with their illuminants, languages, containers of tables.
+/// with their illuminants and media, languages, containers of tables.
 pub(super) fn input_hash(work: &Work<'_>) -> String {
     let surface = |input: &SurfaceInput| {
-        let variant =
-            |v: &Variant| (v.name.clone(), v.hash(), v.optics.illuminant.identity().to_owned());
+        let variant = |v: &Variant| {
+            let light = json!(v.optics.illuminant.identity());
+            // the content of tables of n and k counts, and not only their names
+            let files = v.optics.matter().map_or(light.clone(), |matter| json!([light, matter]));
+            (v.name.clone(), v.hash(), files)
+        };
         let variants: Vec<_> = placed(work, input).0.iter().map(variant).collect();
         (input.spec().name.clone(), input.identity().to_owned(), variants)
     };

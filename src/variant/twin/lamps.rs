@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use glam::{BVec2, DVec2, DVec3, DVec4};
 
 use crate::tables::orders::{CENTRE_NM, UNIT_NM};
-use crate::variant::{Computation, Orders};
+use crate::variant::Orders;
 
 use super::Twin;
 use super::efficiencies::efficiency;
@@ -43,7 +43,7 @@ pub fn edge_normal(start: DVec3, end: DVec3, side: f64, centre: DVec3) -> DVec3 
 
 /// Reflectance at normal incidence.
 fn normal_reflectance(form: &Orders) -> f64 {
-    form.matter().normal_reflectance()
+    form.sum.coat.matter.normal_reflectance()
 }
 
 /// First and last row of orders that may take light from within `reach` of a direction.
@@ -154,7 +154,7 @@ pub fn panel_count(form: &Orders, order: DVec2, [from_um, to_um]: [f64; 2], wr: 
     let (first, last) = (arrival(frequency, from_um, wr), arrival(frequency, to_um, wr));
     let middle_um = 0.5 * (from_um + to_um);
     let middle = arrival(frequency, middle_um, wr);
-    let w = |wi: DVec3| -form.matter().path(wi, wr, 0.0).z;
+    let w = |wi: DVec3| -form.sum.coat.matter.path(wi, wr, 0.0).z;
     let turns = 2.0 * (w(first) / from_um - w(middle) / middle_um).abs();
     let columns = 0.5 * form.axes.phase_min_um() * f64::from(form.axes.columns) * turns;
     let needed = (columns / form.panel_columns()).max(first.distance(last) / form.panel_arc());
@@ -251,7 +251,8 @@ fn moment(twin: &Twin<'_>, column: i64, row: i64) -> DVec4 {
 
 fn order_share(twin: &Twin<'_>, form: &Orders, order: DVec2, lambda_um: f64, wr: DVec3) -> f64 {
     let wi = arrival(order_frequency(form, order), lambda_um, wr);
-    let (matter, coat) = (form.matter(), &form.sum.coat);
+    let coat = &form.sum.coat;
+    let matter = &coat.matter;
     let turns = dispersed(twin, coat, matter.path(wi, wr, 0.0).z, lambda_um) / lambda_um;
     let reflected = reflectance(twin, coat, lambda_um, matter.facing_of(wi, wr));
     matter.geometry(wi, wr) / wi.z.max(1e-6) * reflected * efficiency(twin, form, order, turns)
