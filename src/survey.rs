@@ -1,8 +1,9 @@
-//! Survey of a surface: the facts that users need first, and two pictures.
+//! Survey of a surface: the facts that users need first, and three pictures.
 
 mod canvas;
 mod font;
 mod heights;
+mod matter;
 pub mod memory;
 mod plot;
 mod spectrum;
@@ -22,6 +23,7 @@ use crate::tables::basis::Expansion;
 use crate::variant::{Cost, Form};
 
 pub use heights::height_picture;
+pub use matter::{MatterFacts, reflectance_picture};
 pub use spectrum::spectrum_picture;
 pub use window::Window;
 
@@ -55,6 +57,8 @@ pub struct Survey {
     pub terms: Vec<TermCounts>,
     /// The coherence window in comparison with the patch.
     pub window: Window,
+    /// What it is made of under the surface's optics.
+    pub matter: MatterFacts,
     /// Radiance under a white sky of radiance 1 under the surface's optics, X, Y, Z, at 0, 30, 60 and 75 degrees from the
     /// normal. `None` where its orders need more memory than the tool allows.
     pub white_sky: Option<[[f64; 3]; 4]>,
@@ -119,11 +123,13 @@ pub fn survey(plan: &Plan, spec: &SurfaceSpec) -> Result<(Survey, HeightField)> 
         }
     }
     let optics = spec.optics.over(&plan.optics);
-    let white_sky = match OrderSum::has_white_sky(&field, &Matter::new(&optics)?) {
+    let matter = Matter::new(&optics)?;
+    let white_sky = match OrderSum::has_white_sky(&field, &matter) {
         true => Some(OrderSum::new(&field, spec.rotate_deg, &optics)?.white_sky()),
         false => None,
     };
     let inspection = Survey {
+        matter: MatterFacts::new(&optics, &matter),
         white_sky,
         rotate_deg: spec.rotate_deg,
         step_um,

@@ -17,6 +17,7 @@ pub mod harness;
 mod inspect;
 pub mod interrupt;
 pub mod list;
+mod material;
 pub mod memory;
 pub mod program;
 pub mod progress;
@@ -54,6 +55,8 @@ enum Command {
     List(list::Args),
     /// Show the facts of a surface (size, heights, periods, terms needed, costs) and draw it.
     Inspect(inspect::Args),
+    /// Print the plan's keys for the materials of a glTF file: metals, dielectrics, coats, thin films.
+    Material(material::Args),
     /// Show a variant's generated shader beside the template lines that it came from.
     Explain(explain::Args),
     /// Print the colours for given directions of light and viewer.
@@ -63,10 +66,11 @@ enum Command {
 }
 
 /// All commands in the order of the help text, with those of the harness and those that only one program has.
-const ORDER: [&str; 16] = [
+const ORDER: [&str; 17] = [
     "generate",
     "list",
     "import",
+    "material",
     "inspect",
     "validate",
     "explain",
@@ -148,6 +152,7 @@ pub fn main(program: &Program) -> ExitCode {
         Command::Generate(args) => generate::run(&args, &(program.cache)(), &console),
         Command::List(args) => list::run(&args, &console),
         Command::Inspect(args) => inspect::run(&args, &console),
+        Command::Material(args) => material::run(&args, &console),
         Command::Explain(args) => explain::run(&args, &console),
         Command::Eval(ref with) if with.runner.runner.is_driver() => {
             Err(harness::take_over(program, &args))

@@ -360,6 +360,19 @@ impl Matter {
         let [s, p] = obliquity(wi, wr, self.obliquity);
         Factor { s: s * entry * shadow * faces[0], p: p * entry * shadow * faces[1] }
     }
+
+    /// Reflectances for unpolarised light in the mirror direction, from 0 to 1, at a wavelength in nm and an angle from the
+    /// normal in air in degrees, at least 0 and below 90: of the relief alone, and as seen from outside, times the
+    /// transmittances of the cover's face on both ways. Each factor is the mean of both polarisations, as in
+    /// [`Matter::gain`]. Without a cover both are the same.
+    pub fn seen_reflectances(&self, lambda_nm: f64, theta_deg: f64) -> [f64; 2] {
+        let n = self.cover_at(lambda_nm);
+        let (sin, outside) = theta_deg.to_radians().sin_cos();
+        let inside = (1.0 - (sin / n).powi(2)).sqrt();
+        let mean = |[s, p]: [f64; 2]| 0.5 * (s + p);
+        let relief = mean(self.reflectances(lambda_nm, inside));
+        [relief, relief * mean(transmittance(outside, inside, n)).powi(2)]
+    }
 }
 
 /// The dielectric of a plan's defaults, in air.

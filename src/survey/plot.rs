@@ -2,7 +2,7 @@
 
 use crate::encode::viridis;
 
-use super::canvas::{ADVANCE, Align, Canvas, INK, LINE};
+use super::canvas::{ADVANCE, Align, Canvas, Colour, INK, LINE};
 
 /// Space around the area for ticks, labels and the title.
 const LEFT: i64 = 6 * ADVANCE + 8;
@@ -74,6 +74,28 @@ impl Plot {
             plot.bar(bar);
         }
         plot
+    }
+
+    /// A curve of one value of `y` for each column of the area, with its colour and its width in pixels. `dash`: length of
+    /// a dash and of a gap, pixels.
+    pub(super) fn curve(
+        &mut self,
+        values: &[f64],
+        y: &PlotRange,
+        (colour, width): (Colour, i64),
+        dash: Option<i64>,
+    ) {
+        let Plot { left, top, height, .. } = *self;
+        let extent = (y.high - y.low).max(f64::MIN_POSITIVE);
+        let row = |value: f64| ((y.high - value) / extent * (height - 1) as f64).round() as i64;
+        for (column, pair) in (0..).zip(values.windows(2)) {
+            if dash.is_some_and(|dash| column / dash % 2 == 1) {
+                continue;
+            }
+            let begin = (row(pair[0].max(pair[1])) - width / 2).max(0);
+            let end = (row(pair[0].min(pair[1])) + width / 2).min(height - 1);
+            self.canvas.fill(left + column, top + begin, 2, end - begin + 1, colour);
+        }
     }
 
     fn axes(&mut self, x: &PlotRange, y: &PlotRange) {

@@ -1,9 +1,9 @@
 //! The facts of a surface as text for people.
 
 use diffraction_shaders::field::orders::SKY_VIEWS_DEG;
-use diffraction_shaders::plan::{SurfaceSource, SurfaceSpec};
+use diffraction_shaders::plan::{Film, Material, Medium, SurfaceSource, SurfaceSpec};
 use diffraction_shaders::surface::facts::{AxisPeriods, Facts, TRIM_PERCENT};
-use diffraction_shaders::survey::{Survey, TERM_ERRORS};
+use diffraction_shaders::survey::{MatterFacts, Survey, TERM_ERRORS};
 
 use crate::list::{or_dash, source, table};
 
@@ -25,6 +25,8 @@ pub(super) fn human(spec: &SurfaceSpec, found: &Survey, written: &[String]) -> S
     text += &terms(found, is_file);
     text += "\n";
     text += &paragraph(window(found).into_iter().chain(energy(found)).collect());
+    text += "\n";
+    text += &matter(&found.matter);
     text += "\n";
     text += &cost(found);
     text += &paragraph(vec![("written", written.to_vec())]);
@@ -239,6 +241,73 @@ fn energy(found: &Survey) -> Lines {
         "{shares} of the light of a white sky, seen at {views} from the normal along x; a scalar theory does not keep energy exactly"
     );
     vec![("reflects", vec![sentence])]
+}
+
+/// What the surface is made of, and its reflectance.
+fn matter(found: &MatterFacts) -> String {
+    let is_covered = found.cover_index != Medium::Constant(1.0);
+    let base = match (&found.material, found.refractive_index) {
+        (Material::Medium(medium), _) => medium.name(),
+        (Material::Dielectric, n) => format!("a dielectric of index {}", n.unwrap_or(f64::NAN)),
+    };
+    let above = match &found.cover_index {
+        Medium::Constant(n) if is_covered => format!("under a cover of index {n}"),
+        medium if is_covered => {
+            let n = found.cover_index_at_550_nm;
+            format!("under a cover of {} (index {n:.3} at 550 nm)", medium.name())
+        }
+        _ => "in air, without a cover".to_owned(),
+    };
+    let film = |film: &Film| format!("{} nm of {}", film.thickness_nm, film.index.name());
+    let films = match found.films.as_slice() {
+        [] => "no films".to_owned(),
+        films => {
+            let listed: Vec<String> = films.iter().map(film).collect();
+            format!("films from the outside in: {}", listed.join(", "))
+        }
+    };
+    let obliquity = found.obliquity.as_str();
+    let face = if is_covered { " and without the cover's face" } else { "" };
+    let mean = format!(
+        "{} %: reflectance of the relief at normal incidence, the mean over the light{face}; results are relative to it",
+        percent(found.normal_reflectance)
+    );
+    let lines = vec![
+        ("made of", vec![format!("{base} {above}; {films}; obliquity `{obliquity}`")]),
+        ("R0", vec![mean]),
+    ];
+    paragraph(lines) + &reflectance(found, is_covered)
+}
+
+/// Reflectance over wavelength and angle: of the relief alone, and seen from outside where there is a cover.
+fn reflectance(found: &MatterFacts, is_covered: bool) -> String {
+    let parts: &[(&str, &[[f64; 4]; 7])] = match is_covered {
+        true => &[("relief ", &found.relief), ("seen ", &found.outside)],
+        false => &[("", &found.relief)],
+    };
+    let mut head = vec!["wavelength, nm".to_owned()];
+    for (part, _) in parts {
+        let [first, others @ ..] = found.angles_deg.map(|theta| format!("{theta}°"));
+        head.push(format!("{part}{first}"));
+        head.extend(others);
+    }
+    let row = |(i, nm): (usize, &f64)| {
+        let values = parts.iter().flat_map(|(_, rows)| rows[i]).map(percent);
+        std::iter::once(nm.to_string()).chain(values).collect()
+    };
+    let rows = found.wavelengths_nm.iter().enumerate().map(row).collect();
+    let mut title =
+        "reflectance in the mirror direction, %, mean of s and p; angles from the normal in air\n"
+            .to_owned();
+    if is_covered {
+        title += "relief: without the cover's face; seen: from outside, times both transmittances of the face\n";
+    }
+    let head: Vec<&str> = head.iter().map(String::as_str).collect();
+    title + &indented(&table::text(&head, rows))
+}
+
+fn percent(reflectance: f64) -> String {
+    format!("{:.2}", 100.0 * reflectance)
 }
 
 fn cost(found: &Survey) -> String {

@@ -4,6 +4,9 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use diffraction_shaders::optics::Index;
+use diffraction_shaders::plan::Medium;
+
 const PLAN: &str = r#"schema = 1
 [[surface]]
 name = "a"
@@ -60,7 +63,9 @@ fn json_has_the_facts_and_what_was_written() {
         assert!(found.get(key).is_some(), "{key} is missing");
     }
     let out = folder.path().join("inspect/a");
-    assert_eq!(names(&out), ["heights.png", "inspect.json", "manifest.json", "spectrum.png"]);
+    let pictures =
+        ["heights.png", "inspect.json", "manifest.json", "reflectance.png", "spectrum.png"];
+    assert_eq!(names(&out), pictures);
     for file in found["written"].as_array().unwrap() {
         assert!(folder.path().join(file.as_str().unwrap()).is_file(), "{file}");
     }
@@ -111,4 +116,117 @@ fn a_wrong_name_or_folder_is_exit_code_two() {
     fs::write(folder.path().join("profile.csv"), "0.1\n").unwrap();
     fails(&["inspect", "--surface", "profile"], "single pixel");
     assert!(!folder.path().join("inspect").exists());
+}
+
+const MATTER: &str = r#"schema = 1
+[[surface]]
+name = "plain"
+grating = { kind = "blazed", period_um = 2.5, height_um = 0.3, pixels = 32 }
+[[surface]]
+name = "cd"
+grating = { kind = "blazed", period_um = 1.6, height_um = 0.12, pixels = 32 }
+optics = { material = "aluminium", cover_index = "polycarbonate", obliquity = "unpolarised" }
+[[surface]]
+name = "flat-tables"
+grating = { kind = "blazed", period_um = 1.6, height_um = 0.12, pixels = 32 }
+optics = { material = { nk = "metal.csv" }, cover_index = 1.6 }
+[[surface]]
+name = "coated"
+grating = { kind = "blazed", period_um = 1.6, height_um = 0.12, pixels = 32 }
+optics = { refractive_index = 1.52, films = [{ index = 1.38, thickness_nm = 100 }] }
+"#;
+
+/// The facts as JSON, and the text for people.
+fn matter(surface: &str) -> (serde_json::Value, String) {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("plan.toml"), MATTER).unwrap();
+    let table = "wavelength_nm,n,k\n380,1,6\n780,1,6\n";
+    fs::write(folder.path().join("metal.csv"), table).unwrap();
+    let run = |more: &[&str]| {
+        let done = diffraction(folder.path(), &[&["inspect", "--surface", surface], more].concat());
+        assert_eq!(done.status.code(), Some(0), "{done:?}");
+        String::from_utf8(done.stdout).unwrap()
+    };
+    let found: serde_json::Value = serde_json::from_str(&run(&["--json"])).unwrap();
+    let text = run(&[]);
+    assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+    // lines are broken anywhere
+    (found["matter"].clone(), text.split_whitespace().collect::<Vec<_>>().join(" "))
+}
+
+fn near(found: &serde_json::Value, wanted: f64) {
+    let found = found.as_f64().unwrap();
+    assert!((found - wanted).abs() < 1e-9, "{found}, not {wanted}");
+}
+
+#[test]
+fn a_dielectric_in_air_has_its_reflectance() {
+    let (found, text) = matter("plain");
+    assert_eq!(
+        (&found["material"], &found["refractive_index"]),
+        (&"dielectric".into(), &1.5.into())
+    );
+    assert_eq!((&found["cover_index"], &found["films"]), (&1.0.into(), &serde_json::json!([])));
+    assert_eq!(found["angles_deg"], serde_json::json!([0.0, 30.0, 60.0, 75.0]));
+    near(&found["normal_reflectance"], 0.04);
+    // Schlick: 0.04 + 0.96 (1 - cos 60°)^5 = 0.07 at every wavelength
+    for row in found["relief"].as_array().unwrap() {
+        near(&row[2], 0.07);
+    }
+    assert_eq!(found["relief"], found["outside"]);
+    for part in [
+        "a dielectric of index 1.5 in air, without a cover; no films",
+        "`stam`",
+        "550 4.00 4.00 7.00 25.47",
+    ] {
+        assert!(text.contains(part), "{part} is not in\n{text}");
+    }
+    assert!(!text.contains("seen 0°"), "{text}");
+}
+
+#[test]
+fn a_metal_under_a_cover_has_two_reflectances() {
+    // n + ik = 1 + 6i under 1.6, at the normal: ((1.6 - 1)² + 36)/((1.6 + 1)² + 36), and T = 1 - (0.6/2.6)² twice
+    let (found, _) = matter("flat-tables");
+    let relief = (0.36 + 36.0) / (6.76 + 36.0);
+    let face = 1.0 - (0.6_f64 / 2.6).powi(2);
+    near(&found["normal_reflectance"], relief);
+    near(&found["relief"][3][0], relief);
+    near(&found["outside"][3][0], relief * face * face);
+    // at 60° in air: Snell inside, Fresnel at the face, s and p apart
+    let (out, sin) = (0.5_f64, 0.75_f64.sqrt());
+    let cos = (1.0 - (sin / 1.6_f64).powi(2)).sqrt();
+    let s = 1.0 - ((out - 1.6 * cos) / (out + 1.6 * cos)).powi(2);
+    let p = 1.0 - ((1.6 * out - cos) / (1.6 * out + cos)).powi(2);
+    let relief = found["relief"][3][2].as_f64().unwrap();
+    near(&found["outside"][3][2], relief * (0.5 * (s + p)).powi(2));
+
+    let (found, text) = matter("cd");
+    assert_eq!(found["material"], "aluminium");
+    // the same with the tables of both media, at 550 nm
+    let index = |name| Index::new(name, &Medium::Named(name)).unwrap().at(550.0);
+    let (metal, above) = (index("aluminium"), index("polycarbonate").re);
+    let part = |n: f64| n * n + metal.im * metal.im;
+    let relief = part(metal.re - above) / part(metal.re + above);
+    let face = 1.0 - ((above - 1.0) / (above + 1.0)).powi(2);
+    near(&found["relief"][3][0], relief);
+    near(&found["outside"][3][0], relief * face * face);
+    near(&found["cover_index_at_550_nm"], above);
+    assert_eq!(
+        (&found["cover_index"], &found["obliquity"]),
+        (&"polycarbonate".into(), &"unpolarised".into())
+    );
+    assert!(found["refractive_index"].is_null());
+    for part in ["aluminium under a cover of polycarbonate (index 1.59", "relief 0°", "seen 0°"] {
+        assert!(text.contains(part), "{part} is not in\n{text}");
+    }
+}
+
+#[test]
+fn films_are_listed_and_interfere() {
+    let (found, text) = matter("coated");
+    assert!(text.contains("films from the outside in: 100 nm of 1.38"), "{text}");
+    // nearly a quarter wave at 550 nm: far below the 4.3 % of the bare dielectric
+    let normal = found["relief"][3][0].as_f64().unwrap();
+    assert!((0.0125..0.013).contains(&normal), "{normal}");
 }

@@ -9,6 +9,7 @@ mod explain;
 mod inspect;
 mod lights;
 mod list;
+mod material;
 mod matter;
 mod memory;
 mod outputs;
