@@ -156,13 +156,8 @@ fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
 
 // Argument τ of the series: w/λ relative to its largest magnitude, -1 to 0.
 fn series_argument(w: f32, lambda_um: f32) -> f32 {
-    let tau = covered_argument(w, lambda_um);
+    let tau = 0.5 * dispersed(w, lambda_um) * PHASE_MIN_UM / lambda_um;
     return tau;
-}
-
-// Phase per height under the cover relative to its largest magnitude, -1 to 0.
-fn covered_argument(w: f32, lambda_um: f32) -> f32 {
-    return 0.5 * dispersed(w, lambda_um) * PHASE_MIN_UM / lambda_um;
 }
 
 // The complex amplitude of a bin: the sum of τ^n times term n, by Horner's rule.

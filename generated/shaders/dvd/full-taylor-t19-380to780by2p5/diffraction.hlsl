@@ -47,7 +47,7 @@ static const float MATTER_COSINE = 0.7790805;
 static const float MATTER_FROM_UM = 0.38;
 static const float MATTER_PACE = 400.0;
 static const int MATTER_ROW = int(2);
-static const float PATCH_HEIGHT_UM = 0.04;
+static const float PATCH_HEIGHT_UM = 0.0296;
 static const float PATCH_WIDTH_UM = 0.74;
 static const float PHASE_MIN_UM = 0.23257379;
 static const int WAVELENGTH_COUNT = int(161);
@@ -126,10 +126,10 @@ float gain(float3 wi_1, float3 wr_1)
     const float3 _e15 = inside(wr_1);
     const float _e16 = crossed(wi_1, _e14, wr_1, _e15);
     factor = ((_e16 * wi_1.z) / _e14.z);
-    float w_3 = (_e14.z + _e15.z);
+    float w_2 = (_e14.z + _e15.z);
     float aligned = (1.0 + dot(_e14, _e15));
     float _e27 = factor;
-    factor = (_e27 * ((aligned * aligned) / ((w_3 * w_3) * _e15.z)));
+    factor = (_e27 * ((aligned * aligned) / ((w_2 * w_2) * _e15.z)));
     float _e34 = factor;
     return _e34;
 }
@@ -197,24 +197,19 @@ float dispersed(float w, float lambda_um_4)
     return -(sqrt(max(0.0, ((w * w) + _e3.x))));
 }
 
-float covered_argument(float w_1, float lambda_um_5)
+float series_argument(float w_1, float lambda_um_5)
 {
     const float _e2 = dispersed(w_1, lambda_um_5);
-    return (((0.5 * _e2) * PHASE_MIN_UM) / lambda_um_5);
+    float tau_1 = (((0.5 * _e2) * PHASE_MIN_UM) / lambda_um_5);
+    return tau_1;
 }
 
-float series_argument(float w_2, float lambda_um_6)
-{
-    const float _e2 = covered_argument(w_2, lambda_um_6);
-    return _e2;
-}
-
-float2 window_sharpness(float lambda_um_7)
+float2 window_sharpness(float lambda_um_6)
 {
     float sigma_um = 16.25;
 
     float _e3 = sigma_um;
-    float2 turns = (((6.2831855 * _e3)).xx / float2(0.74, 0.04));
+    float2 turns = (((6.2831855 * _e3)).xx / float2(0.74, 0.0296));
     return ((0.5 * turns) * turns);
 }
 
@@ -258,16 +253,16 @@ int2 naga_f2i32(float2 value) {
     return int2(clamp(value, -2147483600.0, 2147483500.0));
 }
 
-float response(float3 path, float lambda_um_8)
+float response(float3 path, float lambda_um_7)
 {
     float2 amplitude = (0.0).xx;
     int s = int(-1);
     int r = (int)0;
 
-    float2 place_10 = ((path.xy / (lambda_um_8).xx) * float2(0.74, 0.04));
+    float2 place_10 = ((path.xy / (lambda_um_7).xx) * float2(0.74, 0.0296));
     float2 nearest = floor((place_10 + (0.5).xx));
-    const float _e20 = series_argument(path.z, lambda_um_8);
-    const float2 _e21 = window_sharpness(lambda_um_8);
+    const float _e20 = series_argument(path.z, lambda_um_7);
+    const float2 _e21 = window_sharpness(lambda_um_7);
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {

@@ -115,8 +115,8 @@ pub struct Table {
 pub const TERMS_TABLE: Table = Table {
     group: TERMS_GROUP,
     binding: TERMS_BINDING,
-    data: "../../../surfaces/dvd/terms-767a576cd966.bin",
-    description: "../../../surfaces/dvd/terms-767a576cd966.json",
+    data: "../../../surfaces/dvd/terms-f8f7a5f2a59a.bin",
+    description: "../../../surfaces/dvd/terms-f8f7a5f2a59a.json",
     bytes: 10400,
     format: "rgba32float",
     dimension: "2d-array",

@@ -27,7 +27,7 @@ const MATTER_COSINE: f32 = 0.7790805; // least cosine between half vector and vi
 const MATTER_FROM_UM: f32 = 0.38; // wavelength of the first column, µm
 const MATTER_PACE: f32 = 200.0; // number of columns of the material per µm of wavelength
 const MATTER_ROW: i32 = 2; // first row of the material in the table of the spectrum
-const PATCH_HEIGHT_UM: f32 = 0.04; // height of the patch that tiles the plane, along y, µm
+const PATCH_HEIGHT_UM: f32 = 0.0296; // height of the patch that tiles the plane, along y, µm
 const PATCH_WIDTH_UM: f32 = 0.74; // width of the patch that tiles the plane, along x, µm
 const PHASE_MIN_UM: f32 = 0.23257379; // wavelength in air whose greatest phase per height is the greatest here, µm
 const WAVELENGTH_COUNT: i32 = 81; // number of wavelengths in the sum
@@ -147,13 +147,8 @@ fn tristimulus(wi: vec3f, wr: vec3f, terms: texture_2d_array<f32>, spectrum: tex
 
 // Argument τ of the series: w/λ relative to its largest magnitude, -1 to 0.
 fn series_argument(w: f32, lambda_um: f32, spectrum: texture_2d<f32>) -> f32 {
-    let tau = covered_argument(w, lambda_um, spectrum);
+    let tau = 0.5 * dispersed(w, lambda_um, spectrum) * PHASE_MIN_UM / lambda_um;
     return tau;
-}
-
-// Phase per height under the cover relative to its largest magnitude, -1 to 0.
-fn covered_argument(w: f32, lambda_um: f32, spectrum: texture_2d<f32>) -> f32 {
-    return 0.5 * dispersed(w, lambda_um, spectrum) * PHASE_MIN_UM / lambda_um;
 }
 
 // The complex amplitude of a bin: the sum of τ^n times term n, by Horner's rule.

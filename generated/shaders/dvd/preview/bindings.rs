@@ -115,8 +115,8 @@ pub struct Table {
 pub const TERMS_TABLE: Table = Table {
     group: TERMS_GROUP,
     binding: TERMS_BINDING,
-    data: "../../../surfaces/dvd/terms-cd6585479f89.bin",
-    description: "../../../surfaces/dvd/terms-cd6585479f89.json",
+    data: "../../../surfaces/dvd/terms-c39fe395f94f.bin",
+    description: "../../../surfaces/dvd/terms-c39fe395f94f.json",
     bytes: 7280,
     format: "rgba32float",
     dimension: "2d-array",

@@ -26,7 +26,7 @@ const float MATTER_COSINE = 0.7790805;
 const float MATTER_FROM_UM = 0.38;
 const float MATTER_PACE = 100.0;
 const int MATTER_ROW = 2;
-const float PATCH_HEIGHT_UM = 0.04;
+const float PATCH_HEIGHT_UM = 0.0296;
 const float PATCH_WIDTH_UM = 0.74;
 const float PHASE_MIN_UM = 0.23257379;
 const int WAVELENGTH_COUNT = 41;
@@ -76,10 +76,10 @@ float gain(vec3 wi_1, vec3 wr_1) {
     vec3 _e15 = inside(wr_1);
     float _e16 = crossed(wi_1, _e14, wr_1, _e15);
     factor = ((_e16 * wi_1.z) / _e14.z);
-    float w_3 = (_e14.z + _e15.z);
+    float w_2 = (_e14.z + _e15.z);
     float aligned = (1.0 + dot(_e14, _e15));
     float _e27 = factor;
-    factor = (_e27 * ((aligned * aligned) / ((w_3 * w_3) * _e15.z)));
+    factor = (_e27 * ((aligned * aligned) / ((w_2 * w_2) * _e15.z)));
     float _e34 = factor;
     return _e34;
 }
@@ -135,20 +135,16 @@ float dispersed(float w, float lambda_um_4) {
     return -(sqrt(max(0.0, ((w * w) + _e3.x))));
 }
 
-float covered_argument(float w_1, float lambda_um_5) {
+float series_argument(float w_1, float lambda_um_5) {
     float _e2 = dispersed(w_1, lambda_um_5);
-    return (((0.5 * _e2) * PHASE_MIN_UM) / lambda_um_5);
+    float tau_1 = (((0.5 * _e2) * PHASE_MIN_UM) / lambda_um_5);
+    return tau_1;
 }
 
-float series_argument(float w_2, float lambda_um_6) {
-    float _e2 = covered_argument(w_2, lambda_um_6);
-    return _e2;
-}
-
-vec2 window_sharpness(float lambda_um_7) {
+vec2 window_sharpness(float lambda_um_6) {
     float sigma_um = 16.25;
     float _e3 = sigma_um;
-    vec2 turns = (vec2((6.2831855 * _e3)) / vec2(0.74, 0.04));
+    vec2 turns = (vec2((6.2831855 * _e3)) / vec2(0.74, 0.0296));
     return ((0.5 * turns) * turns);
 }
 
@@ -185,14 +181,14 @@ float window(vec2 offset, vec2 sharpness) {
     return exp(-(dot((offset * offset), sharpness)));
 }
 
-float response(vec3 path, float lambda_um_8) {
+float response(vec3 path, float lambda_um_7) {
     vec2 amplitude = vec2(0.0);
     int s = -1;
     int r = 0;
-    vec2 place_3 = ((path.xy / vec2(lambda_um_8)) * vec2(0.74, 0.04));
+    vec2 place_3 = ((path.xy / vec2(lambda_um_7)) * vec2(0.74, 0.0296));
     vec2 nearest = floor((place_3 + vec2(0.5)));
-    float _e20 = series_argument(path.z, lambda_um_8);
-    vec2 _e21 = window_sharpness(lambda_um_8);
+    float _e20 = series_argument(path.z, lambda_um_7);
+    vec2 _e21 = window_sharpness(lambda_um_7);
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {

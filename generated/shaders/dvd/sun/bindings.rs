@@ -121,8 +121,8 @@ pub struct Table {
 pub const EFFICIENCIES_TABLE: Table = Table {
     group: EFFICIENCIES_GROUP,
     binding: EFFICIENCIES_BINDING,
-    data: "../../../surfaces/dvd/efficiencies-cc57d99ef80b.bin",
-    description: "../../../surfaces/dvd/efficiencies-cc57d99ef80b.json",
+    data: "../../../surfaces/dvd/efficiencies-505be47b4120.bin",
+    description: "../../../surfaces/dvd/efficiencies-505be47b4120.json",
     bytes: 2160,
     format: "rgba32float",
     dimension: "2d",
@@ -136,8 +136,8 @@ pub const EFFICIENCIES_TABLE: Table = Table {
 pub const SPECTRUM_TABLE: Table = Table {
     group: SPECTRUM_GROUP,
     binding: SPECTRUM_BINDING,
-    data: "../../../surfaces/dvd/spectrum-4050e2d4125a.bin",
-    description: "../../../surfaces/dvd/spectrum-4050e2d4125a.json",
+    data: "../../../surfaces/dvd/spectrum-d37f5efc28fd.bin",
+    description: "../../../surfaces/dvd/spectrum-d37f5efc28fd.json",
     bytes: 241920,
     format: "rgba32float",
     dimension: "2d",

@@ -43,7 +43,7 @@ const float PANEL_ARC = 0.75;
 const float PANEL_COLUMNS = 5.0;
 const int PANEL_COUNT = 7;
 const float PANEL_PACE = 2.964;
-const float PATCH_HEIGHT_UM = 0.04;
+const float PATCH_HEIGHT_UM = 0.0296;
 const float PATCH_WIDTH_UM = 0.74;
 const float PHASE_MIN_UM = 0.23257379;
 const float REACH_SIGMAS = 4.0;
@@ -247,7 +247,7 @@ vec3 corridor(vec3 path, vec2 facing_1) {
     int hit = 0;
     int tried = 0;
     bool steep = (abs(path.y) > abs(path.x));
-    vec2 patch_um = vec2(0.74, 0.04);
+    vec2 patch_um = vec2(0.74, 0.0296);
     vec2 uv_2 = (steep ? path.yx : path.xy);
     vec2 size_um = (steep ? patch_um.yx : patch_um);
     vec2 _e33 = wavenumbers();

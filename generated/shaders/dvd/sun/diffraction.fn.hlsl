@@ -35,7 +35,7 @@ static const float PANEL_ARC = 0.75;
 static const float PANEL_COLUMNS = 5.0;
 static const int PANEL_COUNT = int(7);
 static const float PANEL_PACE = 2.964;
-static const float PATCH_HEIGHT_UM = 0.04;
+static const float PATCH_HEIGHT_UM = 0.0296;
 static const float PATCH_WIDTH_UM = 0.74;
 static const float PHASE_MIN_UM = 0.23257379;
 static const float REACH_SIGMAS = 4.0;
@@ -278,7 +278,7 @@ float3 corridor(float3 path, float2 facing_1)
     int tried = (int)0;
 
     bool steep = (abs(path.y) > abs(path.x));
-    float2 patch_um = float2(0.74, 0.04);
+    float2 patch_um = float2(0.74, 0.0296);
     float2 uv_2 = (steep ? path.yx : path.xy);
     float2 size_um_1 = (steep ? patch_um.yx : patch_um);
     const float2 _e33 = wavenumbers();
@@ -481,7 +481,7 @@ int2 order_columns(int row_3, float2 offset_3, float reach_2)
 
 float2 order_frequency(int2 order_1)
 {
-    return (float2(order_1) / float2(0.74, 0.04));
+    return (float2(order_1) / float2(0.74, 0.0296));
 }
 
 float3 polar(float2 frequency)

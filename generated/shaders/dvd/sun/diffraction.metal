@@ -65,7 +65,7 @@ constant float PANEL_ARC = 0.75;
 constant float PANEL_COLUMNS = 5.0;
 constant int PANEL_COUNT = 7;
 constant float PANEL_PACE = 2.964;
-constant float PATCH_HEIGHT_UM = 0.04;
+constant float PATCH_HEIGHT_UM = 0.0296;
 constant float PATCH_WIDTH_UM = 0.74;
 constant float PHASE_MIN_UM = 0.23257379;
 constant float REACH_SIGMAS = 4.0;
@@ -365,7 +365,7 @@ metal::float3 corridor(
     int hit = 0;
     int tried = {};
     bool steep = metal::abs(path.y) > metal::abs(path.x);
-    metal::float2 patch_um = metal::float2(0.74, 0.04);
+    metal::float2 patch_um = metal::float2(0.74, 0.0296);
     metal::float2 uv_6 = steep ? path.yx : path.xy;
     metal::float2 size_um_1 = steep ? patch_um.yx : patch_um;
     metal::float2 _e33 = wavenumbers();
@@ -589,7 +589,7 @@ metal::int2 order_columns(
 metal::float2 order_frequency(
     metal::int2 order_1
 ) {
-    return static_cast<metal::float2>(order_1) / metal::float2(0.74, 0.04);
+    return static_cast<metal::float2>(order_1) / metal::float2(0.74, 0.0296);
 }
 
 metal::float3 polar(

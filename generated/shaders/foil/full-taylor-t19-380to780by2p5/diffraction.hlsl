@@ -126,10 +126,10 @@ float gain(float3 wi_1, float3 wr_1)
     const float3 _e15 = inside(wr_1);
     const float _e16 = crossed(wi_1, _e14, wr_1, _e15);
     factor = ((_e16 * wi_1.z) / _e14.z);
-    float w_2 = (_e14.z + _e15.z);
+    float w_1 = (_e14.z + _e15.z);
     float aligned = (1.0 + dot(_e14, _e15));
     float _e27 = factor;
-    factor = (_e27 * ((aligned * aligned) / ((w_2 * w_2) * _e15.z)));
+    factor = (_e27 * ((aligned * aligned) / ((w_1 * w_1) * _e15.z)));
     float _e34 = factor;
     return _e34;
 }
@@ -191,18 +191,13 @@ float reflectance(float lambda_um_3, float2 facing)
     return _e4;
 }
 
-float covered_argument(float w, float lambda_um_4)
+float series_argument(float w, float lambda_um_4)
 {
-    return (((0.5 * w) * PHASE_MIN_UM) / lambda_um_4);
+    float tau_1 = (((0.5 * w) * PHASE_MIN_UM) / lambda_um_4);
+    return tau_1;
 }
 
-float series_argument(float w_1, float lambda_um_5)
-{
-    const float _e2 = covered_argument(w_1, lambda_um_5);
-    return _e2;
-}
-
-float2 window_sharpness(float lambda_um_6)
+float2 window_sharpness(float lambda_um_5)
 {
     float sigma_um = 16.25;
 
@@ -251,16 +246,16 @@ int2 naga_f2i32(float2 value) {
     return int2(clamp(value, -2147483600.0, 2147483500.0));
 }
 
-float response(float3 path, float lambda_um_7)
+float response(float3 path, float lambda_um_6)
 {
     float2 amplitude = (0.0).xx;
     int s = int(-1);
     int r = (int)0;
 
-    float2 place_10 = ((path.xy / (lambda_um_7).xx) * float2(1.0, 0.0625));
+    float2 place_10 = ((path.xy / (lambda_um_6).xx) * float2(1.0, 0.0625));
     float2 nearest = floor((place_10 + (0.5).xx));
-    const float _e20 = series_argument(path.z, lambda_um_7);
-    const float2 _e21 = window_sharpness(lambda_um_7);
+    const float _e20 = series_argument(path.z, lambda_um_6);
+    const float2 _e21 = window_sharpness(lambda_um_6);
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {

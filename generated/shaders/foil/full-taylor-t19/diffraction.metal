@@ -103,10 +103,10 @@ float gain(
     metal::float3 _e15 = inside(wr_1);
     float _e16 = crossed(wi_1, _e14, wr_1, _e15);
     factor = (_e16 * wi_1.z) / _e14.z;
-    float w_2 = _e14.z + _e15.z;
+    float w_1 = _e14.z + _e15.z;
     float aligned = 1.0 + metal::dot(_e14, _e15);
     float _e27 = factor;
-    factor = _e27 * ((aligned * aligned) / ((w_2 * w_2) * _e15.z));
+    factor = _e27 * ((aligned * aligned) / ((w_1 * w_1) * _e15.z));
     float _e34 = factor;
     return _e34;
 }
@@ -185,23 +185,16 @@ float reflectance(
     return _e4;
 }
 
-float covered_argument(
+float series_argument(
     float w,
     float lambda_um_4
 ) {
-    return ((0.5 * w) * PHASE_MIN_UM) / lambda_um_4;
-}
-
-float series_argument(
-    float w_1,
-    float lambda_um_5
-) {
-    float _e2 = covered_argument(w_1, lambda_um_5);
-    return _e2;
+    float tau_1 = ((0.5 * w) * PHASE_MIN_UM) / lambda_um_4;
+    return tau_1;
 }
 
 metal::float2 window_sharpness(
-    float lambda_um_6
+    float lambda_um_5
 ) {
     float sigma_um = 16.25;
     float _e3 = sigma_um;
@@ -255,16 +248,16 @@ metal::int2 naga_f2i32(metal::float2 value) {
 
 float response(
     metal::float3 path,
-    float lambda_um_7,
+    float lambda_um_6,
     metal::texture2d_array<float, metal::access::sample> terms
 ) {
     metal::float2 amplitude = metal::float2(0.0);
     int s = -1;
     int r = {};
-    metal::float2 place_5 = (path.xy / metal::float2(lambda_um_7)) * metal::float2(1.0, 0.0625);
+    metal::float2 place_5 = (path.xy / metal::float2(lambda_um_6)) * metal::float2(1.0, 0.0625);
     metal::float2 nearest = metal::floor(place_5 + metal::float2(0.5));
-    float _e20 = series_argument(path.z, lambda_um_7);
-    metal::float2 _e21 = window_sharpness(lambda_um_7);
+    float _e20 = series_argument(path.z, lambda_um_6);
+    metal::float2 _e21 = window_sharpness(lambda_um_6);
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {

@@ -76,10 +76,10 @@ float gain(vec3 wi_1, vec3 wr_1) {
     vec3 _e15 = inside(wr_1);
     float _e16 = crossed(wi_1, _e14, wr_1, _e15);
     factor = ((_e16 * wi_1.z) / _e14.z);
-    float w_2 = (_e14.z + _e15.z);
+    float w_1 = (_e14.z + _e15.z);
     float aligned = (1.0 + dot(_e14, _e15));
     float _e27 = factor;
-    factor = (_e27 * ((aligned * aligned) / ((w_2 * w_2) * _e15.z)));
+    factor = (_e27 * ((aligned * aligned) / ((w_1 * w_1) * _e15.z)));
     float _e34 = factor;
     return _e34;
 }
@@ -130,16 +130,12 @@ float reflectance(float lambda_um_3, vec2 facing) {
     return _e4;
 }
 
-float covered_argument(float w, float lambda_um_4) {
-    return (((0.5 * w) * PHASE_MIN_UM) / lambda_um_4);
+float series_argument(float w, float lambda_um_4) {
+    float tau_1 = (((0.5 * w) * PHASE_MIN_UM) / lambda_um_4);
+    return tau_1;
 }
 
-float series_argument(float w_1, float lambda_um_5) {
-    float _e2 = covered_argument(w_1, lambda_um_5);
-    return _e2;
-}
-
-vec2 window_sharpness(float lambda_um_6) {
+vec2 window_sharpness(float lambda_um_5) {
     float sigma_um = 16.25;
     float _e3 = sigma_um;
     vec2 turns = (vec2((6.2831855 * _e3)) / vec2(1.0, 0.0625));
@@ -179,14 +175,14 @@ float window(vec2 offset, vec2 sharpness) {
     return exp(-(dot((offset * offset), sharpness)));
 }
 
-float response(vec3 path, float lambda_um_7) {
+float response(vec3 path, float lambda_um_6) {
     vec2 amplitude = vec2(0.0);
     int s = -1;
     int r = 0;
-    vec2 place_3 = ((path.xy / vec2(lambda_um_7)) * vec2(1.0, 0.0625));
+    vec2 place_3 = ((path.xy / vec2(lambda_um_6)) * vec2(1.0, 0.0625));
     vec2 nearest = floor((place_3 + vec2(0.5)));
-    float _e20 = series_argument(path.z, lambda_um_7);
-    vec2 _e21 = window_sharpness(lambda_um_7);
+    float _e20 = series_argument(path.z, lambda_um_6);
+    vec2 _e21 = window_sharpness(lambda_um_6);
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
