@@ -9,4 +9,5 @@ mod closed_forms;
 mod exact_field;
 mod orders;
 mod reference;
+mod rigorous;
 mod vectors;
