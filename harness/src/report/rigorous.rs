@@ -56,6 +56,11 @@ fn anchor(grating: &Solved) -> String {
     format!("rigorous-{}", grating.name.replace(' ', "-"))
 }
 
+/// The number of an order.
+fn signed(order: &SolvedOrder) -> String {
+    order.order.to_string().replace('-', "−")
+}
+
 /// Profile, size and matter in a few words.
 fn relief(grating: &Solved) -> String {
     let Solved { profile, period_um, height_um, duty, metal, .. } = grating;
@@ -109,7 +114,8 @@ fn scatter(gratings: &[&Solved]) -> Plot {
                 label: String::new(),
                 note: format!(
                     "{}, {place}, order {}: rigorous {rigorous}, scalar {scalar}",
-                    grating.name, order.order
+                    grating.name,
+                    signed(order)
                 ),
                 link: anchor(grating),
             }
@@ -121,12 +127,16 @@ fn scatter(gratings: &[&Solved]) -> Plot {
         joined: false,
         points: points(grating),
     });
+    let series: Vec<Series> = series.collect();
+    let rigorous = series.iter().flat_map(|s| &s.points).map(|point| point.at[0]);
+    // within the plot, which would bend a longer line
+    let end = rigorous.fold(0.0, f64::max);
     Plot {
         title: "Scalar against rigorous efficiency".into(),
         x: PlotAxis { label: "rigorous efficiency".into(), scale: Scale::Linear },
         y: PlotAxis { label: "scalar efficiency".into(), scale: Scale::Linear },
-        series: series.collect(),
-        dashed: vec![[0.0, 0.0], [1.0, 1.0]],
+        series,
+        dashed: vec![[0.0; 2], [end; 2]],
     }
 }
 
@@ -145,7 +155,7 @@ fn orders(grating: &Solved) -> Markup {
         .filter(|order| (order.theta_i_deg, order.wavelength_nm) == (THETA_DEG, LAMBDA_NM));
     let mut here: Vec<&SolvedOrder> = here.collect();
     here.sort_by_key(|order| order.order);
-    let names = here.iter().map(|order| order.order.to_string().replace('-', "−")).collect();
+    let names = here.iter().map(|order| signed(order)).collect();
     let x = PlotAxis { label: "order".into(), scale: Scale::Names(names) };
     let y = PlotAxis { label: "efficiency".into(), scale: Scale::Linear };
     let curves = CURVES.map(|(name, of, which)| {
@@ -155,7 +165,7 @@ fn orders(grating: &Solved) -> Markup {
                 at: [i as f64, value],
                 spread: None,
                 label: String::new(),
-                note: format!("order {}, {name}: {}", order.order, figure(value)),
+                note: format!("order {}, {name}: {}", signed(order), figure(value)),
                 link: String::new(),
             }
         };
