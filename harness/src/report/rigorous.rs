@@ -37,7 +37,7 @@ pub(super) fn section() -> Markup {
     html! {
         p { "What the comparisons above cannot show: the exact reference is a scalar theory, with one phase per point and one reflection. Here its efficiencies of "
         "gratings are beside those of a rigorous solver (boundary integrals), inside the cover. These numbers do not depend on this report's records." }
-        p { "Directions of orders are always right. Their light is right on shallow and wide reliefs such as the first, roughly right on a CD and a DVD, and wrong on reliefs that are "
+        p { "Directions of orders are always right. Their light is right on shallow and wide reliefs such as the shallow holographic grating, roughly right on a CD and a DVD, and wrong on reliefs that are "
         "deeper or finer: do not trust colours there." }
         div.pair {
             (table::figure(&draw(&scatter(&drawn)), &caption, DATA))
