@@ -11,6 +11,7 @@ pub mod transform;
 pub mod replicas;
 pub mod reference;
 pub mod orders;
+pub mod rigorous;
 pub mod comparison_directions;
 
 use std::f64::consts::{PI, TAU};

@@ -63,10 +63,12 @@
 //!
 //! # Limits of the model
 //!
-//! Scalar theory, single scattering, heights well below what a rigorous solver needs: a lamellar grating 0.1 µm deep at
-//! 550 nm has a scalar zero order of 0.228, a rigorous one of 0.324 (TE) and 0.152 (TM). Stam's obliquity factor is the mean,
-//! in amplitude, of the exact first-order TE and TM factors. Without shadowing the gain diverges at grazing exit. A scan that
-//! is not periodic shows its seam as a streak in `ensemble`, unless it is cropped to a near-period or tapered.
+//! Scalar theory, single scattering. Directions of orders are always right. Their efficiencies in unpolarised light, beside
+//! those of a rigorous solver: within 0.03 on a relief of 0.1 µm with a period of 2.5 µm, within 0.11 on a CD and 0.14 on a
+//! DVD, wrong on reliefs that are deeper or finer (0.28 off at 0.25 µm in 1 µm); see [`field::rigorous`]. In one polarisation
+//! the differences are about twice as large. Stam's obliquity factor is the mean, in amplitude, of the exact first-order TE
+//! and TM factors. Without shadowing the gain diverges at grazing exit. A scan that is not periodic shows its seam as a
+//! streak in `ensemble`, unless it is cropped to a near-period or tapered.
 //!
 //! # Sources
 //!

@@ -11,6 +11,7 @@ mod page;
 mod pareto;
 mod periods;
 mod plot;
+mod rigorous;
 mod routes;
 mod scaling;
 mod source;
@@ -38,7 +39,7 @@ pub struct Page {
 /// The page of several folders of results. If there are several results of the same measurement, the last one counts.
 pub fn page(folders: &[Folder]) -> Page {
     let results = Results::new(folders);
-    let sections = [
+    let mut sections = vec![
         ("summary", "Summary", summary::section(&results)),
         ("maps", "Maps", compared::section(&results)),
         ("energy", "Energy", energy::section(&results)),
@@ -48,8 +49,12 @@ pub fn page(folders: &[Folder]) -> Page {
         ("periods", "Periods", periods::section(&results)),
         ("sweeps", "Sweeps", sweeps::section(&results)),
         ("scaling", "Scaling", scaling::section(&results)),
-        ("data", "Data", page::data(folders)),
     ];
+    // who reads how near a shader is to the model should see how near that is to light
+    if !results.units.is_empty() {
+        sections.push(("rigorous", "Scalar and rigorous", rigorous::section()));
+    }
+    sections.push(("data", "Data", page::data(folders)));
     let links = html! { @for (id, name, _) in &sections { a href={ "#" (id) } { (name) } } };
     let body = html! {
         @for (id, name, content) in &sections {

@@ -271,14 +271,18 @@ impl Order<'_> {
     fn share(&self, wi: DVec3, lambda_um: f64) -> f64 {
         let matter = &self.sum.matter;
         let lambda_nm = lambda_um * 1e3;
-        let factor = matter.gain(wi, self.wr, lambda_nm);
-        if factor == 0.0 {
+        let whole = whole_share(matter, wi, self.wr, lambda_nm);
+        if whole == 0.0 {
             return 0.0;
         }
         let z = TAU / lambda_um * matter.depth(wi, self.wr, lambda_nm);
-        let square = self.sum.nodes.interpolate(z, self.squares).re;
-        matter.normal_reflectance() * factor / wi.z * square
+        whole * self.sum.nodes.interpolate(z, self.squares).re
     }
+}
+
+/// `η` of an order that has all light: `|c|² = 1`.
+pub(super) fn whole_share(matter: &Matter, wi: DVec3, wr: DVec3, lambda_nm: f64) -> f64 {
+    matter.normal_reflectance() * matter.gain(wi, wr, lambda_nm) / wi.z
 }
 
 /// The intervals of `first..last` in which the margin is positive. It is sampled in steps of at most `step`; ends, and

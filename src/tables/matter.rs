@@ -132,7 +132,8 @@ impl MatterSpec {
         };
         let counts = std::iter::successors(Some(1), |count| Some(2 * count));
         let count = counts.take_while(|count| *count < MAX_PANELS).find(good).unwrap_or(MAX_PANELS);
-        if range > 0.0 { f64::from(count) / range } else { 0.0 }
+        // over the whole range not a whole number, which rounding could move to either side
+        if range > 0.0 { (f64::from(count) - 0.01) / range } else { 0.0 }
     }
 
     /// Flags and constants of the template `matter`. `wavelengths`: columns of the spectrum table; `row`: first of the

@@ -10,4 +10,5 @@ mod exact_field;
 mod matter;
 mod orders;
 mod reference;
+mod rigorous;
 mod vectors;

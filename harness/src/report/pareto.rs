@@ -130,7 +130,7 @@ fn chart(title: &str, timed: &[Timed<'_>]) -> Plot {
         x: PlotAxis { label: "median time of a frame, ms".into(), scale: Scale::Log },
         y: PlotAxis { label: "ΔE₀₀ p95".into(), scale: Scale::Log },
         series: series.collect(),
-        front: front(&places),
+        dashed: front(&places),
     }
 }
 

@@ -241,7 +241,7 @@ fn scatter(surface: &str, own: &[&Testbench]) -> Plot {
         },
         y: PlotAxis { label: "period, nm".into(), scale: Scale::Linear },
         series: series.collect(),
-        front: Vec::new(),
+        dashed: Vec::new(),
     }
 }
 

@@ -32,8 +32,8 @@ pub(super) struct Plot {
     pub(super) y: PlotAxis,
     /// The series of points.
     pub(super) series: Vec<Series>,
-    /// Corners of the step line through the front: points for which no other is smaller in both directions.
-    pub(super) front: Vec<[f64; 2]>,
+    /// Points of a dashed line, such as the corners of the step line through the [`front`].
+    pub(super) dashed: Vec<[f64; 2]>,
 }
 
 /// Points that belong together.
@@ -151,8 +151,8 @@ pub(super) fn draw(plot: &Plot) -> Markup {
         div.plot {
             svg viewBox={ "0 0 " (SIZE[0]) " " (SIZE[1]) } role="img" aria-label=(plot.title) {
                 (frame.axes(&plot.x, &plot.y))
-                @if !plot.front.is_empty() {
-                    polyline.front points=(frame.line(plot.front.iter().copied())) {}
+                @if !plot.dashed.is_empty() {
+                    polyline.front points=(frame.line(plot.dashed.iter().copied())) {}
                 }
                 @for (number, series) in plot.series.iter().enumerate() {
                     g class=(class(number)) {
@@ -178,7 +178,8 @@ pub(super) fn class(series: usize) -> String {
     format!("s{}", series % MARKS)
 }
 
-fn legend(series: &[Series]) -> Markup {
+/// The names of series with their marks.
+pub(super) fn legend(series: &[Series]) -> Markup {
     html! {
         ul.legend {
             @for (number, series) in series.iter().enumerate() {
@@ -223,7 +224,7 @@ pub(super) fn r(value: f64) -> f64 {
     (value * 10.0).round() / 10.0
 }
 
-/// Corners of the step line through the front, from the left. Smaller is better in both directions.
+/// Corners of the step line through the front, from the left: points for which no other is smaller in both directions.
 pub(super) fn front(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));

@@ -57,7 +57,7 @@ fn one(number: usize, points: &[&Scaling]) -> Markup {
         x: PlotAxis { label: unit.into(), scale: Scale::Log },
         y: PlotAxis { label: "median time of a frame, ms".into(), scale: Scale::Log },
         series,
-        front: Vec::new(),
+        dashed: Vec::new(),
     };
     let data = format!("scaling-{number}");
     let rows: Vec<Row> = points

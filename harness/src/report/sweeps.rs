@@ -154,7 +154,7 @@ fn chart(title: &str, group: &Group<'_>) -> Plot {
             joined: all.is_some(),
             points: group.members.iter().enumerate().filter_map(point).collect(),
         }],
-        front: Vec::new(),
+        dashed: Vec::new(),
     }
 }
 

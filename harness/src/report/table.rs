@@ -29,6 +29,11 @@ impl Cell {
         Cell { shown, value: None, class: "" }
     }
 
+    /// Any markup that may take several lines.
+    pub(super) fn lines(shown: Markup) -> Cell {
+        Cell { class: "prose", ..Cell::markup(shown) }
+    }
+
     /// A number with three significant digits.
     pub(super) fn number(value: f64) -> Cell {
         Cell::shown(value, number::figure(value))

@@ -130,7 +130,7 @@ fn chart(title: &str, measured: &[Numbered<'_>]) -> Plot {
         x: PlotAxis { label: "time of a pixel, ns".into(), scale: Scale::Log },
         y: PlotAxis { label: "ΔE₀₀ p95, worst light".into(), scale: Scale::Log },
         series: series.collect(),
-        front: front(&placed.iter().map(|(_, at)| *at).collect::<Vec<_>>()),
+        dashed: front(&placed.iter().map(|(_, at)| *at).collect::<Vec<_>>()),
     }
 }
 

@@ -122,6 +122,16 @@ fn every_section_shows_its_numbers() {
             "★",
         ],
     );
+    has(
+        section(&html, "rigorous"),
+        &[
+            "<svg",
+            "fine and deep",
+            "0.955",
+            "lamellar, 1.6 µm, height 0.12 µm, duty 0.35",
+            "order −1",
+        ],
+    );
     has(section(&html, "data"), &["\"kind\":\"scaling\"", "Save records.jsonl"]);
     assert!(!html.contains("Nothing recorded"), "something is said to be missing");
 }
@@ -134,6 +144,7 @@ fn a_section_without_records_says_so() {
     {
         has(section(&html, id), &["Nothing recorded"]);
     }
+    assert!(!html.contains("id=\"rigorous\""), "the model's limits without a comparison");
 }
 
 #[test]
