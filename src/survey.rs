@@ -15,7 +15,7 @@ use crate::error::Result;
 use crate::field::orders::OrderSum;
 use crate::input::SurfaceInput;
 use crate::optics::Matter;
-use crate::plan::{Basis, Plan, SurfaceSource, SurfaceSpec};
+use crate::plan::{Basis, Plan, SurfaceSource, SurfaceSpec, Wavelengths};
 use crate::surface::facts::{Facts, Periods, facts, periods};
 use crate::surface::{self, HeightField, Origin};
 use crate::tables::Series;
@@ -109,6 +109,8 @@ pub fn survey(plan: &Plan, spec: &SurfaceSpec) -> Result<(Survey, HeightField)> 
     let here: Vec<_> = plan.variants.iter().filter(|v| v.is_for(&spec.name)).collect();
     let shortest = here.iter().map(|v| v.wavelengths.min_nm).reduce(f64::min);
     let wanted_nm = shortest.unwrap_or(SHORTEST_NM);
+    let longest = here.iter().map(|v| v.wavelengths.max_nm).reduce(f64::max);
+    let range_nm = [wanted_nm, longest.unwrap_or(Wavelengths::VISIBLE_NM[1])];
     let mut variants = Vec::new();
     for variant in here.into_iter().filter_map(|variant| variant.on(spec)) {
         let laid = variant.and_then(|v| Form::new(&v, &field).map(|form| (v, form)));
@@ -124,6 +126,7 @@ pub fn survey(plan: &Plan, spec: &SurfaceSpec) -> Result<(Survey, HeightField)> 
     }
     let optics = spec.optics.over(&plan.optics);
     let matter = Matter::new(&optics)?;
+    let phases = (matter.least_z(range_nm), matter.phase_min_nm(range_nm));
     let white_sky = match OrderSum::has_white_sky(&field, &matter) {
         true => Some(OrderSum::new(&field, spec.rotate_deg, &optics)?.white_sky()),
         false => None,
@@ -139,7 +142,7 @@ pub fn survey(plan: &Plan, spec: &SurfaceSpec) -> Result<(Survey, HeightField)> 
         wanted_pitch_um: wanted_nm / 4000.0,
         periods: periods(&field, tiled),
         terms: [Basis::Taylor, Basis::TaylorZero, Basis::Chebyshev, Basis::Optimal]
-            .map(|basis| term_counts(basis, &facts, &field, wanted_nm))
+            .map(|basis| term_counts(basis, &facts, &field, phases))
             .into_iter()
             .collect::<Result<_>>()?,
         window: Window::new(&optics, &facts, is_synthetic),
@@ -154,7 +157,7 @@ fn term_counts(
     basis: Basis,
     facts: &Facts,
     field: &HeightField,
-    min_nm: f64,
+    (least_z, min_nm): (f64, f64),
 ) -> Result<TermCounts> {
     let counts = |peak_to_valley_um: f64| -> Result<[u32; 3]> {
         // assumes that levelling and clipping do not change the shape of the relief
@@ -167,7 +170,7 @@ fn term_counts(
         let (columns, rows) = (field.columns(), field.rows());
         let (pitch_x_um, pitch_y_um) = (field.pitch_x_um(), field.pitch_y_um());
         let scaled = HeightField::new(columns, rows, pitch_x_um, pitch_y_um, heights_um)?;
-        let expansion = Expansion::new(basis, 1, &scaled, min_nm);
+        let expansion = Expansion::over((least_z, min_nm), min_nm, basis, 1, &scaled);
         Ok(TERM_ERRORS.map(|error| expansion.clone().with_error(error).terms))
     };
     Ok(TermCounts {
