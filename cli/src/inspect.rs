@@ -59,8 +59,8 @@ pub(crate) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let mut folder = Package::new();
     let [heights, spectrum, reflectance, facts] = FILES;
     folder.insert(heights, height_picture(&field, &spec.name)?, Equality::Bytes)?;
-    folder.insert(spectrum, spectrum_picture(&field, &spec.name)?, Equality::Bytes)?;
     let matter = Matter::new(&spec.optics.over(&plan.optics))?;
+    folder.insert(spectrum, spectrum_picture(&field, &matter, &spec.name)?, Equality::Bytes)?;
     folder.insert(reflectance, reflectance_picture(&matter, &spec.name)?, Equality::Bytes)?;
     let compare = Equality::Json { tolerance: JSON_TOLERANCE };
     folder.insert(facts, format!("{object:#}\n"), compare)?;

@@ -8,7 +8,7 @@ use rustfft::num_complex::Complex64;
 use crate::encode::viridis;
 use crate::error::Result;
 use crate::field::transform::{Bins, axes, heights_upwards_um, ifft2};
-use crate::optics::REFERENCE_NM;
+use crate::optics::{Matter, REFERENCE_NM};
 use crate::surface::HeightField;
 
 use super::canvas::NIGHT;
@@ -33,18 +33,18 @@ const MAX_DB: f64 = 80.0;
 /// Powers below this are rounding errors, dB.
 const ROUNDING_DB: f64 = -140.0;
 
-/// `|c_rs(z)|²` of `exp(i z h)` as PNG, in decibels relative to a mirror, at 550 nm and `w = -2`. Frequency zero is in
-/// the middle.
+/// `|c_rs(z)|²` of `exp(i z h)` as PNG, in decibels relative to a mirror, at 550 nm and both directions along the
+/// normal, below the cover if there is one. Frequency zero is in the middle.
 ///
 /// The circle `|f| = 2/λ` contains all frequencies that pairs of directions can reach. Orders that are far apart are
 /// drawn as dots. A pixel with several orders shows their mean power.
-pub fn spectrum_picture(field: &HeightField, name: &str) -> Result<Vec<u8>> {
+pub fn spectrum_picture(field: &HeightField, matter: &Matter, name: &str) -> Result<Vec<u8>> {
     let lambda_um = LAMBDA_NM * 1e-3;
     let reach_cpum = 2.0 / lambda_um;
     let shown_cpum = BEYOND * reach_cpum;
     let size_um = [field.size_x_um(), field.size_y_um()];
     let bins = Bins::reachable(size_um[0], size_um[1], shown_cpum, 1);
-    let z = -2.0 * TAU / lambda_um;
+    let z = -matter.max_z(LAMBDA_NM);
     let mut phase: Vec<Complex64> =
         heights_upwards_um(field).par_iter().map(|h| Complex64::cis(z * h)).collect();
     let power: Vec<f64> =

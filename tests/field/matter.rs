@@ -37,7 +37,7 @@ fn conductor() -> Optics {
 /// Films differ: the allowance of each metal is what other published films differ by (McPeak 2015, Rakic 1998).
 #[test]
 fn named_metals_reflect_what_was_published() {
-    let published: [(&str, [(f64, f64); 3], f64); 6] = [
+    let published: [(_, [(f64, f64); 3], _); 6] = [
         ("aluminium", [(450.0, 0.922), (550.0, 0.915), (650.0, 0.905)], 0.003),
         ("silver", [(450.0, 0.971), (550.0, 0.983), (650.0, 0.988)], 0.012),
         ("gold", [(450.0, 0.387), (500.0, 0.477), (650.0, 0.955)], 0.03),

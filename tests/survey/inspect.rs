@@ -7,6 +7,7 @@ use std::path::Path;
 
 use crate::support::heights::{floats, folder, integers, png, put, surface};
 use diffraction_shaders::input;
+use diffraction_shaders::optics::Matter;
 use diffraction_shaders::plan::{FileSource, Grating, Plan, SurfaceSpec};
 use diffraction_shaders::surface::HeightField;
 use diffraction_shaders::surface::facts::{Facts, Periods, facts, periods};
@@ -241,7 +242,7 @@ fn the_height_picture_is_upright() {
 #[test]
 fn the_spectrum_of_a_mirror_is_one_order_in_the_middle() {
     let flat = field(20, 20, 0.05, |_, _| 0.1);
-    let picture = decoded(&spectrum_picture(&flat, "probe").unwrap());
+    let picture = decoded(&spectrum_picture(&flat, &Matter::default(), "probe").unwrap());
     let is_bright = |[r, _, b]: [u8; 3]| r > 235 && b < 60;
     // the bar of colours lies to the right
     let lit = |picture: &RgbImage| -> Vec<(u32, u32)> {
@@ -256,7 +257,7 @@ fn the_spectrum_of_a_mirror_is_one_order_in_the_middle() {
     assert_near(mean(&mut mirror.iter().map(|p| p.0)), 80.0 + 360.0, 2.0);
     assert_near(mean(&mut mirror.iter().map(|p| p.1)), 56.0 + 360.0, 2.0);
     // a blazed grating sends its light to one side
-    let blazed = lit(&decoded(&spectrum_picture(&blazed(), "probe").unwrap()));
+    let blazed = lit(&decoded(&spectrum_picture(&blazed(), &Matter::default(), "probe").unwrap()));
     assert!(!blazed.is_empty() && blazed.iter().all(|(x, _)| (460..490).contains(x)), "{blazed:?}");
 }
 
@@ -271,7 +272,9 @@ fn pictures_of_any_shape_can_be_drawn() {
         field(1500, 30, 0.05, |x, y| (x * y).sin()),
     ];
     for shape in &shapes {
-        for picture in [height_picture(shape, "probe"), spectrum_picture(shape, "probe")] {
+        for picture in
+            [height_picture(shape, "probe"), spectrum_picture(shape, &Matter::default(), "probe")]
+        {
             let picture = decoded(&picture.unwrap());
             assert!(picture.width() > 160 && picture.height() > 160);
         }

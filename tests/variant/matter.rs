@@ -16,7 +16,7 @@ use diffraction_shaders::variant::{Form, Part};
 use glam::DVec3;
 
 const CD: &str =
-    "{ kind = \"lamellar\", period_um = 1.6, height_um = 0.12, pixels = 100, duty = 0.69 }";
+    "{ kind = \"lamellar\", period_um = 1.6, height_um = 0.12, pixels = 50, duty = 0.7 }";
 const WAVES: &str = "{ kind = \"sinusoidal\", period_um = 1.3, height_um = 0.2, pixels = 64 }";
 
 /// What the surfaces are made of.
@@ -179,6 +179,6 @@ fn pq_has_the_phase_inside_the_cover() {
         let want = efficiency(matter.depth(wi, wr, lambda_nm));
         assert!((got - want).abs() < 4e-3, "{theta} {order}: {got} {want}");
         let in_air = efficiency(-(wi.z + wr.z));
-        assert!((got - in_air).abs() > 0.05, "{theta} {order}: {got} in air {in_air}");
+        assert!((got - in_air).abs() > 0.015, "{theta} {order}: {got} in air {in_air}");
     }
 }
