@@ -30,7 +30,7 @@ use crate::drivers::Prepared;
 use crate::drivers::routes::Route;
 use crate::results::{Energy, Gap, Lit, Record};
 
-pub use controls::{CONTROLS, LAMP_CONTROLS, SURFACE as CONTROL_SURFACE};
+pub use controls::{CONTROLS, LAMP_CONTROLS, MATTER_CONTROLS, SURFACE as CONTROL_SURFACE};
 pub use pictures::{AMPLIFIED, difference, mean_flip};
 
 /// Failures in a row after which a route is dropped.
@@ -155,7 +155,11 @@ pub fn run(request: &Job<'_>, sink: &mut dyn Sink) -> Result<()> {
     for (route, failures) in request.routes.iter().zip(&mut failures) {
         sink.begin(&format!("controls by {}", route.name()));
         let with_lamps = request.lights.iter().any(|light| matches!(light, Shine::Lights(..)));
-        *failures = controls::run(route.as_ref(), with_lamps, sink)?;
+        let placed = request.variants.iter().flat_map(|variant| {
+            request.surfaces.iter().filter_map(|surface| variant.on(surface)?.ok())
+        });
+        let with_matter = placed.into_iter().any(|variant| !variant.optics.is_plain());
+        *failures = controls::run(route.as_ref(), [with_lamps, with_matter], sink)?;
         sink.step();
     }
     for spec in request.surfaces {

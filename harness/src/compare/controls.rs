@@ -15,8 +15,8 @@ use diffraction_shaders::optics::brdf_map::view_directions;
 use diffraction_shaders::optics::colour_difference::{auto_exposure, colour_difference};
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{
-    Auto, Basis, Coherence, CoherenceScaling, Grating, Mode, Optics, Packing, Reconstruction,
-    Sampling, TableFormat, Variant,
+    Auto, Basis, Coherence, CoherenceScaling, Grating, Material, Medium, Mode, Optics, Packing,
+    Reconstruction, Sampling, TableFormat, Variant,
 };
 use diffraction_shaders::runner::{Placement, TwinRunner, rounded};
 use diffraction_shaders::surface::HeightField;
@@ -40,6 +40,9 @@ const DRAWN: usize = 512;
 /// Name of the controls' surface in records.
 pub const SURFACE: &str = "blazed-control";
 
+/// What the right shader of a control depends on.
+type Kind = (Mode, bool, bool);
+
 /// A fault: its name, the mode of the variant, and how the shader is spoilt. `mean` is the mean colour of the right map.
 pub struct Control {
     /// Name in records.
@@ -48,6 +51,8 @@ pub struct Control {
     pub mode: Mode,
     /// Whether the variant reads a prefiltered table through the linear filter.
     pub filtered: bool,
+    /// Whether its surface is a metal under a cover.
+    pub matter: bool,
     spoil: fn(&mut Prepared<'_>, [f64; 3]),
 }
 
@@ -57,10 +62,10 @@ impl Control {
         &self,
         placement: Placement<'_>,
         route: &dyn Route,
-        rights: &mut BTreeMap<(Mode, bool), Right>,
+        rights: &mut BTreeMap<Kind, Right>,
     ) -> Result<results::Control> {
         let mut prepared = Prepared::new(placement)?;
-        let right = match rights.entry((self.mode, self.filtered)) {
+        let right = match rights.entry((self.mode, self.filtered, self.matter)) {
             Entry::Occupied(known) => known.into_mut(),
             Entry::Vacant(place) => place.insert(Right::new(&prepared, route)?),
         };
@@ -90,6 +95,7 @@ pub const LAMP_CONTROLS: [Control; 6] = [
         name: "ends of the interval swapped",
         mode: Mode::Orders,
         filtered: false,
+        matter: false,
         spoil: |p, _| {
             let right = "start_um, end_um, wr)";
             replace(p, "lamps", right, "end_um, start_um, wr)");
@@ -99,6 +105,7 @@ pub const LAMP_CONTROLS: [Control; 6] = [
         name: "edges not in order",
         mode: Mode::Orders,
         filtered: false,
+        matter: false,
         spoil: |p, _| {
             let right = "min(min(nearest.x, nearest.y), min(nearest.z, nearest.w))";
             replace(p, "rectangle", right, "nearest.x");
@@ -108,6 +115,7 @@ pub const LAMP_CONTROLS: [Control; 6] = [
         name: "winding of corners reversed",
         mode: Mode::Orders,
         filtered: false,
+        matter: false,
         spoil: |p, _| {
             let right = "select(-1.0, 1.0, dot(turning, centre) > 0.0)";
             replace(p, "rectangle", right, "-1.0 + 1e-9 * dot(turning, centre)");
@@ -117,6 +125,7 @@ pub const LAMP_CONTROLS: [Control; 6] = [
         name: "irradiance not divided by π sin²",
         mode: Mode::Orders,
         filtered: false,
+        matter: false,
         spoil: |p, _| {
             let right = "(3.1415927 * sine_squared)";
             replace(p, "disc", right, "(1.0 + 1e-9 * sine_squared)");
@@ -126,6 +135,7 @@ pub const LAMP_CONTROLS: [Control; 6] = [
         name: "order 0 forgotten",
         mode: Mode::Orders,
         filtered: false,
+        matter: false,
         spoil: |p, _| {
             let right = "return gain(wi, wr) / max";
             let wrong = "return select(gain(wi, wr), 0.0, all(order == vec2i(0, 0))) / max";
@@ -136,9 +146,59 @@ pub const LAMP_CONTROLS: [Control; 6] = [
         name: "share constant between the ends",
         mode: Mode::Orders,
         filtered: false,
+        matter: false,
         spoil: |p, _| {
             let right = "vec4f(mean - square, linear - 3.0 * cube, 2.0 * square, 4.0 * cube)";
             replace(p, "lamps", right, "vec4f(mean, 1e-9 * (linear + square + cube), 0.0, 0.0)");
+        },
+    },
+];
+
+/// Controls of metals under a cover.
+pub const MATTER_CONTROLS: [Control; 4] = [
+    Control {
+        name: "reflectance of the metal forgotten",
+        mode: Mode::Orders,
+        filtered: false,
+        matter: true,
+        spoil: |p, _| {
+            let right = "* reflected * efficiency";
+            replace(p, "lamps", right, "* (1.0 + 1e-9 * reflected) * efficiency");
+        },
+    },
+    Control {
+        name: "phase of air under a cover",
+        mode: Mode::Orders,
+        filtered: false,
+        matter: true,
+        spoil: |p, _| {
+            let right = "-COVER_INDEX * (inside(wi).z + inside(wr).z)";
+            replace(p, "gain", right, "-(wi.z + wr.z)");
+        },
+    },
+    Control {
+        name: "face of the cover forgotten",
+        mode: Mode::Orders,
+        filtered: false,
+        matter: true,
+        spoil: |p, _| {
+            let right = "crossed(wi, light, wr, viewer) * wi.z / light.z";
+            replace(
+                p,
+                "gain",
+                right,
+                "(1.0 + 1e-9 * crossed(wi, light, wr, viewer)) * wi.z / light.z",
+            );
+        },
+    },
+    Control {
+        name: "cone inside the cover forgotten",
+        mode: Mode::Orders,
+        filtered: false,
+        matter: true,
+        spoil: |p, _| {
+            let right = "crossed(wi, light, wr, viewer) * wi.z / light.z";
+            replace(p, "gain", right, "crossed(wi, light, wr, viewer)");
         },
     },
 ];
@@ -149,12 +209,14 @@ pub const CONTROLS: [Control; 10] = [
         name: "black",
         mode: Mode::Full,
         filtered: false,
+        matter: false,
         spoil: |p, _| p.spectrum.texels.chunks_mut(4).for_each(|texel| texel[..3].fill(0.0)),
     },
     Control {
         name: "constant",
         mode: Mode::Full,
         filtered: false,
+        matter: false,
         // of all constants, the mean colour is the hardest to catch
         spoil: |p, [x, y, z]| {
             // the tables must still be read, or the driver would not know their names
@@ -167,6 +229,7 @@ pub const CONTROLS: [Control; 10] = [
         name: "mirrored u",
         mode: Mode::Full,
         filtered: false,
+        matter: false,
         spoil: |p, _| {
             let mirrored = "return path * vec3f(-1.0, 1.0, 1.0);";
             replace(p, "gain", "return path;", mirrored);
@@ -176,18 +239,21 @@ pub const CONTROLS: [Control; 10] = [
         name: "largest term dropped",
         mode: Mode::Full,
         filtered: false,
+        matter: false,
         spoil: |p, _| drop_largest(&mut p.terms),
     },
     Control {
         name: "f16 unscaled",
         mode: Mode::Full,
         filtered: false,
+        matter: false,
         spoil: |p, _| forget_scale(p),
     },
     Control {
         name: "misprinted pq product",
         mode: Mode::Pq,
         filtered: false,
+        matter: false,
         spoil: |p, _| {
             replace(p, "pq", "a.x * b.y + a.y * b.x", "a.x * b.x + a.y * b.y");
         },
@@ -196,6 +262,7 @@ pub const CONTROLS: [Control; 10] = [
         name: "weights without jacobian",
         mode: Mode::Adaptive,
         filtered: false,
+        matter: false,
         // weights per wavenumber, λ² times too small; 550 nm keeps its own
         spoil: |p, _| {
             let (width, mut rows) = (p.spectrum.width, p.spectrum.texels.chunks_mut(4));
@@ -211,12 +278,14 @@ pub const CONTROLS: [Control; 10] = [
         name: "nearest filter",
         mode: Mode::Adaptive,
         filtered: true,
+        matter: false,
         spoil: |p, _| replace(p, "prefiltered", "place / size", "floor(place + 0.5) / size"),
     },
     Control {
         name: "baked for one w",
         mode: Mode::Baked,
         filtered: false,
+        matter: false,
         spoil: |p, _| {
             let share = "min(path.z * path.z / max(4.0 - squared, 1e-6), 1.0)";
             replace(p, "baked", share, "0.5");
@@ -226,21 +295,29 @@ pub const CONTROLS: [Control; 10] = [
         name: "baked and mirrored",
         mode: Mode::Baked,
         filtered: false,
+        matter: false,
         spoil: |p, _| replace(p, "baked", "uv.x < 0.0", "uv.x > 0.0"),
     },
 ];
 
 /// Runs all controls by a route and returns how many failed to run. A driver that fails [`PATIENCE`] times is dropped.
-pub(super) fn run(route: &dyn Route, with_lamps: bool, sink: &mut dyn Sink) -> Result<u32> {
+///
+/// `with_lamps`, `with_matter`: whether those of lights with a size and of metals under a cover are run, too.
+pub(super) fn run(
+    route: &dyn Route,
+    [with_lamps, with_matter]: [bool; 2],
+    sink: &mut dyn Sink,
+) -> Result<u32> {
     let height = surface()?;
-    let mut rights: BTreeMap<(Mode, bool), Right> = BTreeMap::new();
+    let mut rights: BTreeMap<Kind, Right> = BTreeMap::new();
     let mut failures = 0;
     let lamps = if with_lamps { &LAMP_CONTROLS[..] } else { &[] };
-    for control in CONTROLS.iter().chain(lamps) {
+    let matter = if with_matter { &MATTER_CONTROLS[..] } else { &[] };
+    for control in CONTROLS.iter().chain(lamps).chain(matter) {
         if failures == PATIENCE || sink.has_control(&route.name(), control.name) {
             continue;
         }
-        let variant = variant(control.mode, control.filtered);
+        let variant = variant(control);
         let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
         enter(Place {
             route: route.name(),
@@ -334,9 +411,13 @@ fn surface() -> Result<HeightField> {
 }
 
 /// The right variant of a mode. A filtered one has a narrow window, which keeps its table small.
-fn variant(mode: Mode, filtered: bool) -> Variant {
+fn variant(&Control { mode, filtered, matter, .. }: &Control) -> Variant {
     let coherence_um = if filtered { 10.0 } else { Optics::standard().coherence_um };
-    let standard = Optics { coherence_um, ..Optics::standard() };
+    let mut standard = Optics { coherence_um, ..Optics::standard() };
+    if matter {
+        standard.material = Material::Medium(Medium::Named("gold"));
+        standard.cover_index = Medium::Named("polycarbonate");
+    }
     let texts = Variant::texts(&match mode {
         Mode::Orders => Optics {
             coherence: Coherence::Ensemble,
@@ -415,8 +496,8 @@ mod tests {
     #[test]
     fn every_control_changes_what_is_prepared() {
         let height = surface().expect("valid");
-        for control in CONTROLS.iter().chain(&LAMP_CONTROLS) {
-            let variant = variant(control.mode, control.filtered);
+        for control in CONTROLS.iter().chain(&LAMP_CONTROLS).chain(&MATTER_CONTROLS) {
+            let variant = variant(control);
             let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
             let right = Prepared::new(placement).expect("resolves");
             let mut wrong = right.clone();

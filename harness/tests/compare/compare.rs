@@ -6,7 +6,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::rc::Rc;
 
-use diffraction_harness::compare::{CONTROLS, Job, LAMP_CONTROLS, Shine, Sink, Unit, run, steps};
+use diffraction_harness::compare::{
+    CONTROLS, Job, LAMP_CONTROLS, MATTER_CONTROLS, Shine, Sink, Unit, run, steps,
+};
 use diffraction_harness::drivers::Prepared;
 use diffraction_harness::drivers::routes::{self, Route};
 use diffraction_harness::results::{Compare, Control, Energy, Gap, Lit, Part, Record};
@@ -480,7 +482,7 @@ terms = [19]
         ],
     };
     let plan = Plan::parse(PLAN, Path::new("plan.toml")).unwrap();
-    let compared = |routes: &[Box<dyn Route>]| {
+    let compared = |plan: &Plan, routes: &[Box<dyn Route>]| {
         let request = Job {
             surfaces: &plan.surfaces,
             variants: &plan.variants,
@@ -502,7 +504,7 @@ terms = [19]
     if open.is_empty() {
         return;
     }
-    let right = compared(&open);
+    let right = compared(&plan, &open);
     let compares = right.compares();
     assert!(compares.len() >= 4 && compares.iter().all(|c| c.pass), "{compares:#?}");
     assert!(compares.iter().all(|c| c.light == Lit::Lights("lamps.toml 1234".to_owned())));
@@ -517,8 +519,22 @@ terms = [19]
     let sky: Vec<&Energy> = right.energies();
     assert!(sky.len() == 1 && (0.02..0.2).contains(&sky[0].white_sky[0][1]), "{sky:?}");
 
+    // a metal under a cover, which brings controls of its own
+    let own = "pixels = 60 }\noptics = { material = \"gold\", cover_index = \"polycarbonate\" }\n";
+    let covered =
+        Plan::parse(&PLAN.replace("pixels = 60 }\n", own), Path::new("plan.toml")).unwrap();
+    let right = compared(&covered, &open);
+    let compares = right.compares();
+    assert!(compares.len() >= 4 && compares.iter().all(|c| c.pass), "{compares:#?}");
+    let controls: Vec<&Control> = right.controls();
+    let all = CONTROLS.len() + LAMP_CONTROLS.len() + MATTER_CONTROLS.len();
+    assert_eq!(controls.len(), all);
+    assert!(controls.iter().all(|control| control.caught), "{controls:#?}");
+    let sky: Vec<&Energy> = right.energies();
+    assert!(sky.len() == 1 && (0.2..1.0).contains(&sky[0].white_sky[0][1]), "{sky:?}");
+
     let made = Made { behaviour: Behaviour::Off, asked: Rc::default() };
-    let off = compared(&[Box::new(made)]);
+    let off = compared(&plan, &[Box::new(made)]);
     let by_made = |c: &&&Compare| c.route == "made" && c.part == Part::Arithmetic;
     assert!(off.compares().iter().find(by_made).is_some_and(|c| !c.pass));
 }
