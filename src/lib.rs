@@ -60,6 +60,9 @@
 //!   `σf = 1/(2π σs)`. `single`: `|Σ_rs c_rs ĝ(f - f_rs)|²`; `ensemble`: `Σ_rs |c_rs|² ĝ(f - f_rs)²`.
 //! - **ρ** is relative to a mirror at normal incidence in its mirror direction. Tristimulus values are relative to the
 //!   illuminant's white, `Y = 1`; linear sRGB, white point D65, not clamped.
+//! - **Matter** ([`optics::Matter`]). By default a dielectric in air. Under a cover of index n directions inside are
+//!   `(α/n, ·)`, with α the xy part of a direction outside, and `z = k·n·w'` with `w'` inside; ρ stays relative to the
+//!   material's mirror without its cover.
 //!
 //! # Limits of the model
 //!

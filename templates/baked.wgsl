@@ -5,7 +5,7 @@
 #ifdef MATERIAL
 // X, Y, Z with the reflectance of the material and without the gain, divided by COLOUR_UNIT. Columns: angle of (u, v),
 // divided into pages; each page ends with the first column of the next. Rows: asinh of |(u, v)|. Layers: w² between its
-// least and its greatest, page after page.
+// least and its greatest, or w without a cover, page after page.
 #else
 // X, Y, Z without the gain, divided by COLOUR_UNIT. Columns: angle of (u, v), divided into pages; each page ends with
 // the first column of the next. Rows: asinh of |(u, v)|. Layers: w² relative to its maximum, page after page.
@@ -39,7 +39,11 @@ fn colour_between(path: vec3f) -> vec3f {
     let above = path.z * path.z - LEAST_W_SQUARED;
     let share = clamp(above / max(4.0 - squared, 1e-6), 0.0, 1.0);
 #else
+#ifdef EVEN_LEVELS
+    let share = min(-path.z * inverseSqrt(max(4.0 - squared, 1e-6)), 1.0);
+#else
     let share = min(path.z * path.z / max(4.0 - squared, 1e-6), 1.0);
+#endif
 #endif
     let level = share * f32(LEVEL_COUNT - 1);
     let below = min(floor(level), f32(LEVEL_COUNT - 2));

@@ -14,10 +14,11 @@ use crate::variant::{Form, Ground};
 pub const ROOT: &str = "shader";
 
 /// Flags that forms may set.
-const FLAGS: [&str; 13] = [
+const FLAGS: [&str; 14] = [
     "COHERENCE_SCALES",
     "DISC",
     "ENSEMBLE",
+    "EVEN_LEVELS",
     "HALF",
     "LAMPS",
     "LONG_LOOPS",

@@ -5,7 +5,7 @@
 //!   texture is divided into pages.
 //! * **Rows**: `asinh(s·|(u, v)|)`: equal steps near the mirror direction, equal ratios away from it, since the
 //!   integral over wavelengths smears a lobe at `λ f` in proportion to the radius.
-//! * **Layers**: `(w² - w0²)/(4 - |(u, v)|²)`, which is always from 0 to 1. The square makes layers denser where
+//! * **Layers**: `(w² - w0²)/(4 - |(u, v)|²)`, or its square root for a metal in air, which is always from 0 to 1. The square makes layers denser where
 //!   directions are steep and the phase `2πwh/λ` is large. `w0` is 0 in air. Under a cover of index n, `w` stands for
 //!   `n w'`, and `w0² = 4(n² - 1)`.
 
@@ -43,6 +43,10 @@ pub struct BakedAxes {
     /// The least `w²`: 0 without a cover.
     #[serde(skip_serializing_if = "is_zero")]
     pub least_w_squared: f64,
+    /// Whether layers are equal steps of `w` in place of `w²`: for a metal in air, whose reflectance changes fast where
+    /// `w` is small.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub even_w: bool,
 }
 
 fn is_zero(number: &f64) -> bool {
@@ -74,6 +78,7 @@ impl BakedAxes {
                 stretch,
                 pace,
                 least_w_squared: 0.0,
+                even_w: false,
             }
         };
         let texel = match format {
@@ -95,10 +100,10 @@ impl BakedAxes {
         axes
     }
 
-    /// The same under a cover.
+    /// The same for other matter than a dielectric in air, under a cover if `least_w_squared` is above 0.
     #[must_use]
-    pub fn with_least_w_squared(self, least_w_squared: f64) -> BakedAxes {
-        BakedAxes { least_w_squared, ..self }
+    pub fn with_matter(self, least_w_squared: f64) -> BakedAxes {
+        BakedAxes { least_w_squared, even_w: least_w_squared == 0.0, ..self }
     }
 
     /// Number of texels of the table, including repeated columns.
@@ -142,6 +147,7 @@ impl BakedAxes {
     /// `w` of a layer of a page at a radius.
     pub fn w(&self, level: u32, radius: f64) -> f64 {
         let share = f64::from(level) / f64::from(self.levels - 1);
+        let share = if self.even_w { share * share } else { share };
         -(self.least_w_squared + share * (4.0 - radius * radius).max(0.0)).sqrt()
     }
 }

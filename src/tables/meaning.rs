@@ -178,8 +178,9 @@ fn colours(channels: usize, axes: &BakedAxes) -> Words {
     let BakedAxes { columns, pages, levels, stretch, pace, .. } = axes;
     let page = axes.page_columns();
     let w = match axes.least_w_squared {
-        0.0 => "w²".to_owned(),
-        least => format!("(w² - {least})"),
+        _ if axes.even_w => "-w/sqrt(4 - u² - v²)".to_owned(),
+        0.0 => "w²/(4 - u² - v²)".to_owned(),
+        least => format!("(w² - {least})/(4 - u² - v²)"),
     };
     let axes = BTreeMap::from([
         (
@@ -192,7 +193,7 @@ fn colours(channels: usize, axes: &BakedAxes) -> Words {
         (
             "layer",
             format!(
-                "{levels}·page + {} {w}/(4 - u² - v²), for {pages} pages counted from 0; linear between",
+                "{levels}·page + {} {w}, for {pages} pages counted from 0; linear between",
                 levels - 1
             ),
         ),

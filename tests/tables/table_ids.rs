@@ -146,7 +146,11 @@ fn inputs(spec: &TableSpec, surface: &SurfaceInput, variant: &Variant, forget: &
         ]),
         TableSpec::Grating(_) => json!(id),
         TableSpec::Rotation(_) => json!(rotate_deg),
-        TableSpec::Efficiencies(_) => json!([id, waves.min_nm, covered]),
+        TableSpec::Efficiencies(_) => {
+            // the greatest phase is at the shortest wavelength
+            let cover = covered.map(|_| &optics.cover_index);
+            json!([id, waves.min_nm, cover])
+        }
         TableSpec::Moments(_) => json!([light, waves.min_nm, waves.max_nm]),
     }
 }

@@ -27,6 +27,7 @@ const FEW: BakedAxes = BakedAxes {
     stretch: 8.0,
     pace: 11.0,
     least_w_squared: 0.0,
+    even_w: false,
 };
 const VISIBLE: Wavelengths = Wavelengths { min_nm: 380.0, max_nm: 780.0, step_nm: 5.0 };
 

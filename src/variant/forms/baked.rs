@@ -10,6 +10,9 @@ use crate::variant::judge::Light;
 use crate::variant::tolerance::{Promise, is_visible};
 use crate::variant::{Coat, Computation, Cost, Ground, lay};
 
+/// Range of the heights from which on layers for the phase are enough for the reflectance of a metal in air, µm.
+const FLATTEST_UM: f64 = 0.15;
+
 /// Numbers of the form.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Baked {
@@ -34,9 +37,16 @@ impl Baked {
         let window = Window::from(&variant.optics);
         let aim = Aim { error: variant.bake_error, mib: variant.bake_mib };
         let coat = Coat::new(variant)?;
-        let sized = |aim| {
-            BakedAxes::new(window, variant.table, aim, lay::height_range_um(height))
-                .with_least_w_squared(coat.matter.least_w_squared())
+        let range_um = lay::height_range_um(height);
+        let sized = |aim| match &coat.rows {
+            None => BakedAxes::new(window, variant.table, aim, range_um),
+            Some(_) => {
+                let least = coat.matter.least_w_squared();
+                // equal steps of w need twice as many layers, and so does a reflectance even on a flat relief
+                let layered_um =
+                    if least == 0.0 { 2.0 * range_um.max(FLATTEST_UM) } else { range_um };
+                BakedAxes::new(window, variant.table, aim, layered_um).with_matter(least)
+            }
         };
         let axes = sized(aim);
         Ok(Baked {
@@ -55,7 +65,9 @@ impl Baked {
 
 impl Computation for Baked {
     fn define(&self, _: usize, into: &mut Defines) {
-        let BakedAxes { columns, levels, pages, rows, pace, stretch, least_w_squared } = self.axes;
+        let BakedAxes { columns, levels, pages, rows, pace, stretch, least_w_squared, even_w } =
+            self.axes;
+        into.flag("EVEN_LEVELS", even_w);
         let least = "least square of w, under a cover";
         into.number("LEAST_W_SQUARED", least_w_squared, least);
         into.number("BEND", BEND, "slope at 0 of the parabola that replaces the arc tangent");

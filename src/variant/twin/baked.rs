@@ -29,6 +29,7 @@ fn colour_between(twin: &Twin<'_>, axes: &BakedAxes, path: DVec3) -> [f64; 3] {
     let place = DVec2::new(turn - page * columns, row_at(axes, squared));
     let above = path.z * path.z - axes.least_w_squared;
     let share = (above / (4.0 - squared).max(1e-6)).clamp(0.0, 1.0);
+    let share = if axes.even_w { share.sqrt() } else { share };
     let level = share * f64::from(axes.levels - 1);
     let below = level.floor().min(f64::from(axes.levels - 2));
     let layer = page as usize * axes.levels as usize + below as usize;
