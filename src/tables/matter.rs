@@ -23,9 +23,9 @@ const MAX_COLUMNS: usize = 1024;
 /// Step of the wavelengths at which cells are tried, nm.
 const TRIED_NM: f64 = 10.0;
 /// Maximum error of a reflectance by one cubic over a panel of wavelengths, in the same measure.
-const PANEL_ERROR: f64 = 2e-3;
-/// Maximum number of panels over the range.
-const MAX_PANELS: u32 = 256;
+const PANEL_ERROR: f64 = 1e-2;
+/// Maximum number of panels over the range. Moments of narrower ones are small differences of 32-bit floats.
+const MAX_PANELS: u32 = 16;
 
 /// The inputs of the rows.
 ///
@@ -108,8 +108,9 @@ impl MatterSpec {
         counts.take_while(|count| *count <= MAX_COLUMNS).find(good).unwrap_or(MAX_COLUMNS)
     }
 
-    /// Number of panels per 1/µm of wavenumber over which a cubic through four nodes of Chebyshev is good enough.
-    pub fn panel_pace(&self) -> f64 {
+    /// Number of panels per 1/µm of wavenumber over which a cubic through four nodes of Chebyshev is good enough. `None` if
+    /// the reflectance changes too fast with the wavelength, as it does with thick films.
+    pub fn panel_pace(&self) -> Option<f64> {
         let [low, high] = self.range_nm.map(|nm| 1e3 / nm);
         let range = low - high;
         let good = |count: &u32| {
@@ -131,9 +132,9 @@ impl MatterSpec {
             })
         };
         let counts = std::iter::successors(Some(1), |count| Some(2 * count));
-        let count = counts.take_while(|count| *count < MAX_PANELS).find(good).unwrap_or(MAX_PANELS);
+        let count = counts.take_while(|count| *count <= MAX_PANELS).find(good)?;
         // over the whole range not a whole number, which rounding could move to either side
-        if range > 0.0 { (f64::from(count) - 0.01) / range } else { 0.0 }
+        Some(if range > 0.0 { (f64::from(count) - 0.01) / range } else { 0.0 })
     }
 
     /// Flags and constants of the template `matter`. `wavelengths`: columns of the spectrum table; `row`: first of the
@@ -274,7 +275,7 @@ mod tests {
         let (air, covered) = (of("aluminium", 1.0), of("aluminium", 1.58));
         assert!(air.cells > covered.cells && covered.cells == 1, "{} {}", air.cells, covered.cells);
         let (smooth, edged) = (of("silver", 1.0).panel_pace(), of("gold", 1.0).panel_pace());
-        assert!(edged > smooth && smooth > 0.0, "{smooth} {edged}");
+        assert!(edged > smooth && smooth > Some(0.0), "{smooth:?} {edged:?}");
         assert!(of("gold", 1.0).columns() > 33);
     }
 }

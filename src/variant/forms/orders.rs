@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::plan::{LightFunction, Variant};
 use crate::surface::HeightField;
 use crate::tables::orders::{EfficiencyAxes, moment_columns};
-use crate::tables::{EfficienciesSpec, MatterSpec, MomentsSpec, SettingsSpec, TableSpec};
+use crate::tables::{EfficienciesSpec, MomentsSpec, SettingsSpec, TableSpec};
 use crate::variant::judge::Light;
 use crate::variant::tolerance::{Promise, is_visible};
 use crate::variant::{Coat, Computation, Cost, Function, Ground, LobeBounds, function_of, lay};
@@ -59,7 +59,17 @@ impl Orders {
         }
         let sum = LobeSum::new(variant, height, coat)?;
         let functions = variant.lights.clone();
-        let panel_pace = sum.coat.rows.as_ref().map_or(0.0, MatterSpec::panel_pace);
+        let panel_pace = match &sum.coat.rows {
+            None => Some(0.0),
+            Some(_) if functions == [LightFunction::Direction] => Some(0.0),
+            Some(rows) => rows.panel_pace(),
+        };
+        let Some(panel_pace) = panel_pace else {
+            let cause =
+                "the reflectance changes too fast with the wavelength for lights with a size";
+            let remedy = "use thinner films, or lights = [\"direction\"]";
+            return fail(cause.to_owned()).map_err(|error| error.remedy(remedy));
+        };
         let mut form = Orders { sum, axes, functions, panel_pace, cost: Cost::default() };
         let bytes = (orders * columns as usize + 4 * form.moment_columns()) as u64 * 16;
         form.cost = form.sum.cost(1, 0, bytes);
