@@ -23,9 +23,9 @@ const MAX_COLUMNS: usize = 1024;
 /// Step of the wavelengths at which cells are tried, nm.
 const TRIED_NM: f64 = 10.0;
 /// Maximum error of a reflectance by one cubic over a panel of wavelengths, in the same measure.
-const PANEL_ERROR: f64 = 1e-2;
+const PANEL_ERROR: f64 = 2e-2;
 /// Maximum number of panels over the range. Moments of narrower ones are small differences of 32-bit floats.
-const MAX_PANELS: u32 = 16;
+const MAX_PANELS: u32 = 8;
 
 /// The inputs of the rows.
 ///
