@@ -3,20 +3,20 @@
 //! Every file is read once and hashed as it is read. So the hash always belongs to the numbers that are computed, even
 //! if the file changes meanwhile. Later modules receive the bytes; no other module opens an input.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::{self, Read};
 use std::path::Path;
 use std::sync::OnceLock;
 
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::disk::open_regular;
 use crate::error::{Error, Result};
 use crate::hash::{of_value, sha256};
 use crate::light::Lights;
-use crate::optics::{Matter, spectrum};
-use crate::plan::{Data, FileSource, Plan, SurfaceSource, SurfaceSpec};
+use crate::optics::{Index, notes, spectrum};
+use crate::plan::{Data, FileSource, Medium, Plan, SurfaceSource, SurfaceSpec};
 use crate::surface::read::{MAX_FILE_BYTES, Reading};
 use crate::surface::{self, Origin, Surface};
 
@@ -50,41 +50,26 @@ pub fn read_plan(path: &Path) -> Result<Plan, Vec<Error>> {
         }
         optics.media_mut().for_each(|data| read(data, &MEDIUM));
     }
-    if errors.is_empty() {
-        errors = matter(&mut plan, path);
+    if !errors.is_empty() {
+        return Err(errors);
     }
-    if errors.is_empty() { Ok(plan) } else { Err(errors) }
+    add_notes(&mut plan);
+    Ok(plan)
 }
 
-/// Checks what surfaces are made of, and adds notes about it to the plan. Returns all errors.
-fn matter(plan: &mut Plan, path: &Path) -> Vec<Error> {
+/// Adds notes about what surfaces are made of. What cannot be built on a surface is found there.
+fn add_notes(plan: &mut Plan) {
     let own = plan.surfaces.iter().map(|surface| surface.optics.over(&plan.optics));
-    let variants = plan.variants.iter().map(|variant| variant.optics.clone());
-    let (mut known, mut errors): (Vec<Option<Value>>, Vec<Error>) = Default::default();
-    for optics in variants.chain(own) {
-        let identity = optics.matter();
-        if identity.is_none() || known.contains(&identity) {
-            continue;
-        }
-        known.push(identity);
-        match Matter::new(&optics) {
-            Ok(matter) => {
-                for note in matter.notes() {
-                    if !plan.notes.contains(note) {
-                        plan.notes.push(note.clone());
-                    }
-                }
-            }
-            Err(error) => {
-                let again = Error::new(path.display(), error.message());
-                errors.push(match error.advice() {
-                    Some(advice) => again.remedy(advice),
-                    None => again,
-                });
-            }
+    let all = plan.variants.iter().map(|variant| variant.optics.clone()).chain(own);
+    let mut known = BTreeSet::new();
+    for optics in all.filter(|optics| !optics.is_plain()) {
+        let media: Vec<String> = optics.media().iter().map(|(_, medium)| medium.name()).collect();
+        if known.insert((media, optics.illuminant.name().to_owned())) {
+            let new = notes(&optics).into_iter().filter(|note| !plan.notes.contains(note));
+            let new: Vec<String> = new.collect();
+            plan.notes.extend(new);
         }
     }
-    errors
 }
 
 /// Reads a whole file. Whatever is not a regular file is refused before it is opened, since a pipe or a device might never
@@ -150,6 +135,8 @@ struct Kind {
     absent: &'static str,
     subject: fn(&Data) -> String,
     remedy: &'static str,
+    /// Whether the content can be used.
+    check: fn(&Data) -> Result<()>,
 }
 
 const ILLUMINANT: Kind = Kind {
@@ -157,14 +144,21 @@ const ILLUMINANT: Kind = Kind {
     absent: "is neither a known illuminant nor a file relative to the plan's folder",
     subject: spectrum::illuminant_subject,
     remedy: spectrum::ILLUMINANT_REMEDY,
+    // forms and commands check it, each with its own range
+    check: |_| Ok(()),
 };
 
 const MEDIUM: Kind = Kind {
     what: "a table of n and k",
     absent: "is not a file relative to the plan's folder",
-    subject: |data| format!("optics: nk = {:?}", data.name()),
+    subject: nk,
     remedy: "name a CSV file with columns wavelength_nm, n and k",
+    check: |data| Index::new(&nk(data), &Medium::File(data.clone())).map(drop),
 };
+
+fn nk(data: &Data) -> String {
+    format!("optics: nk = {:?}", data.name())
+}
 
 /// Reads a file of the plan's optics. `plan`: the plan's path, for errors.
 fn read_data(plan: &Path, folder: &Path, data: &Data, of: &Kind) -> Result<Data> {
@@ -183,7 +177,12 @@ fn read_data(plan: &Path, folder: &Path, data: &Data, of: &Kind) -> Result<Data>
         }
         _ => fail("cannot be read".to_owned()).source(e),
     })?;
-    Ok(data.clone().with_content(bytes))
+    let data = data.clone().with_content(bytes);
+    (of.check)(&data).map_err(|error| {
+        let again = Error::new(plan.display(), error.message());
+        again.remedy(error.advice().unwrap_or(of.remedy))
+    })?;
+    Ok(data)
 }
 
 /// A surface of a plan with the bytes of its file. They are decoded when the heights are first needed.

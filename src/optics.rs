@@ -16,5 +16,5 @@ pub mod colour_difference;
 pub use coherence::{REFERENCE_NM, window_sigma_um};
 pub use directions::{direction, path_difference};
 pub use gain::{fresnel_ratio, normal_reflectance, shadowing};
-pub use matter::{Facing, Matter, diffuser_scale, reflectances};
+pub use matter::{Facing, Matter, diffuser_scale, notes, reflectances};
 pub use medium::Index;

@@ -30,7 +30,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 pub use data::Data;
 pub use local::SurfaceOptics;
-pub use material::{Film, Material, Medium, Obliquity};
+pub use material::{Film, METALS, Material, Medium, Obliquity};
 pub use mode::Mode;
 pub use optics::{Coherence, CoherenceScaling, Colour, Illuminant, Optics, Window};
 pub use target::Target;

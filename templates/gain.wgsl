@@ -1,4 +1,4 @@
-//- Twin: src/optics/matter.rs, and src/optics/directions.rs for `path_difference`.
+//- Twin: src/optics/matter.rs with its parts in src/optics/gain.rs, and src/optics/directions.rs for `path_difference`.
 
 #ifdef MATERIAL
 // The gain, the factor in front of the interference term, without the reflectance of the material (Stam 1999, eqs. 7

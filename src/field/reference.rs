@@ -126,11 +126,12 @@ impl Reference {
     /// starts at 1 nm and is halved until it is that small for the direction.
     pub fn tristimulus(&self, directions: Directions, scratch: &mut Scratch) -> [f64; 3] {
         let gain = |nm: f64| self.matter.gain(directions.wi, directions.wr, nm);
-        // without dispersion it is the same at all wavelengths
-        let whole = if self.matter.is_plain() { gain(optics::REFERENCE_NM) } else { 1.0 };
-        if gain(optics::REFERENCE_NM) == 0.0 {
+        let at_reference = gain(optics::REFERENCE_NM);
+        if at_reference == 0.0 {
             return [0.0; 3];
         }
+        // without dispersion it is the same at all wavelengths
+        let whole = if self.matter.is_plain() { at_reference } else { 1.0 };
         let per_nm = self.steps_per_nm(directions);
         let (min_nm, max_nm) = Reference::VISIBLE_NM;
         let count = ((max_nm - min_nm) * per_nm).round() as usize;

@@ -9,8 +9,8 @@ use super::item::{Item, suggest};
 use super::number::number;
 use super::words::{OBLIQUITIES, word_of};
 
-/// Named media of refractive indices, see [`crate::optics::medium`].
-pub(super) const METALS: &[&str] = &["aluminium", "silver", "gold", "copper", "nickel", "chromium"];
+/// Metals with a table of n and k in the program, by their words in a plan.
+pub const METALS: &[&str] = &["aluminium", "silver", "gold", "copper", "nickel", "chromium"];
 /// Transparent media.
 pub(super) const COVERS: &[&str] = &["polycarbonate", "pmma"];
 /// The word for a material of which only `refractive_index` counts.

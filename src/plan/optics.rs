@@ -112,6 +112,16 @@ impl Optics {
         parts
     }
 
+    /// The media of the surface, each with its key.
+    pub fn media(&self) -> Vec<(&'static str, &Medium)> {
+        let material = match &self.material {
+            Material::Dielectric => None,
+            Material::Medium(medium) => Some(("material", medium)),
+        };
+        let films = self.films.iter().map(|film| ("films", &film.index));
+        [("cover_index", &self.cover_index)].into_iter().chain(material).chain(films).collect()
+    }
+
     /// The tables of n and k that are files.
     pub(crate) fn media_mut(&mut self) -> impl Iterator<Item = &mut Data> {
         let material = match &mut self.material {

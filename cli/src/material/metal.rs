@@ -12,10 +12,7 @@ use diffraction_shaders::error::Result;
 use diffraction_shaders::optics::Index;
 use diffraction_shaders::optics::colour::{ciede2000, from_rgb, to_rgb};
 use diffraction_shaders::optics::spectrum::Spectrum;
-use diffraction_shaders::plan::{Colour, Data, Medium};
-
-/// Metals that a plan knows by name.
-pub(super) const NAMED: [&str; 6] = ["aluminium", "silver", "gold", "copper", "nickel", "chromium"];
+use diffraction_shaders::plan::{Colour, Data, METALS, Medium};
 
 /// Wavelengths of red, green and blue, nm: the primaries of Rec. 2020, of which each acts on one channel above all. The
 /// ends of the table repeat the outer two.
@@ -40,8 +37,8 @@ pub(super) struct Table {
 pub(super) fn nearest(colour: [f64; 3]) -> Result<(&'static str, f64)> {
     let light = Spectrum::new(&"D65".into())?;
     let wanted = from_rgb(colour, Colour::Srgb);
-    let (mut name, mut least) = (NAMED[0], f64::INFINITY);
-    for metal in NAMED {
+    let (mut name, mut least) = (METALS[0], f64::INFINITY);
+    for &metal in METALS {
         let index = Index::new(metal, &Medium::Named(metal))?;
         let difference = ciede2000(tristimulus(&index, &light), wanted);
         if difference < least {
@@ -170,15 +167,19 @@ mod tests {
             sum
         };
         for (above, limit) in [(1.0, 2.8), (1.5, 0.9)] {
-            let worst = NAMED.map(|name| {
-                let metal = Index::new(name, &Medium::Named(name)).unwrap();
-                let rgb = to_rgb(tristimulus(&metal, &light), Colour::Srgb);
-                let made = index(&table(rgb).unwrap().rows).unwrap();
-                let angles = [0.0, 30.0, 45.0, 60.0, 70.0, 80.0];
-                let difference =
-                    |theta| ciede2000(colour(&metal, above, theta), colour(&made, above, theta));
-                angles.map(difference).into_iter().fold(0.0, f64::max)
-            });
+            let worst: Vec<f64> = METALS
+                .iter()
+                .map(|&name| {
+                    let metal = Index::new(name, &Medium::Named(name)).unwrap();
+                    let rgb = to_rgb(tristimulus(&metal, &light), Colour::Srgb);
+                    let made = index(&table(rgb).unwrap().rows).unwrap();
+                    let angles = [0.0, 30.0, 45.0, 60.0, 70.0, 80.0];
+                    let difference = |theta| {
+                        ciede2000(colour(&metal, above, theta), colour(&made, above, theta))
+                    };
+                    angles.map(difference).into_iter().fold(0.0, f64::max)
+                })
+                .collect();
             let mean = worst.iter().sum::<f64>() / 6.0;
             assert!(mean < limit, "under {above}: {worst:?}");
         }

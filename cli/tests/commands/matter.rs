@@ -106,39 +106,31 @@ fn wrong_matter_is_refused_with_place_key_and_remedy() {
         ),
         ("films = 3", TABLE, ["plan.toml:6", "optics.films = 3", "array"]),
         ("obliquity = \"t\"", TABLE, ["plan.toml:6", "optics.obliquity", "did you mean \"te\"?"]),
-        (nk, "wavelength_nm,n\n380,1\n780,1\n", ["optics.material = n.csv", "without k", "header"]),
-        (
-            nk,
-            "wavelength_nm,n,k\n500,1,0\n400,1,0\n",
-            ["optics.material = n.csv", "line 3", "ascending"],
-        ),
-        (
-            nk,
-            "wavelength_nm,n,k\n400,1,0\n400,1,0\n",
-            ["optics.material = n.csv", "line 3", "ascending"],
-        ),
+        (nk, "wavelength_nm,n\n380,1\n780,1\n", ["nk = \"n.csv\"", "without k", "header"]),
+        (nk, "wavelength_nm,n,k\n500,1,0\n400,1,0\n", ["nk = \"n.csv\"", "line 3", "ascending"]),
+        (nk, "wavelength_nm,n,k\n400,1,0\n400,1,0\n", ["nk = \"n.csv\"", "line 3", "ascending"]),
         (
             nk,
             "wavelength_nm,n,k\n380,1,-2\n780,1,0\n",
-            ["optics.material = n.csv", "line 2: k is -2", "at least 0"],
+            ["nk = \"n.csv\"", "line 2: k is -2", "at least 0"],
         ),
         (
             nk,
             "wavelength_nm,n,k\n380,0,2\n780,1,0\n",
-            ["optics.material = n.csv", "line 2: n is 0", "above 0"],
+            ["nk = \"n.csv\"", "line 2: n is 0", "above 0"],
         ),
         (
             nk,
             "wavelength_nm,n,k\n380,inf,2\n780,1,0\n",
-            ["optics.material = n.csv", "line 2", "not a number"],
+            ["nk = \"n.csv\"", "line 2", "not a number"],
         ),
         (
             nk,
             "wavelength_nm,n,k\n500,1,2\n600,1,2\n",
             ["optics.material = n.csv", "500 to 600 nm", "extend the table"],
         ),
-        (nk, "\u{0}\u{1}", ["optics.material = n.csv", "header", "ascending"]),
-        (nk, "", ["optics.material = n.csv", "header", "ascending"]),
+        (nk, "\u{0}\u{1}", ["nk = \"n.csv\"", "header", "ascending"]),
+        (nk, "", ["nk = \"n.csv\"", "header", "ascending"]),
     ] {
         let folder = folder(keys, table);
         let done = diffraction(folder.path(), &["generate", "--out", "out"]);

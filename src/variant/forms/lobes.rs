@@ -87,7 +87,6 @@ impl LobeSum {
 
     /// The table of the colours of lobes.
     pub(super) fn table(&self, surface: &str, settings: SettingsSpec) -> TableSpec {
-        let settings = SettingsSpec { matter: self.coat.rows.clone(), ..settings };
         TableSpec::Lobes(LobesSpec {
             surface: surface.to_owned(),
             illuminant: self.illuminant.clone(),
@@ -189,7 +188,10 @@ impl Computation for Lobes {
             series: self.series.clone(),
             filtered: false,
         };
-        let lobes = self.sum.table(on.surface, SettingsSpec::new(on.rotate_deg, &terms, None));
+        let lobes = self.sum.table(
+            on.surface,
+            SettingsSpec::new(on.rotate_deg, &terms, self.sum.coat.rows.clone()),
+        );
         let coefficients = CoefficientsSpec::new(on.surface, &self.series);
         let tables = [TableSpec::Terms(terms), lobes];
         tables.into_iter().chain(coefficients.map(TableSpec::Coefficients)).collect()

@@ -146,7 +146,10 @@ impl Computation for Orders {
     fn tables(&self, on: Ground<'_>) -> Vec<TableSpec> {
         let surface = on.surface.to_owned();
         let efficiencies = EfficienciesSpec { surface, axes: self.axes };
-        let lobes = self.sum.table(on.surface, SettingsSpec::without_terms(on.rotate_deg, None));
+        let lobes = self.sum.table(
+            on.surface,
+            SettingsSpec::without_terms(on.rotate_deg, self.sum.coat.rows.clone()),
+        );
         let (illuminant, range_nm) = (self.sum.illuminant.clone(), self.sum.range_nm);
         let moments = TableSpec::Moments(MomentsSpec { illuminant, range_nm });
         let has_lamps = self.has(LightFunction::Disc) || self.has(LightFunction::Polygon);
