@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::defines::Defines;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::optics::Matter;
 use crate::plan::Variant;
 use crate::tables::MatterSpec;
@@ -22,7 +22,14 @@ pub struct Coat {
 impl Coat {
     /// The matter of a variant. It is an error, with the reason, if it cannot be computed.
     pub(super) fn new(variant: &Variant) -> Result<Coat> {
-        let matter = Arc::new(Matter::new(&variant.optics)?);
+        let matter = Matter::new(&variant.optics).map_err(|error| {
+            let named = Error::new(&variant.name, error.message());
+            match error.advice() {
+                Some(advice) => named.remedy(advice),
+                None => named,
+            }
+        })?;
+        let matter = Arc::new(matter);
         let rows = MatterSpec::new(&variant.optics, &matter, lay::range_nm(variant));
         Ok(Coat { matter, rows })
     }

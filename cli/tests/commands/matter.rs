@@ -68,11 +68,15 @@ fn wrong_matter_is_refused_with_place_key_and_remedy() {
         ("cover_index = 0", TABLE, ["plan.toml:6", "optics.cover_index = 0", "from 1 to 4"]),
         ("cover_index = nan", TABLE, ["plan.toml:6", "optics.cover_index = nan", "from 1 to 4"]),
         ("cover_index = \"glas\"", TABLE, ["plan.toml:6", "unknown medium", "polycarbonate"]),
-        ("cover_index = 1.5", TABLE, ["plan.toml", "optics.material", "another refractive index"]),
+        (
+            "cover_index = 1.5",
+            TABLE,
+            ["surface a", "sum: optics.material", "another refractive index"],
+        ),
         (
             "cover_index = { nk = \"n.csv\" }",
             TABLE,
-            ["plan.toml", "optics.cover_index = n.csv", "absorbs"],
+            ["surface a", "sum: optics.cover_index = n.csv", "absorbs"],
         ),
         (
             "films = [{ index = 1.4, thickness_nm = 0 }]",
