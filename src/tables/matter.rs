@@ -6,6 +6,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::defines::Defines;
+use crate::error::{Error, Result};
 use crate::optics::{Facing, Matter};
 use crate::plan::Optics;
 
@@ -14,8 +15,8 @@ use super::Table;
 /// Maximum error of a reflectance by cubics over cells of the cosine, relative to the larger of the reflectance and its
 /// mean at normal incidence.
 const CELL_ERROR: f64 = 2e-4;
-/// Maximum number of cells.
-const MAX_CELLS: u32 = 32;
+/// Maximum number of cells: two rows each are within the height that every profile allows a texture.
+const MAX_CELLS: u32 = 512;
 /// Maximum error of a reflectance by linear interpolation between columns, in the same measure.
 const COLUMN_ERROR: f64 = 1e-3;
 /// Maximum number of columns that it asks for.
@@ -47,11 +48,17 @@ pub struct MatterSpec {
 }
 
 impl MatterSpec {
-    /// The rows for the optics of a surface. `None` for a dielectric in air with Stam's obliquity.
-    pub fn new(optics: &Optics, matter: &Arc<Matter>, range_nm: [f64; 2]) -> Option<MatterSpec> {
-        let identity = json!([optics.matter()?, optics.illuminant.identity()]);
-        let cells = cells(matter, range_nm);
-        Some(MatterSpec { identity, range_nm, cells, matter: matter.clone() })
+    /// The rows for the optics of a surface. `None` for a dielectric in air with Stam's obliquity. It is an error if the
+    /// reflectance changes too fast with the angle.
+    pub fn new(
+        optics: &Optics,
+        matter: &Arc<Matter>,
+        range_nm: [f64; 2],
+    ) -> Result<Option<MatterSpec>> {
+        let Some(identity) = optics.matter() else { return Ok(None) };
+        let identity = json!([identity, optics.illuminant.identity()]);
+        let cells = cells(matter, range_nm).ok_or_else(|| too_fast("angle"))?;
+        Ok(Some(MatterSpec { identity, range_nm, cells, matter: matter.clone() }))
     }
 
     /// The matter.
@@ -90,8 +97,9 @@ impl MatterSpec {
         )
     }
 
-    /// Number of columns with which linear interpolation between wavelengths is good enough.
-    pub fn columns(&self) -> usize {
+    /// Number of columns with which linear interpolation between wavelengths is good enough. It is an error if the
+    /// reflectance changes too fast with the wavelength.
+    pub fn columns(&self) -> Result<usize> {
         let [from, to] = self.range_nm;
         let good = |columns: &usize| {
             let step = (to - from) / (*columns - 1) as f64;
@@ -105,12 +113,13 @@ impl MatterSpec {
             })
         };
         let counts = std::iter::successors(Some(33), |count| Some(2 * count - 1));
-        counts.take_while(|count| *count <= MAX_COLUMNS).find(good).unwrap_or(MAX_COLUMNS)
+        let mut counts = counts.take_while(|count| *count <= MAX_COLUMNS);
+        counts.find(good).ok_or_else(|| too_fast("wavelength"))
     }
 
-    /// Number of panels per 1/µm of wavenumber over which a cubic through four nodes of Chebyshev is good enough. `None` if
-    /// the reflectance changes too fast with the wavelength, as it does with thick films.
-    pub fn panel_pace(&self) -> Option<f64> {
+    /// Number of panels per 1/µm of wavenumber over which a cubic through four nodes of Chebyshev is good enough. It is an
+    /// error if the reflectance changes too fast with the wavelength.
+    pub fn panel_pace(&self) -> Result<f64> {
         let [low, high] = self.range_nm.map(|nm| 1e3 / nm);
         let range = low - high;
         let good = |count: &u32| {
@@ -132,9 +141,11 @@ impl MatterSpec {
             })
         };
         let counts = std::iter::successors(Some(1), |count| Some(2 * count));
-        let count = counts.take_while(|count| *count <= MAX_PANELS).find(good)?;
+        let mut counts = counts.take_while(|count| *count <= MAX_PANELS);
+        let count =
+            counts.find(good).ok_or_else(|| too_fast("wavelength for lights with a size"))?;
         // over the whole range not a whole number, which rounding could move to either side
-        Some(if range > 0.0 { (f64::from(count) - 0.01) / range } else { 0.0 })
+        Ok(if range > 0.0 { (f64::from(count) - 0.01) / range } else { 0.0 })
     }
 
     /// Flags and constants of the template `matter`. `wavelengths`: columns of the spectrum table; `row`: first of the
@@ -195,8 +206,16 @@ impl MatterSpec {
     }
 }
 
-/// The least number of cells with which cubics are good enough.
-fn cells(matter: &Matter, [from, to]: [f64; 2]) -> u32 {
+/// The reflectance changes faster than a table can follow.
+fn too_fast(with: &str) -> Error {
+    let cause =
+        format!("the reflectance changes too fast with the {with}, by interference in its films");
+    Error::new("optics.films", cause)
+        .remedy("use thinner films; a layer of many wavelengths is a cover")
+}
+
+/// The least number of cells with which cubics are good enough. `None` if that is too many.
+fn cells(matter: &Matter, [from, to]: [f64; 2]) -> Option<u32> {
     let least = matter.least_cos_half();
     let count = ((to - from) / TRIED_NM).ceil() as usize;
     let tried: Vec<f64> = (0..=count).map(|i| (from + i as f64 * TRIED_NM).min(to)).collect();
@@ -216,7 +235,7 @@ fn cells(matter: &Matter, [from, to]: [f64; 2]) -> u32 {
         })
     };
     let counts = std::iter::successors(Some(1), |count| Some(2 * count));
-    counts.take_while(|count| *count < MAX_CELLS).find(good).unwrap_or(MAX_CELLS)
+    counts.take_while(|count| *count <= MAX_CELLS).find(good)
 }
 
 /// The cubic through the ends of a cell and two places between them (nodes of Chebyshev and Lobatto), so that
@@ -270,12 +289,13 @@ mod tests {
                 ..Optics::standard()
             };
             let matter = Arc::new(Matter::new(&optics).expect("valid"));
-            MatterSpec::new(&optics, &matter, [380.0, 780.0]).expect("not plain")
+            MatterSpec::new(&optics, &matter, [380.0, 780.0]).expect("thin").expect("not plain")
         };
         let (air, covered) = (of("aluminium", 1.0), of("aluminium", 1.58));
         assert!(air.cells > covered.cells && covered.cells == 1, "{} {}", air.cells, covered.cells);
-        let (smooth, edged) = (of("silver", 1.0).panel_pace(), of("gold", 1.0).panel_pace());
-        assert!(edged > smooth && smooth > Some(0.0), "{smooth:?} {edged:?}");
-        assert!(of("gold", 1.0).columns() > 33);
+        let pace = |metal| of(metal, 1.0).panel_pace().expect("thin");
+        let (smooth, edged) = (pace("silver"), pace("gold"));
+        assert!(edged > smooth && smooth > 0.0, "{smooth} {edged}");
+        assert!(of("gold", 1.0).columns().expect("thin") > 33);
     }
 }

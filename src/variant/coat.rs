@@ -22,16 +22,23 @@ pub struct Coat {
 impl Coat {
     /// The matter of a variant. It is an error, with the reason, if it cannot be computed.
     pub(super) fn new(variant: &Variant) -> Result<Coat> {
-        let matter = Matter::new(&variant.optics).map_err(|error| {
-            let named = Error::new(&variant.name, error.message());
-            match error.advice() {
-                Some(advice) => named.remedy(advice),
-                None => named,
-            }
-        })?;
+        let matter = Matter::new(&variant.optics).map_err(|error| named(variant, &error))?;
         let matter = Arc::new(matter);
         let rows = MatterSpec::new(&variant.optics, &matter, lay::range_nm(variant));
-        Ok(Coat { matter, rows })
+        Ok(Coat { matter, rows: rows.map_err(|error| named(variant, &error))? })
+    }
+
+    /// Number of columns that the rows need; 1 without rows. It is an error if that is too many.
+    pub(super) fn columns(&self, variant: &Variant) -> Result<usize> {
+        let columns = self.rows.as_ref().map_or(Ok(1), MatterSpec::columns);
+        columns.map_err(|error| named(variant, &error))
+    }
+
+    /// Number of panels per 1/µm of wavenumber that the reflectance needs under lights with a size; 0 without rows. It is
+    /// an error if that is too many.
+    pub(super) fn panel_pace(&self, variant: &Variant) -> Result<f64> {
+        let pace = self.rows.as_ref().map_or(Ok(0.0), MatterSpec::panel_pace);
+        pace.map_err(|error| named(variant, &error))
     }
 
     /// Constants of the template `matter`. `wavelengths`: number of columns of the spectrum table; `above`: number of its
@@ -41,5 +48,14 @@ impl Coat {
         if let Some(rows) = &self.rows {
             rows.define(wavelengths, if wavelengths == 1 { 2 } else { above }, into);
         }
+    }
+}
+
+/// The error with the variant's name.
+fn named(variant: &Variant, error: &Error) -> Error {
+    let named = Error::new(&variant.name, error.message());
+    match error.advice() {
+        Some(advice) => named.remedy(advice),
+        None => named,
     }
 }

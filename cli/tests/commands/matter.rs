@@ -108,6 +108,16 @@ fn wrong_matter_is_refused_with_place_key_and_remedy() {
             TABLE,
             ["plan.toml:6", "films[1].index is missing", "refractive index"],
         ),
+        (
+            "material = \"gold\"\nfilms = [{ index = 1.4, thickness_nm = 10000 }]",
+            TABLE,
+            ["sum: optics.films", "too fast with the wavelength", "use thinner films"],
+        ),
+        (
+            "material = \"gold\"\nfilms = [{ index = 2.4, thickness_nm = 10000 }]",
+            TABLE,
+            ["sum: optics.films", "too fast with the", "use thinner films"],
+        ),
         ("films = 3", TABLE, ["plan.toml:6", "optics.films = 3", "array"]),
         ("obliquity = \"t\"", TABLE, ["plan.toml:6", "optics.obliquity", "did you mean \"te\"?"]),
         (nk, "wavelength_nm,n\n380,1\n780,1\n", ["nk = \"n.csv\"", "without k", "header"]),

@@ -42,9 +42,11 @@ impl Baked {
             None => BakedAxes::new(window, variant.table, aim, range_um),
             Some(_) => {
                 let least = coat.matter.least_w_squared();
-                // equal steps of w need twice as many layers, and so does a reflectance even on a flat relief
+                // interference in films changes with w as fast as in a relief of their depth; equal steps of w need twice as
+                // many layers, and so does a reflectance even on a flat relief
+                let deep_um = range_um + coat.matter.detail_um(0.0);
                 let layered_um =
-                    if least == 0.0 { 2.0 * range_um.max(FLATTEST_UM) } else { range_um };
+                    if least == 0.0 { 2.0 * deep_um.max(FLATTEST_UM) } else { deep_um };
                 BakedAxes::new(window, variant.table, aim, layered_um).with_matter(least)
             }
         };

@@ -39,9 +39,14 @@ impl LobeSum {
         let geometry = LobeGeometry::new(window, &variant.wavelengths, patch_um);
         check_isolated(variant, &geometry)?;
         let detail_um = coat.matter.detail_um(lay::height_range_um(height));
+        let mut corridor = geometry.corridor(detail_um);
+        if corridor.nodes > 1 {
+            // the rows about the matter have the same columns
+            corridor.columns = corridor.columns.max(coat.columns(variant)? as u32);
+        }
         Ok(LobeSum {
             patch_um,
-            corridor: geometry.corridor(detail_um),
+            corridor,
             geometry,
             window,
             range_nm: lay::range_nm(variant),

@@ -59,17 +59,8 @@ impl Orders {
         }
         let sum = LobeSum::new(variant, height, coat)?;
         let functions = variant.lights.clone();
-        let panel_pace = match &sum.coat.rows {
-            None => Some(0.0),
-            Some(_) if functions == [LightFunction::Direction] => Some(0.0),
-            Some(rows) => rows.panel_pace(),
-        };
-        let Some(panel_pace) = panel_pace else {
-            let cause =
-                "the reflectance changes too fast with the wavelength for lights with a size";
-            let remedy = "use thinner films, or lights = [\"direction\"]";
-            return fail(cause.to_owned()).map_err(|error| error.remedy(remedy));
-        };
+        let sized = functions != [LightFunction::Direction];
+        let panel_pace = if sized { sum.coat.panel_pace(variant)? } else { 0.0 };
         let mut form = Orders { sum, axes, functions, panel_pace, cost: Cost::default() };
         let bytes = (orders * columns as usize + 4 * form.moment_columns()) as u64 * 16;
         form.cost = form.sum.cost(1, 0, bytes);

@@ -37,7 +37,8 @@ impl Warped {
     pub(in crate::variant) fn new(variant: &Variant, height: &HeightField) -> Result<Warped> {
         let coat = Coat::new(variant)?;
         let range = variant.wavelengths.max_nm > variant.wavelengths.min_nm;
-        let columns = coat.rows.as_ref().filter(|_| range).map(MatterSpec::columns);
+        let needs_columns = range && coat.rows.is_some();
+        let columns = if needs_columns { Some(coat.columns(variant)?) } else { None };
         Ok(Warped {
             series: prefilter::series(variant, height, &coat.matter)?,
             node_counts: node_counts(variant, height, &coat.matter),
