@@ -14,7 +14,7 @@ use serde_json::json;
 use crate::disk::open_regular;
 use crate::error::{Error, Result};
 use crate::hash::{of_value, sha256};
-use crate::light::Lights;
+use crate::light::{Lights, Panorama};
 use crate::optics::{Index, notes, spectrum};
 use crate::plan::{Data, FileSource, Medium, Plan, SurfaceSource, SurfaceSpec};
 use crate::surface::read::{MAX_FILE_BYTES, Reading};
@@ -22,6 +22,9 @@ use crate::surface::{self, Origin, Surface};
 
 /// Maximum size of a plan, in bytes.
 pub const MAX_PLAN_BYTES: u64 = 4 << 20;
+
+/// Maximum size of a panorama, in bytes: more than one of the most rows takes.
+const MAX_PANORAMA_BYTES: u64 = 1 << 30;
 
 /// Maximum size of a table of an illuminant or of a medium, in bytes.
 const MAX_DATA_BYTES: u64 = 1 << 20;
@@ -125,7 +128,22 @@ fn read_text(path: &Path, remedy: &str) -> Result<String> {
 /// Reads and checks a `lights.toml`. Returns all errors, in the order of its text.
 pub fn read_lights(path: &Path) -> Result<Lights, Vec<Error>> {
     let text = read_text(path, LIGHTS_REMEDY).map_err(|error| vec![error])?;
-    Lights::parse(&text, path)
+    let folder = path.parent().unwrap_or(Path::new(""));
+    Lights::parse(&text, path, &|file| read_panorama(&folder.join(file)))
+}
+
+/// Reads a panorama, with notes about it.
+fn read_panorama(path: &Path) -> Result<(Panorama, Vec<String>)> {
+    let place = path.display().to_string();
+    let bytes = read_file(path, MAX_PANORAMA_BYTES).map_err(|e| match e.kind() {
+        io::ErrorKind::InvalidInput => {
+            Error::new(&place, e).remedy("name an .exr or .hdr file; it is relative to this file")
+        }
+        _ => Error::new(&place, "cannot be read")
+            .source(e)
+            .remedy("check the path; it is relative to this file"),
+    })?;
+    Panorama::decode(&bytes, &place)
 }
 
 /// What a file of the plan's optics is for.

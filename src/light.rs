@@ -1,10 +1,12 @@
-//! What shines on a surface: single directions, discs, polygons, the sky; as data, and as radiance from a direction.
+//! What shines on a surface: single directions, discs, polygons, the sky, maps of surroundings; as data, and as radiance from a
+//! direction.
 //!
 //! Directions are unit vectors in the tangent frame that point away from the surface. Radiance 1 is that of a white of
 //! `Y = 1` under the illuminant of the optics. Irradiance is measured perpendicular to the light: a white diffuser that
-//! faces a light of irradiance E shows the radiance E/π.
+//! faces a light of irradiance E shows the radiance E/π. Colours are linear sRGB; white is the illuminant.
 
 mod cap;
+mod environment;
 mod parse;
 mod polygon;
 
@@ -13,16 +15,19 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 pub use cap::Cap;
+pub use environment::{Environment, Panorama};
 pub use polygon::{MAX_CORNERS, Polygon, PolygonFault};
 
 /// All lights of a `lights.toml`, in its order.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lights {
     /// At least one.
     pub all: Vec<Light>,
+    /// What a user should know about its files.
+    pub notes: Vec<String>,
 }
 
-/// One white light.
+/// One light. It is white unless it is [`Light::Coloured`] or an environment.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Light {
     /// Light from a single direction.
@@ -51,6 +56,15 @@ pub enum Light {
         /// Its radiance.
         radiance: f64,
     },
+    /// A map of the surroundings.
+    Environment(Environment),
+    /// A white light behind a filter.
+    Coloured {
+        /// The white light.
+        light: Box<Light>,
+        /// Linear sRGB.
+        colour: DVec3,
+    },
 }
 
 /// A light with a size, as radiance over directions.
@@ -61,8 +75,13 @@ pub trait Emitter: Sync {
     /// Positive inside the light, negative outside, and continuous.
     fn margin(&self, wi: DVec3) -> f64;
 
-    /// Radiance from a direction inside the light.
-    fn radiance(&self, wi: DVec3) -> f64;
+    /// Radiance from a direction inside the light, linear sRGB.
+    fn radiance(&self, wi: DVec3) -> DVec3;
+
+    /// Angle over which its radiance may be taken for a polynomial, radians.
+    fn grain_rad(&self) -> f64 {
+        PI
+    }
 }
 
 /// A disc or polygon of uniform radiance.
@@ -80,8 +99,8 @@ impl Emitter for Uniform<'_, Cap> {
         self.region.margin(wi)
     }
 
-    fn radiance(&self, _: DVec3) -> f64 {
-        self.radiance
+    fn radiance(&self, _: DVec3) -> DVec3 {
+        DVec3::splat(self.radiance)
     }
 }
 
@@ -94,13 +113,37 @@ impl Emitter for Uniform<'_, Polygon> {
         self.region.margin(wi)
     }
 
-    fn radiance(&self, _: DVec3) -> f64 {
-        self.radiance
+    fn radiance(&self, _: DVec3) -> DVec3 {
+        DVec3::splat(self.radiance)
     }
 }
 
 /// A sky of the same radiance everywhere.
 pub struct Everywhere(pub f64);
+
+/// A light behind a filter.
+struct Filtered<'a> {
+    light: Box<dyn Emitter + 'a>,
+    colour: DVec3,
+}
+
+impl Emitter for Filtered<'_> {
+    fn bounds(&self) -> Cap {
+        self.light.bounds()
+    }
+
+    fn margin(&self, wi: DVec3) -> f64 {
+        self.light.margin(wi)
+    }
+
+    fn radiance(&self, wi: DVec3) -> DVec3 {
+        self.colour * self.light.radiance(wi)
+    }
+
+    fn grain_rad(&self) -> f64 {
+        self.light.grain_rad()
+    }
+}
 
 impl Emitter for Everywhere {
     fn bounds(&self) -> Cap {
@@ -111,8 +154,8 @@ impl Emitter for Everywhere {
         1.0
     }
 
-    fn radiance(&self, _: DVec3) -> f64 {
-        self.0
+    fn radiance(&self, _: DVec3) -> DVec3 {
+        DVec3::splat(self.0)
     }
 }
 
@@ -128,7 +171,29 @@ impl Light {
                 Some(Box::new(Uniform { region: polygon, radiance: *radiance }))
             }
             Light::Sky { radiance } => Some(Box::new(Everywhere(*radiance))),
+            Light::Environment(environment) => Some(Box::new(environment)),
+            Light::Coloured { light, colour } => {
+                let light = light.emitter()?;
+                Some(Box::new(Filtered { light, colour: *colour }))
+            }
         }
+    }
+
+    /// The light without its filter, and the filter's colour; white for a light without one.
+    pub fn white(&self) -> (&Light, DVec3) {
+        match self {
+            Light::Coloured { light, colour } => {
+                let (white, inner) = light.white();
+                (white, inner * *colour)
+            }
+            light => (light, DVec3::ONE),
+        }
+    }
+
+    /// The light behind a filter; itself if the colour is white.
+    #[must_use]
+    pub fn coloured(self, colour: DVec3) -> Light {
+        if colour == DVec3::ONE { self } else { Light::Coloured { light: Box::new(self), colour } }
     }
 
     /// The word of its kind in `lights.toml`.
@@ -138,21 +203,25 @@ impl Light {
             Light::Disc { .. } => "disc",
             Light::Polygon { .. } => "polygon",
             Light::Sky { .. } => "sky",
+            Light::Environment(_) => "environment",
+            Light::Coloured { light, .. } => light.kind(),
         }
     }
 }
 
 impl Lights {
-    /// Lights of single directions: unit vector and irradiance.
-    pub fn directions(&self) -> impl Iterator<Item = (DVec3, f64)> {
-        self.all.iter().filter_map(|light| match light {
-            Light::Direction { direction, irradiance } => Some((*direction, *irradiance)),
+    /// Lights of single directions: unit vector, irradiance and colour.
+    pub fn directions(&self) -> impl Iterator<Item = (DVec3, f64, DVec3)> {
+        self.all.iter().filter_map(|light| match light.white() {
+            (Light::Direction { direction, irradiance }, colour) => {
+                Some((*direction, *irradiance, colour))
+            }
             _ => None,
         })
     }
 
     /// Lights with a size.
     pub fn with_size(&self) -> impl Iterator<Item = &Light> {
-        self.all.iter().filter(|light| !matches!(light, Light::Direction { .. }))
+        self.all.iter().filter(|light| !matches!(light.white().0, Light::Direction { .. }))
     }
 }

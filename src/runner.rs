@@ -48,6 +48,13 @@ pub trait Runner {
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>>;
 
+    /// [`Runner::tristimulus_with`] for light of a colour, linear sRGB. It is an error if the variant has no such light.
+    fn tinted(&self, _: &[Directions], _: DVec3, _: Progress<'_>) -> Result<Vec<[f64; 3]>> {
+        let cause = "has no function for coloured light of one direction";
+        Err(Error::new(self.route(), cause)
+            .remedy("use a disc, or --runner exact, or remove the colour"))
+    }
+
     /// `|P|²` at one wavelength in nm, without the gain. It is an error if the variant does not have wavelengths.
     fn response(&self, directions: &[Directions], lambda_nm: f64) -> Result<Vec<f64>>;
 

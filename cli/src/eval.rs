@@ -129,6 +129,7 @@ fn under_lights(
     drivers: Drivers,
 ) -> Result<Outcome> {
     let lights = input::read_lights(lights).map_err(Errors)?;
+    lights.notes.iter().for_each(|note| console.note(note));
     let job = Job::under(&lights, &args.surface, &args.runner, &args.memory, console)?;
     let angles = rows(views, "--views", ["theta_r", "phi_r"])?;
     let views: Vec<DVec3> = angles.iter().map(|[theta, phi]| direction(*theta, *phi)).collect();

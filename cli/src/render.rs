@@ -73,6 +73,7 @@ pub fn run(args: &Args, console: &Console, drivers: Drivers) -> Result<Outcome> 
     let format = format(&args.out)?;
     let size = args.size as usize;
     let lights = args.lights.as_deref().map(input::read_lights).transpose().map_err(Errors)?;
+    lights.iter().flat_map(|lights| &lights.notes).for_each(|note| console.note(note));
     let job = match &lights {
         Some(lights) => Job::under(lights, &args.surface, &args.runner, &args.memory, console)?,
         None => Job::new(&args.surface, &args.runner, &args.memory, console)?,

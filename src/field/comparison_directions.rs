@@ -78,7 +78,8 @@ fn within(light: &Light, random: &mut SplitMix64) -> DVec3 {
             let sum: DVec3 = polygon.corners().iter().map(|corner| random.share() * *corner).sum();
             sum.normalize()
         }
-        Light::Sky { .. } => {
+        Light::Coloured { light, .. } => within(light, random),
+        Light::Sky { .. } | Light::Environment(_) => {
             let plane = random.share().sqrt() * DVec2::from_angle(TAU * random.share());
             plane.extend((1.0 - plane.length_squared()).max(0.0).sqrt())
         }

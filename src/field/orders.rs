@@ -14,7 +14,7 @@ use rustfft::num_complex::Complex64;
 use crate::error::{Error, Result};
 use crate::light::{Emitter, Everywhere};
 use crate::optics::spectrum::{Spectrum, TABLE_MAX_NM, TABLE_MIN_NM};
-use crate::optics::{Matter, direction};
+use crate::optics::{Matter, direction, primary_shares};
 use crate::plan::Optics;
 use crate::surface::HeightField;
 
@@ -230,7 +230,7 @@ impl Order<'_> {
         let mut xyz = DVec3::ZERO;
         for [from, to] in lit(first, last, SEARCH * radius_rad, &margin) {
             let longest = rho0 * (to - from) / (length * self.sum.panel_nm * 1e-3);
-            let panels = longest.ceil().max(1.0);
+            let panels = longest.max((to - from) / emitter.grain_rad()).ceil().max(1.0);
             let half = 0.5 * (to - from) / panels;
             for panel in 0..panels as u32 {
                 let middle = from + (2.0 * f64::from(panel) + 1.0) * half;
@@ -238,8 +238,8 @@ impl Order<'_> {
                     let psi = middle + half * node;
                     let lambda_um = (x0 - rho0 * psi.sin()) / length;
                     let wi = direction(psi);
-                    let share = self.share(wi, lambda_um) * wi.z * emitter.radiance(wi);
-                    let colour = DVec3::from(self.sum.spectrum.per_nm(lambda_um * 1e3)) * 1e3;
+                    let share = self.share(wi, lambda_um) * wi.z;
+                    let colour = self.light(emitter.radiance(wi), lambda_um * 1e3) * 1e3;
                     xyz += weight * half / length * share * colour;
                 }
             }
@@ -255,16 +255,24 @@ impl Order<'_> {
         }
         let panels = ((TABLE_MAX_NM - TABLE_MIN_NM) / self.sum.panel_nm).ceil();
         let half_nm = 0.5 * (TABLE_MAX_NM - TABLE_MIN_NM) / panels;
+        let radiance = emitter.radiance(wi);
         let mut xyz = DVec3::ZERO;
         for panel in 0..panels as u32 {
             let middle_nm = TABLE_MIN_NM + (2.0 * f64::from(panel) + 1.0) * half_nm;
             for (node, weight) in GAUSS {
                 let lambda_nm = middle_nm + half_nm * node;
                 let share = self.share(wi, lambda_nm * 1e-3);
-                xyz += weight * half_nm * share * DVec3::from(self.sum.spectrum.per_nm(lambda_nm));
+                xyz += weight * half_nm * share * self.light(radiance, lambda_nm);
             }
         }
-        xyz * emitter.radiance(wi)
+        xyz
+    }
+
+    /// X, Y, Z per nm of light of a radiance in linear sRGB.
+    fn light(&self, radiance: DVec3, lambda_nm: f64) -> DVec3 {
+        let is_white = radiance.x == radiance.y && radiance.y == radiance.z;
+        let part = if is_white { radiance.x } else { radiance.dot(primary_shares(lambda_nm)) };
+        part * DVec3::from(self.sum.spectrum.per_nm(lambda_nm))
     }
 
     /// `η` of the order.

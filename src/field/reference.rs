@@ -100,6 +100,13 @@ impl Reference {
         self
     }
 
+    /// The same under light of a colour, linear sRGB.
+    #[must_use]
+    pub fn tinted(mut self, colour: DVec3) -> Reference {
+        self.spectrum = self.spectrum.tinted(colour);
+        self
+    }
+
     /// The exact field that colours are computed from.
     pub fn field(&self) -> &Field {
         &self.field

@@ -1,6 +1,7 @@
 //! `lights.toml`: parsing, with the place of every error.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use toml::de::DeTable;
 
@@ -8,17 +9,20 @@ use crate::error::Error;
 use crate::optics::direction;
 use crate::plan::toml::{Item, Source, Table};
 
-use super::{Cap, Light, Lights, MAX_CORNERS, Polygon, PolygonFault};
+use glam::DVec3;
+
+use super::{Cap, Environment, Light, Lights, MAX_CORNERS, Panorama, Polygon, PolygonFault};
 
 /// Maximum number of lights.
 const MAX_LIGHTS: usize = 64;
 
 /// Kinds of lights with their keys.
-const KINDS: [(&str, &[&str]); 4] = [
+const KINDS: [(&str, &[&str]); 5] = [
     ("direction", &["direction", "irradiance"]),
     ("disc", &["direction", "diameter_deg", "irradiance"]),
     ("polygon", &["corners", "radiance"]),
     ("sky", &["radiance"]),
+    ("environment", &["file", "scale", "rotate_deg"]),
 ];
 
 /// Keys of every light.
@@ -27,8 +31,9 @@ const COMMON: [&str; 2] = ["kind", "colour"];
 const EXAMPLE: &str = "a file of lights needs schema = 1 and at least one [[light]], such as kind = \"disc\", direction = [20, 0], diameter_deg = 0.53, irradiance = 1";
 
 impl Lights {
-    /// Checks the text of a `lights.toml`. `path` is its name in messages. Returns all errors, in the order of the text.
-    pub fn parse(text: &str, path: &Path) -> Result<Lights, Vec<Error>> {
+    /// Checks the text of a `lights.toml`. `path` is its name in messages. `open` reads a panorama that it names, with notes.
+    /// Returns all errors, in the order of the text.
+    pub fn parse(text: &str, path: &Path, open: Open<'_>) -> Result<Lights, Vec<Error>> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let source = Source::new(text, path.display());
         let (document, faults) = DeTable::parse_recoverable(text);
@@ -36,13 +41,16 @@ impl Lights {
             source.fail_toml(&faults);
             return Err(source.into_errors());
         }
-        let lights = read(&Table::root(&source, document.get_ref()));
+        let lights = read(&Table::root(&source, document.get_ref()), open);
         let errors = source.into_errors();
         if errors.is_empty() { Ok(lights) } else { Err(errors) }
     }
 }
 
-fn read(root: &Table) -> Lights {
+/// Reads a panorama, with notes. Its path is as the file of lights has it.
+pub type Open<'a> = &'a dyn Fn(&Path) -> Result<(Panorama, Vec<String>), Error>;
+
+fn read(root: &Table, open: Open<'_>) -> Lights {
     root.only(&["schema", "light"]);
     root.schema("the version of the format; write schema = 1");
     let tables = root.tables("light");
@@ -51,22 +59,22 @@ fn read(root: &Table) -> Lights {
     }
     if let (true, Some(item)) = (tables.len() > MAX_LIGHTS, root.get("light")) {
         item.fail(format!("has more than {MAX_LIGHTS} lights"), "combine or remove lights");
-        return Lights { all: Vec::new() };
+        return Lights::default();
     }
-    Lights { all: tables.iter().filter_map(light).collect() }
+    let mut lights = Lights::default();
+    for table in &tables {
+        lights.all.extend(light(table, open, &mut lights.notes));
+    }
+    lights
 }
 
-fn light(table: &Table) -> Option<Light> {
-    let kind = table.require("kind", "direction, disc, polygon or sky")?;
-    if kind.as_str() == Some("environment") {
-        kind.fail("is not supported yet", "use sky, discs and polygons");
-        return None;
-    }
+fn light(table: &Table, open: Open<'_>, notes: &mut Vec<String>) -> Option<Light> {
+    let kind = table.require("kind", "direction, disc, polygon, sky or environment")?;
     let kinds = KINDS.map(|(name, keys)| (name, (name, keys)));
     let (kind, keys) = kind.word(&kinds)?;
     table.only(&[&COMMON, keys].concat());
-    white(table)?;
-    match kind {
+    let colour = colour(table);
+    let white = match kind {
         "direction" => Some(Light::Direction {
             direction: towards(table)?,
             irradiance: power(table, "irradiance")?,
@@ -87,22 +95,36 @@ fn light(table: &Table) -> Option<Light> {
         "polygon" => {
             Some(Light::Polygon { polygon: polygon(table)?, radiance: power(table, "radiance")? })
         }
+        "environment" => environment(table, open, notes).map(Light::Environment),
         _ => Some(Light::Sky { radiance: power(table, "radiance")? }),
-    }
+    };
+    Some(white?.coloured(colour?))
 }
 
-/// Checks that the light is white.
-fn white(table: &Table) -> Option<()> {
-    let Some(item) = table.get("colour") else { return Some(()) };
+fn environment(table: &Table, open: Open<'_>, notes: &mut Vec<String>) -> Option<Environment> {
+    let file = table.require("file", "the path of a panorama, .exr or .hdr")?;
+    let name = file.string("a path")?;
+    let what = "what the picture has at phi stands at phi + rotate_deg";
+    let turned = |item: Item| item.number("from -360 to 360", what, |x| x.abs() <= 360.0);
+    let rotate_deg = table.get("rotate_deg").map_or(Some(0.0), turned);
+    let scale = power(table, "scale");
+    let (panorama, said) = open(&PathBuf::from(name))
+        .map_err(|error| file.fail(error.message(), error.advice().unwrap_or("check the path")))
+        .ok()?;
+    notes.extend(said);
+    Some(Environment { panorama: Arc::new(panorama), scale: scale?, rotate_deg: rotate_deg? })
+}
+
+/// Linear sRGB; white without the key.
+fn colour(table: &Table) -> Option<DVec3> {
+    let Some(item) = table.get("colour") else { return Some(DVec3::ONE) };
     let what = "linear sRGB; white, the colour of the illuminant, is [1, 1, 1]";
-    let channel = |item: &Item| item.number("at least 0", what, |x| x >= 0.0);
-    let channels: Vec<f64> = item.elements("three numbers")?.iter().filter_map(channel).collect();
+    let channel = |item: &Item| item.number("from 0 to 1e6", what, |x| (0.0..=1e6).contains(&x));
+    let elements = item.elements("three numbers")?;
+    let channels: Vec<f64> = elements.iter().filter_map(channel).collect();
     match channels.as_slice() {
-        [1.0, 1.0, 1.0] => Some(()),
-        [_, _, _] => {
-            item.fail("is not white; coloured lights are not supported yet", "remove the key");
-            None
-        }
+        [red, green, blue] if elements.len() == 3 => Some(DVec3::new(*red, *green, *blue)),
+        _ if elements.len() == 3 => None,
         _ => {
             item.fail("is not three numbers", what);
             None
@@ -116,12 +138,12 @@ fn power(table: &Table, key: &str) -> Option<f64> {
     item.number("from 0 to 1e6", what, |x| (0.0..=1e6).contains(&x))
 }
 
-fn towards(table: &Table) -> Option<glam::DVec3> {
+fn towards(table: &Table) -> Option<DVec3> {
     let what = "[theta, phi] in degrees: theta from the normal, phi from the tangent";
     angles(&table.require("direction", what)?)
 }
 
-fn angles(item: &Item) -> Option<glam::DVec3> {
+fn angles(item: &Item) -> Option<DVec3> {
     let what = "[theta, phi] in degrees; theta is from 0 to 180";
     let elements = item.elements("two numbers")?;
     let [theta, phi] = elements.as_slice() else {

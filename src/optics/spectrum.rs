@@ -8,9 +8,12 @@ mod warp;
 use colorimetry::illuminant::CieIlluminant;
 use colorimetry::observer::Observer;
 use colorimetry::traits::Light;
+use glam::DVec3;
 
 use crate::error::{Error, Result};
 use crate::plan::{Illuminant, Wavelengths};
+
+use super::primaries::primary_shares;
 
 /// Number of nodes of [`Spectrum::wavenumber_samples`]. Over 380–780 nm they are 0.4 nm apart at the blue end and 1.6
 /// nm at the red end; the tables of illuminants have nodes every 5 nm, the observer's every nm.
@@ -58,6 +61,16 @@ impl Spectrum {
                 .remedy("give positive powers between 380 and 780 nm"));
         }
         Ok(Spectrum { per_nm: (0..=last).map(|i| weigh(i).map(|c| c / luminance)).collect() })
+    }
+
+    /// The weights of light of a colour, linear sRGB; still relative to white.
+    #[must_use]
+    pub fn tinted(mut self, colour: DVec3) -> Spectrum {
+        for (weights, nm) in self.per_nm.iter_mut().zip(TABLE_MIN_NM as u32..) {
+            let part = colour.dot(primary_shares(f64::from(nm)));
+            *weights = weights.map(|weight| part * weight);
+        }
+        self
     }
 
     /// Weights per nm at a wavelength in nm: linear between whole nm, zero outside 380–780 nm.

@@ -38,6 +38,16 @@ impl Runner for Exact<'_> {
             .tristimulus_all_with(directions, progress))
     }
 
+    fn tinted(
+        &self,
+        directions: &[Directions],
+        colour: DVec3,
+        progress: Progress<'_>,
+    ) -> Result<Vec<[f64; 3]>> {
+        let reference = self.reference(Reference::VISIBLE_NM, directions)?;
+        Ok(reference.tinted(colour).tristimulus_all_with(directions, progress))
+    }
+
     fn response(&self, directions: &[Directions], lambda_nm: f64) -> Result<Vec<f64>> {
         let reference = self.reference((lambda_nm, lambda_nm), directions)?;
         let response = |d, scratch: &mut _| [reference.response(d, lambda_nm, scratch), 0.0, 0.0];

@@ -48,9 +48,13 @@ pub fn radiance_with(
             *sum = std::array::from_fn(|c| sum[c] + factor * colour[c]);
         }
     };
-    for (wi, irradiance) in lights.directions() {
+    for (wi, irradiance, colour) in lights.directions() {
         let directions: Vec<Directions> = views.iter().map(|&wr| Directions { wi, wr }).collect();
-        add(runner.tristimulus_with(&directions, progress)?, scale / PI * irradiance);
+        let colours = match colour == DVec3::ONE {
+            true => runner.tristimulus_with(&directions, progress)?,
+            false => runner.tinted(&directions, colour, progress)?,
+        };
+        add(colours, scale / PI * irradiance);
     }
     for light in lights.with_size() {
         add(runner.under(light, views, progress)?, 1.0);

@@ -35,6 +35,8 @@ use crate::surface::raster::{Raster, Samples};
 use crate::surface::{check_pixels, gsf};
 use format::Format;
 
+pub(crate) use openexr::check as check_openexr;
+
 /// Maximum size of a file in bytes: [`crate::surface::MAX_PIXELS`] pixels of four 64-bit channels, or of 30 characters
 /// each as text.
 pub const MAX_FILE_BYTES: u64 = 1 << 31;

@@ -2,15 +2,18 @@
 
 use std::path::Path;
 
+use diffraction_shaders::Error;
 use diffraction_shaders::input::read_lights;
 use diffraction_shaders::light::{Light, Lights};
 
 fn lights(text: &str) -> Lights {
-    Lights::parse(text, Path::new("lights.toml")).unwrap()
+    Lights::parse(text, Path::new("lights.toml"), &|_| Err(Error::new("file", "absent"))).unwrap()
 }
 
 fn errors(text: &str) -> String {
-    let errors = Lights::parse(text, Path::new("lights.toml")).expect_err(text);
+    let errors =
+        Lights::parse(text, Path::new("lights.toml"), &|_| Err(Error::new("file", "absent")))
+            .expect_err(text);
     errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
 }
 
@@ -59,12 +62,16 @@ fn what_is_wrong_is_named_with_line_and_remedy() {
         ("schema = 1\n[light]\nkind = \"sky\"".to_owned(), "write [[light]] with two brackets"),
         (one("direction = [1, 2]"), "lights.toml:2: light[1].kind is missing"),
         (one("kind = \"lamp\""), "lights.toml:3: light[1].kind = \"lamp\": unknown value"),
-        (one("kind = \"environment\""), "not supported yet"),
+        (one("kind = \"environment\""), "light[1].file is missing"),
+        (one("kind = \"environment\"\nfile = \"x\"\nscale = -1"), "light[1].scale = -1: must be"),
+        (one("kind = \"environment\"\nfile = \"x\"\nrotate_deg = 400"), "must be from -360"),
+        (one("kind = \"environment\"\nfile = 3"), "light[1].file"),
         (one("kind = \"sky\"\nradiance = -1"), "light[1].radiance = -1: must be from 0"),
         (one("kind = \"sky\"\nradiance = nan"), "light[1].radiance = nan: must be from 0"),
         (one("kind = \"sky\"\nradiance = 1e300"), "must be from 0 to 1e6"),
         (one("kind = \"sky\"\nirradiance = 1"), "unknown key light[1].irradiance"),
-        (one("kind = \"sky\"\ncolour = [1, 0, 0]"), "is not white"),
+        (one("kind = \"sky\"\ncolour = [1, -1, 0]"), "must be from 0 to 1e6"),
+        (one("kind = \"sky\"\ncolour = [1, 0]"), "is not three numbers"),
         (one("kind = \"sky\"\ncolour = \"red\""), "is a string"),
         (one("kind = \"direction\""), "light[1].direction is missing"),
         (one("kind = \"direction\"\ndirection = [200, 0]"), "must be from 0 to 180"),

@@ -152,7 +152,7 @@ fn lights_with_a_size_keep_their_error_with_other_matter() {
         {
             let cap = Cap { axis: direction(theta, 30.0), radius_rad: f64::to_radians(radius_deg) };
             let light = Light::Disc { cap, irradiance: 1.0 };
-            let lights = Lights { all: vec![light.clone()] };
+            let lights = Lights { all: vec![light.clone()], notes: Vec::new() };
             let optics = &plan.variants[0].optics;
             let views = under_lights(&height, optics, 0.0, &lights, 1);
             let step = views.len() / 150;

@@ -91,7 +91,7 @@ fn exact(subject: &(HeightField, Variant), light: &Light, views: &[DVec3]) -> Ve
 
 /// Two hundred viewers of strong orders of a light.
 fn views((height, variant): &(HeightField, Variant), light: &Light) -> Vec<DVec3> {
-    let lights = Lights { all: vec![light.clone()] };
+    let lights = Lights { all: vec![light.clone()], notes: Vec::new() };
     let all = under_lights(height, &variant.optics, 0.0, &lights, 1);
     let step = all.len() / 200;
     all.into_iter().skip(1).step_by(step).take(200).map(rounded).collect()

@@ -15,3 +15,4 @@ mod memory;
 mod outputs;
 mod program;
 mod surfaces;
+mod surroundings;

@@ -401,7 +401,7 @@ fn lamps() -> Lights {
     all.extend(
         Polygon::new(&corners).ok().map(|polygon| Light::Polygon { polygon, radiance: 1e3 }),
     );
-    Lights { all }
+    Lights { all, notes: Vec::new() }
 }
 
 /// The surface of the controls.

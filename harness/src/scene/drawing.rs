@@ -235,7 +235,7 @@ fn shade_numbers(look: &Look, scale: f64, [level, last, lobe]: [f32; 3]) -> [f32
                 powered[i][1] = *radiance;
                 powered[i][2] = all.len() as f64;
             }
-            Light::Sky { .. } => {}
+            Light::Sky { .. } | Light::Environment(_) | Light::Coloured { .. } => {}
         }
     }
     for (i, power) in powered.iter().enumerate() {

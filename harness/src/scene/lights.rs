@@ -29,6 +29,8 @@ pub fn in_world(light: &Light) -> Result<Light> {
             Light::Polygon { polygon: Polygon::new(&corners).map_err(fault)?, radiance: *radiance }
         }
         Light::Sky { radiance } => Light::Sky { radiance: *radiance },
+        Light::Environment(environment) => Light::Environment(environment.clone()),
+        Light::Coloured { light, colour } => in_world(light)?.coloured(*colour),
     })
 }
 
@@ -37,8 +39,8 @@ pub fn refused(subject: &str, name: &str, form: &Form, light: &Light) -> Option<
     let kind = light.kind();
     match light {
         Light::Direction { .. } => None,
-        Light::Sky { .. } => Some(
-            Error::new(subject, "a light of kind \"sky\" is not supported yet by scene").remedy(
+        Light::Sky { .. } | Light::Environment(_) => Some(
+            Error::new(subject, format!("a light of kind {kind:?} is not supported yet by scene")).remedy(
                 "use directions, discs and polygons; eval and render compute surfaces under skies",
             ),
         ),
@@ -58,7 +60,8 @@ pub fn middle(light: &Light) -> DVec3 {
         Light::Direction { direction, .. } => *direction,
         Light::Disc { cap, .. } => cap.axis,
         Light::Polygon { polygon, .. } => polygon.corners().iter().sum::<DVec3>().normalize(),
-        Light::Sky { .. } => DVec3::Y,
+        Light::Sky { .. } | Light::Environment(_) => DVec3::Y,
+        Light::Coloured { light, .. } => middle(light),
     }
 }
 
@@ -72,6 +75,8 @@ pub fn facing(light: &Light) -> f64 {
             radiance / PI * 0.5 * edges.map(|(a, b)| edge(*a, *b)).sum::<DVec3>().length()
         }
         Light::Sky { radiance } => *radiance,
+        Light::Environment(_) => 1.0,
+        Light::Coloured { light, .. } => facing(light),
     }
 }
 
@@ -85,6 +90,8 @@ pub fn irradiance(light: &Light, normal: DVec3) -> f64 {
         }
         Light::Polygon { polygon, radiance } => radiance * above(polygon.corners(), normal),
         Light::Sky { radiance } => PI * radiance,
+        Light::Environment(_) => PI,
+        Light::Coloured { light, .. } => irradiance(light, normal),
     }
 }
 

@@ -475,6 +475,7 @@ terms = [19]
     let corners = corners.map(|[theta, phi]| direction(theta, phi));
     let sun = Cap { axis: direction(20.0, 10.0), radius_rad: 0.265_f64.to_radians() };
     let lights = Lights {
+        notes: Vec::new(),
         all: vec![
             Light::Disc { cap: sun, irradiance: 1.0 },
             Light::Polygon { polygon: Polygon::new(&corners).unwrap(), radiance: 10.0 },

@@ -31,26 +31,7 @@ pub(super) fn read(bytes: &[u8], source: &FileSource, subject: &str) -> Result<R
         )
     };
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(broken)?;
-    for header in &meta.headers {
-        let (columns, rows) =
-            check_pixels(subject, header.layer_size.x() as u64, header.layer_size.y() as u64)?;
-        let total = columns as u64 * rows as u64 * header.channels.bytes_per_pixel as u64;
-        check_length(subject, bytes.len(), total, header.compression != Compression::Uncompressed)?;
-        if let BlockDescription::Tiles(tiles) = header.blocks {
-            let (x, y) = (tiles.tile_size.x() as u64, tiles.tile_size.y() as u64);
-            let tile = x.saturating_mul(y).saturating_mul(header.channels.bytes_per_pixel as u64);
-            if tile > MAX_TILE_BYTES.max(4 * total) {
-                let cause = format!(
-                    "the file has tiles of {x} × {y} pixels for a layer of {columns} × {rows}"
-                );
-                return Err(error(cause).remedy("the file is damaged; export it again"));
-            }
-        }
-    }
-    check_chunks(bytes).map_err(broken)?.then_some(()).ok_or_else(|| {
-        error("the table of chunks of the OpenEXR file points to other layers or levels".into())
-            .remedy("the file is damaged; export it again")
-    })?;
+    check(&meta, bytes, subject)?;
     let image = reader()
         .no_deep_data()
         .largest_resolution_level()
@@ -116,6 +97,37 @@ pub(super) fn read(bytes: &[u8], source: &FileSource, subject: &str) -> Result<R
     };
     let stated = meta.headers.first().map_or_else(Stated::default, |h| stated(h, [columns, rows]));
     Ok(Raster { columns, rows, samples: Samples::Float(values), stated, notes })
+}
+
+/// Refuses a file whose header states more pixels or larger tiles than the file can have, or whose table of chunks points
+/// elsewhere: the crate allocates before it reads.
+pub fn check(meta: &MetaData, bytes: &[u8], subject: &str) -> Result<()> {
+    let error = |cause: String| Error::new(subject, cause);
+    let broken = |e: exr::error::Error| {
+        error("the OpenEXR file cannot be decoded".into()).source(e).remedy(
+            "the file is truncated, damaged or of a rare kind; export it again as scan lines",
+        )
+    };
+    for header in &meta.headers {
+        let (columns, rows) =
+            check_pixels(subject, header.layer_size.x() as u64, header.layer_size.y() as u64)?;
+        let total = columns as u64 * rows as u64 * header.channels.bytes_per_pixel as u64;
+        check_length(subject, bytes.len(), total, header.compression != Compression::Uncompressed)?;
+        if let BlockDescription::Tiles(tiles) = header.blocks {
+            let (x, y) = (tiles.tile_size.x() as u64, tiles.tile_size.y() as u64);
+            let tile = x.saturating_mul(y).saturating_mul(header.channels.bytes_per_pixel as u64);
+            if tile > MAX_TILE_BYTES.max(4 * total) {
+                let cause = format!(
+                    "the file has tiles of {x} × {y} pixels for a layer of {columns} × {rows}"
+                );
+                return Err(error(cause).remedy("the file is damaged; export it again"));
+            }
+        }
+    }
+    check_chunks(bytes).map_err(broken)?.then_some(()).ok_or_else(|| {
+        error("the table of chunks of the OpenEXR file points to other layers or levels".into())
+            .remedy("the file is damaged; export it again")
+    })
 }
 
 /// What the attributes of the picture and of its layer state.

@@ -105,7 +105,10 @@ impl Arguments {
                 };
                 (1..last).step_by(2).map(part).collect()
             }
-            Light::Direction { .. } | Light::Sky { .. } => Vec::new(),
+            Light::Direction { .. }
+            | Light::Sky { .. }
+            | Light::Environment(_)
+            | Light::Coloured { .. } => Vec::new(),
         }
     }
 

@@ -34,7 +34,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
             .map(|name| plan.surface(name).cloned())
             .collect::<Result<_, _>>()?;
     }
-    let lights = args.lights.as_deref().map(|path| read(path, &variants)).transpose()?;
+    let lights = args.lights.as_deref().map(|path| read(path, &variants, console)).transpose()?;
     // before anything is written: a named route may be missing
     let (routes, missing) = open(&args.route)?;
     let has_waited = Cell::new(false);
@@ -118,8 +118,9 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
 
 /// The lights of a file with their name, which has a part of their hash. It is an error if no variant can have functions for
 /// them all.
-fn read(path: &Path, variants: &[Variant]) -> Result<(String, Lights)> {
+fn read(path: &Path, variants: &[Variant], console: &Console) -> Result<(String, Lights)> {
     let lights = input::read_lights(path).map_err(Errors)?;
+    lights.notes.iter().for_each(|note| console.note(note));
     for light in lights.with_size() {
         let calls = Arguments::under(light, DVec3::Z);
         let has = |v: &Variant| calls.iter().all(|(call, _)| v.has_function(call.light()));

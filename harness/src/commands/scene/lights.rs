@@ -39,7 +39,7 @@ impl Lamps {
     }
 
     fn of_file(path: &Path) -> Result<Lamps> {
-        let Lights { all } = input::read_lights(path).map_err(Errors)?;
+        let Lights { all, notes: _ } = input::read_lights(path).map_err(Errors)?;
         let lights = all.iter().map(in_world).collect::<Result<_, _>>()?;
         Ok(Lamps::File(path.display().to_string(), lights))
     }
@@ -74,7 +74,7 @@ impl Lamps {
             }
         }
         check_counts(subject, &lights)?;
-        check_scaling(&variant.optics, &Lights { all: lights })?;
+        check_scaling(&variant.optics, &Lights { all: lights, notes: Vec::new() })?;
         Ok(())
     }
 
