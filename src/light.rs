@@ -6,17 +6,20 @@
 //! faces a light of irradiance E shows the radiance E/π. Colours are linear sRGB; white is the illuminant.
 
 mod cap;
-mod environment;
+pub mod environment;
 mod parse;
 mod polygon;
+mod sky;
 
 use std::f64::consts::PI;
 
 use glam::DVec3;
 
 pub use cap::Cap;
+pub use environment::filtered::Filtered;
 pub use environment::{Environment, Panorama};
 pub use polygon::{MAX_CORNERS, Polygon, PolygonFault};
+pub use sky::{Lobe, Sky, Surroundings};
 
 /// All lights of a `lights.toml`, in its order.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -122,12 +125,12 @@ impl Emitter for Uniform<'_, Polygon> {
 pub struct Everywhere(pub f64);
 
 /// A light behind a filter.
-struct Filtered<'a> {
+struct Tinted<'a> {
     light: Box<dyn Emitter + 'a>,
     colour: DVec3,
 }
 
-impl Emitter for Filtered<'_> {
+impl Emitter for Tinted<'_> {
     fn bounds(&self) -> Cap {
         self.light.bounds()
     }
@@ -174,7 +177,7 @@ impl Light {
             Light::Environment(environment) => Some(Box::new(environment)),
             Light::Coloured { light, colour } => {
                 let light = light.emitter()?;
-                Some(Box::new(Filtered { light, colour: *colour }))
+                Some(Box::new(Tinted { light, colour: *colour }))
             }
         }
     }
@@ -194,6 +197,19 @@ impl Light {
     #[must_use]
     pub fn coloured(self, colour: DVec3) -> Light {
         if colour == DVec3::ONE { self } else { Light::Coloured { light: Box::new(self), colour } }
+    }
+
+    /// Its radiance over all directions in levels of blur, if it comes from all around.
+    pub fn filtered(&self) -> Option<Filtered> {
+        let (light, colour) = self.white();
+        match light {
+            Light::Sky { radiance } => Some(Filtered::of(&Sky::everywhere(*radiance * colour))),
+            Light::Environment(environment) => {
+                let finer = environment.panorama.height.div_ceil(environment::filtered::ROWS);
+                Some(Filtered::blurred(&|d| colour * environment.radiance(d), finer))
+            }
+            _ => None,
+        }
     }
 
     /// The word of its kind in `lights.toml`.

@@ -292,6 +292,8 @@ pub enum LightFunction {
     Disc,
     /// A spherical polygon.
     Polygon,
+    /// Surroundings: a sky, a map.
+    Environment,
 }
 
 /// A number, or `auto`: the tool chooses it.

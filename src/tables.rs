@@ -15,6 +15,7 @@ mod period;
 mod scale;
 mod series;
 mod spec;
+pub mod streaks;
 
 use serde::{Deserialize, Serialize};
 
@@ -22,6 +23,8 @@ use rustfft::num_complex::Complex64;
 
 use crate::error::{Error, Result};
 use crate::field::transform::Bins;
+use crate::light::Filtered;
+use crate::light::environment::filtered;
 use crate::optics::spectrum::Sample;
 use crate::plan::{Packing, TableFormat};
 use crate::tables::basis::Expansion;
@@ -127,6 +130,26 @@ pub struct Table {
     pub texels: Vec<f64>,
 }
 
+/// The levels of surroundings as a texture of 16-bit floats, and the factor by which their radiance was divided to fit.
+pub fn environment_table(surroundings: &Filtered) -> (Table, f64) {
+    let texels = surroundings.picture();
+    let most = texels.iter().flatten().fold(0.0_f32, |most, value| most.max(*value));
+    let format = TexelFormat::Rgba16Float;
+    let factor = (f64::from(most) / (0.5 * format.max())).max(1.0);
+    let texel = |[r, g, b]: [f32; 3]| [r, g, b, 1.0].map(|value| f64::from(value) / factor);
+    let table = Table {
+        name: "environment",
+        binding: ENVIRONMENT,
+        format,
+        width: filtered::WIDTH,
+        height: filtered::HEIGHT,
+        layers: 0,
+        filtered: true,
+        texels: texels.into_iter().flat_map(texel).collect(),
+    };
+    (table, factor)
+}
+
 impl Table {
     /// Stands for a missing table.
     pub const ABSENT: Table = Table {
@@ -230,6 +253,10 @@ pub const DIRECTIONS: u32 = 3;
 
 /// Binding of the table of coefficients, or of moments.
 pub const COEFFICIENTS: u32 = 4;
+/// Binding of the table of streaks.
+pub const STREAKS: u32 = 6;
+/// Binding of the levels of the surroundings in whole shaders.
+pub const ENVIRONMENT: u32 = 7;
 /// Binding of the sampler.
 pub const SAMPLER: u32 = 5;
 /// Name of the sampler in the templates. `linear` is a keyword of HLSL. From this name Unity derives the filter and the

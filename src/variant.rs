@@ -14,15 +14,16 @@ mod tolerance;
 mod twin;
 
 pub use bound::{
-    AUTO_TAIL, AUTO_TAIL_PQ, ErrorBound, ISOLATED, LobeBounds, replica_tail, window_tail,
+    AUTO_TAIL, AUTO_TAIL_PQ, ErrorBound, ISOLATED, LobeBounds, environment_error, nodes_for,
+    replica_tail, window_tail,
 };
 pub use coat::Coat;
 pub use computation::{Computation, Ground};
 pub use cost::Cost;
 pub use forms::*;
 pub use functions::{
-    Arguments, DIRECTIONAL, DISC, Directional, Disc, ExactProbe, FUNCTIONS, Function, RECTANGLE,
-    Rectangle, StatedError, function_of, mirrored,
+    Arguments, Around, DIRECTIONAL, DISC, Directional, Disc, ENVIRONMENT, Environment, ExactProbe,
+    FUNCTIONS, Function, HOSTS, RECTANGLE, Rectangle, StatedError, function_of, mirrored, skies,
 };
 pub use judge::{MAX_PHASE_ERROR, is_whole_light};
 pub use prefilter::{GRID_ERROR, NODE_ERROR, grid_error, node_level};

@@ -24,6 +24,13 @@ fn diffraction_rectangle(a: vec3f, b: vec3f, c: vec3f, d: vec3f, wr: vec3f) -> v
 }
 
 #endif
+#ifdef ENVIRONMENT
+// Linear RGB of the radiance under the surroundings, in the unit of `environment_radiance`.
+fn diffraction_environment(wr: vec3f) -> vec3f {
+    return to_rgb(tristimulus_environment(wr));
+}
+
+#endif
 // Linear RGB of X, Y, Z; negative where a colour lies outside the primaries.
 fn to_rgb(xyz: vec3f) -> vec3f {
 #ifdef COLOUR_THESIS

@@ -1,25 +1,11 @@
 //- Twin: src/variant/twin/lamps.rs.
 
-// Lights with a size. At each wavelength an order takes light from a direction of its own: with the direction cosines α
-// of a direction along the surface, αi = -αr - λf, where f is the order's frequency in cycles per µm. As λ varies, this
-// direction runs over a small circle of the sphere. The colour of an order is the integral over the wavelengths at which
-// the direction lies within the light. A light is an intersection of caps, each given by its axis and the square of the
+// Lamps. The colour of an order is the integral over the wavelengths at which its light comes from within the lamp. A lamp is an intersection of caps, each given by its axis and the square of the
 // chord from the axis to its edge; a hemisphere has the square 2.
 
 // Integrals of the colour weights from the shortest wavelength. Rows: X, Y, Z. Columns: equal steps of the wavelength.
 // Channels: the weights times the powers 0 to 3 of t = (λ - 0.58 µm)/0.2 µm. Row 3: X, Y, Z between a column and the next.
 @group(0) @binding(4) var moments: texture_2d<f32>;
-
-// Direction in the frame of the surface.
-fn in_surface(direction: vec3f) -> vec3f {
-#ifdef ROTATED
-    let turn = textureLoad(spectrum, vec2i(0, 1), 0);
-    let x = turn.x * direction.x + turn.y * direction.y;
-    return vec3f(x, turn.x * direction.y - turn.y * direction.x, direction.z);
-#else
-    return direction;
-#endif
-}
 
 #ifdef DISC
 // Square of the chord from the axis of a disc to its edge. A series, since the sine of a driver may be wrong in the fourth
@@ -45,16 +31,6 @@ fn edge_normal(start: vec3f, end: vec3f, side: f32, centre: vec3f) -> vec3f {
 }
 
 #endif
-// Reflectance at normal incidence.
-fn normal_reflectance() -> f32 {
-#ifdef MATERIAL
-    return textureLoad(spectrum, vec2i(0, MATTER_ROW), 0).y;
-#else
-    let amplitude = (REFRACTIVE_INDEX - 1.0) / (REFRACTIVE_INDEX + 1.0);
-    return amplitude * amplitude;
-#endif
-}
-
 // First and last row of orders that may take light from within `reach` of a direction; `offset` is the sum of the
 // direction cosines of light and viewer.
 fn order_rows(offset: vec2f, reach: f32) -> vec2i {
@@ -85,35 +61,6 @@ fn orders_between(offset: f32, reach: f32, ends: vec2f, size_um: f32, limit: i32
     let first = clamp(ceil(min(low.x, low.y)), -most, most + 1.0);
     let last = clamp(floor(max(high.x, high.y)), -most - 1.0, most);
     return vec2i(i32(first), i32(last));
-}
-
-// Frequency of an order, cycles per µm.
-fn order_frequency(order: vec2i) -> vec2f {
-    return vec2f(order) / vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM);
-}
-
-// Length and direction of a frequency. For the order that mirrors, the direction is zero.
-fn polar(frequency: vec2f) -> vec3f {
-    let size = max(length(frequency), 1e-9);
-    return vec3f(frequency / size, size);
-}
-
-// Direction from which an order takes light of a wavelength; z is 0 where there is none.
-fn arrival(frequency: vec2f, lambda_um: f32, wr: vec3f) -> vec3f {
-    let shift = lambda_um * frequency;
-    // 1 minus the square of the plane part, without its rounding errors at grazing angles
-    let squared = wr.z * wr.z - dot(shift, 2.0 * wr.xy + shift);
-    return vec3f(-wr.xy - shift, sqrt(max(0.0, squared)));
-}
-
-// Shortest and longest wavelength at which an order takes light from above the horizon.
-fn propagating(frequency: vec2f, wr: vec3f) -> vec2f {
-    let along = polar(frequency);
-    let start = -dot(wr.xy, along.xy);
-    let across = wr.y * along.x - wr.x * along.y;
-    let half = sqrt(max(0.0, 1.0 - across * across));
-    let low = max(WAVELENGTH_MIN_UM, (start - half) / along.z);
-    return vec2f(low, min(WAVELENGTH_MAX_UM, (start + half) / along.z));
 }
 
 // Wavelengths at which an order's direction crosses the edge of a cap above the horizon; 1e9 where it does not.
@@ -275,24 +222,4 @@ fn column_powers(column: i32) -> vec4f {
 // Moments from the shortest wavelength to a column. Row: X, Y, Z.
 fn moment(column: i32, row: i32) -> vec4f {
     return textureLoad(moments, vec2i(column, row), 0);
-}
-
-// Share of the light that an order sends to the viewer, relative to the reflectance at normal incidence.
-fn order_share(order: vec2i, frequency: vec2f, lambda_um: f32, wr: vec3f) -> f32 {
-    let wi = arrival(frequency, lambda_um, wr);
-#ifdef MATERIAL
-#ifdef COVER
-#ifdef DISPERSION
-    let turns = dispersed(depth(wi, wr), lambda_um) / lambda_um;
-#else
-    let turns = depth(wi, wr) / lambda_um;
-#endif
-#else
-    let turns = -(wi.z + wr.z) / lambda_um;
-#endif
-    let reflected = reflectance(lambda_um, facing_of(wi, wr));
-    return gain(wi, wr) / max(wi.z, 1e-6) * reflected * efficiency(order, turns);
-#else
-    return gain(wi, wr) / max(wi.z, 1e-6) * efficiency(order, -(wi.z + wr.z) / lambda_um);
-#endif
 }

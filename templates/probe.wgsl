@@ -2,10 +2,11 @@
 
 // Tristimulus values for listed directions, to compare a driver's results with probe.json.
 
-#ifdef LAMPS
+#ifdef SIZED
 // Arguments of a function, in rows 5k to 5k+4 for row k of the picture, counted from the top. w of the first chooses the
 // function. 0: one direction to the light, then to the viewer. 1: a disc: its axis, then to the viewer, with the radius in
-// w. 2: a quadrilateral: a corner, then to the viewer, then the other corners. xyz: unit vectors.
+// w. 2: a quadrilateral: a corner, then to the viewer, then the other corners. 3: the surroundings: any vector, then to
+// the viewer. xyz: unit vectors.
 #else
 // xyz: unit vectors. Row 2k holds the directions to the light, row 2k+1 the directions to the viewer, for row k of the
 // picture, counted from the top.
@@ -18,7 +19,7 @@ fn probe(@location(0) place: vec2f) -> @location(0) vec4f {
     let pixel = pixel_of(place);
     let column = i32(pixel.x);
     let row = i32(params.size.y - 1.0 - pixel.y);
-#ifdef LAMPS
+#ifdef SIZED
     let first = textureLoad(directions, vec2i(column, 5 * row), 0);
     let viewer = textureLoad(directions, vec2i(column, 5 * row + 1), 0);
 #ifdef DISC
@@ -32,6 +33,11 @@ fn probe(@location(0) place: vec2f) -> @location(0) vec4f {
         let third = textureLoad(directions, vec2i(column, 5 * row + 3), 0).xyz;
         let fourth = textureLoad(directions, vec2i(column, 5 * row + 4), 0).xyz;
         return vec4f(tristimulus_rectangle(first.xyz, second, third, fourth, viewer.xyz), 1.0);
+    }
+#endif
+#ifdef ENVIRONMENT
+    if (first.w == 3.0) {
+        return vec4f(tristimulus_environment(viewer.xyz), 1.0);
     }
 #endif
     return vec4f(tristimulus(first.xyz, viewer.xyz), 1.0);

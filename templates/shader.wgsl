@@ -67,6 +67,9 @@
 #ifdef MODE_ORDERS
 #import efficiencies
 #import adaptive
+#ifdef SIZED
+#import arrivals
+#endif
 #ifdef LAMPS
 #import lamps
 #endif
@@ -75,6 +78,10 @@
 #endif
 #ifdef RECTANGLE
 #import rectangle
+#endif
+#ifdef ENVIRONMENT
+#import surroundings
+#import environment
 #endif
 #endif
 #import colour

@@ -1,5 +1,6 @@
 //! A map of the surroundings: a panorama of radiance over all directions.
 
+pub mod filtered;
 mod read;
 
 use std::f64::consts::{PI, TAU};

@@ -201,6 +201,18 @@ impl Matter {
         p + facing.s_share * (s - p)
     }
 
+    /// The largest [`Matter::ratios`] over the angles and a range of wavelengths, nm, in coarse steps.
+    pub fn brightest(&self, [min_nm, max_nm]: [f64; 2]) -> f64 {
+        let least = self.least_cos_half();
+        let cosines = (0..=32).map(|i| least + (1.0 - least) * f64::from(i) / 32.0);
+        let each = cosines.flat_map(|cos| {
+            (0..=8).flat_map(move |i| {
+                self.ratios(min_nm + (max_nm - min_nm) * f64::from(i) / 8.0, cos)
+            })
+        });
+        each.fold(0.0, f64::max)
+    }
+
     /// The same for s and p polarisation. A dielectric in air has 1, since its gain is whole without it.
     pub fn ratios(&self, lambda_nm: f64, cos_half: f64) -> [f64; 2] {
         let Some(stack) = &self.stack else { return [1.0; 2] };

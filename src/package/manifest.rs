@@ -341,9 +341,9 @@ fn light_entries(form: &Form) -> Vec<LightEntry> {
         arguments: function.arguments(),
         unit: function.unit(form),
         clamped: false,
-        host: Vec::new(),
+        host: function.host().into_iter().collect(),
         cost: function.cost(form),
-        errors: function.errors(),
+        errors: function.errors(form),
     };
     lights.map(entry).collect()
 }

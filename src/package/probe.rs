@@ -4,18 +4,20 @@
 //! there. `expected` is the result of the variant's own algorithm in f64 on its packed tables. A shader that is
 //! integrated correctly returns it within `tolerance`, however far the variant is from `exact`.
 
+use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::encode::json_line;
 use crate::error::Result;
 use crate::field::reference::Directions;
+use crate::light::Sky;
 use crate::optics::colour::to_rgb;
 use crate::package::manifest::SCHEMA_VERSION;
 use crate::plan::{Colour, Variant};
 use crate::shader::template::GENERATED;
 use crate::variant::{
-    Arguments, ExactProbe, Form, Function, Twin, light_tolerance, probe_tolerances,
+    Arguments, Around, ExactProbe, Form, Function, Twin, light_tolerance, probe_tolerances,
 };
 
 /// Relative tolerance of the numbers in a `probe.json` between processors.
@@ -88,7 +90,7 @@ pub fn json(surface: &str, variant: &Variant, form: &Form, probed: &[Probed]) ->
                 }
                 arguments => {
                     let tolerance = light_tolerance(&arguments, form.matter(), &xyz);
-                    let (mut axis, mut radius, mut corners) = (None, None, None);
+                    let (mut axis, mut radius, mut corners, mut sky) = (None, None, None, None);
                     match arguments {
                         Arguments::Disc { axis: to, radius_rad, .. } => {
                             (axis, radius) = (Some(to.to_array()), Some(radius_rad));
@@ -96,11 +98,23 @@ pub fn json(surface: &str, variant: &Variant, form: &Form, probed: &[Probed]) ->
                         Arguments::Rectangle { corners: to, .. } => {
                             corners = Some(to.map(|corner| corner.to_array()));
                         }
-                        Arguments::Direction(_) => {}
+                        Arguments::Environment { around: Around::Sky(seen), .. } => {
+                            sky = Some(SkyOf::new(&seen));
+                        }
+                        Arguments::Direction(_) | Arguments::Environment { .. } => {}
                     }
                     let (function, wr) = (function.name(), arguments.wr().to_array());
-                    let light =
-                        OfLight { function, axis, radius, corners, wr, exact, expected, tolerance };
+                    let light = OfLight {
+                        function,
+                        axis,
+                        radius,
+                        corners,
+                        sky,
+                        wr,
+                        exact,
+                        expected,
+                        tolerance,
+                    };
                     lights.push(json_line(&place, &light)?);
                 }
             }
@@ -156,8 +170,36 @@ struct OfLight {
     radius: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     corners: Option<[[f64; 3]; 4]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sky: Option<SkyOf>,
     wr: [f64; 3],
     exact: Xyz,
     expected: Expected,
     tolerance: f64,
+}
+
+/// The sky of a probe: `constant + Σ radiance·σ²/(σ² + s²)·exp(-(1 - d·axis)/(σ² + s²))` from a direction d, blurred over s.
+#[derive(Serialize)]
+struct SkyOf {
+    constant: [f64; 3],
+    lobes: Vec<LobeOf>,
+}
+
+#[derive(Serialize)]
+struct LobeOf {
+    axis: [f64; 3],
+    sigma: f64,
+    radiance: [f64; 3],
+}
+
+impl SkyOf {
+    fn new(sky: &Sky) -> SkyOf {
+        let lit = sky.lobes.iter().filter(|lobe| lobe.radiance != DVec3::ZERO);
+        let lobes = lit.map(|lobe| LobeOf {
+            axis: lobe.axis.to_array(),
+            sigma: lobe.sigma_rad,
+            radiance: lobe.radiance.to_array(),
+        });
+        SkyOf { constant: sky.constant.to_array(), lobes: lobes.collect() }
+    }
 }

@@ -58,6 +58,10 @@ pub(super) enum When {
     CountsReplicas,
     /// Errors above the limit are accepted.
     AcceptsError,
+    /// It has a function for surroundings.
+    HasSurroundings,
+    /// The number of wavelengths under surroundings is left to the tool.
+    ChoosesNodes,
     /// The relief is a dielectric.
     IsDielectric,
     /// It is not a dielectric in air with Stam's obliquity.
@@ -146,7 +150,10 @@ const BAKED: Declared = Declared {
 
 const ORDERS: Declared = Declared {
     always: &[&["min_nm", "max_nm", "lights"], WINDOW, COLOURS],
-    sometimes: &[MATTER],
+    sometimes: &[
+        MATTER,
+        &[("nodes", When::HasSurroundings), ("environment_error", When::ChoosesNodes)],
+    ],
     refused: &[],
 };
 

@@ -1,7 +1,7 @@
 //! Which keys a variant reads.
 
 use super::mode::{When, declared};
-use super::{Auto, Material, Mode, Reconstruction, Variant};
+use super::{Auto, LightFunction, Material, Mode, Reconstruction, Variant};
 
 impl When {
     fn holds(self, variant: &Variant) -> bool {
@@ -12,6 +12,10 @@ impl When {
             When::HasRange => variant.wavelengths.max_nm > variant.wavelengths.min_nm,
             When::CountsReplicas => variant.periods.is_none(),
             When::AcceptsError => variant.accept_error,
+            When::HasSurroundings => variant.lights.contains(&LightFunction::Environment),
+            When::ChoosesNodes => {
+                When::HasSurroundings.holds(variant) && variant.nodes == Auto::Auto
+            }
             When::IsDielectric => variant.optics.material == Material::Dielectric,
             When::HasMatter => !variant.optics.is_plain(),
         }

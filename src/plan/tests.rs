@@ -21,7 +21,7 @@ use crate::tables::TableSpec;
 use crate::variant::{Form, Ground};
 
 /// One variant of every form, small enough to be computed many times.
-const FORMS: [&str; 22] = [
+const FORMS: [&str; 23] = [
     "terms = 5\ncoherence_um = 9",
     "terms = \"auto\"\nwindow_radius = \"auto\"\ncoherence_um = 9",
     "terms = 5\nwavelengths = { min_nm = 550, max_nm = 550 }",
@@ -36,6 +36,7 @@ const FORMS: [&str; 22] = [
     "mode = \"gems\"",
     "mode = \"orders\"\nlights = \"direction\"\ncoherence = \"ensemble\"",
     "mode = \"orders\"\ncoherence = \"ensemble\"\ncoherence_scaling = \"wavelength\"",
+    "mode = \"orders\"\ncoherence = \"ensemble\"\ncoherence_scaling = \"wavelength\"\nnodes = \"auto\"",
     // metals, covers and films
     "terms = 11\ncoherence_um = 9\nmaterial = \"copper\"\ncover_index = 1.4",
     "mode = \"pq\"\nterms = \"auto\"\nbasis = \"optimal\"\ncover_index = \"polycarbonate\"",
@@ -65,6 +66,8 @@ fn others(key: &str) -> &'static [&'static str] {
         "bake_error" => &["2"],
         "bake_mib" => &["0.3"],
         "lights" => &["[\"direction\", \"disc\"]"],
+        "nodes" => &["11"],
+        "environment_error" => &["0.7"],
         "coherence_um" => &["4"],
         "source_diameter_deg" => &["5"],
         "refractive_index" => &["1.7"],

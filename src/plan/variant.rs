@@ -54,6 +54,10 @@ pub struct Variant {
     pub bake_mib: f64,
     /// Kinds of light that the shader has functions for, sorted; always with [`LightFunction::Direction`]. Read by `orders` only.
     pub lights: Vec<LightFunction>,
+    /// Wavelengths per order under surroundings. Read by variants with [`LightFunction::Environment`].
+    pub nodes: Auto<u32>,
+    /// Error that `nodes = "auto"` must keep, as the 95th percentile of CIEDE2000.
+    pub environment_error: f64,
     /// Light and material.
     pub optics: Optics,
 }
@@ -84,6 +88,8 @@ impl Variant {
             bake_error: 0.5,
             bake_mib: 32.0,
             lights: LIGHT_FUNCTIONS.iter().map(|(_, function)| *function).collect(),
+            nodes: Auto::Value(8),
+            environment_error: 2.5,
             optics: optics.clone(),
         }
     }
@@ -109,7 +115,7 @@ pub(super) fn axes() -> impl Iterator<Item = &'static Axis> {
 }
 
 /// Keys of `[variants]` and of presets, other than those of the optics.
-pub(super) static AXES: [Axis; 16] = [
+pub(super) static AXES: [Axis; 18] = [
     worded!("mode", mode, MODES, "method, see above", Part::Always(|v| v.mode.as_str().to_owned())),
     worded!(
         "basis",
@@ -256,6 +262,25 @@ pub(super) static AXES: [Axis; 16] = [
             })
         )
     },
+    Axis {
+        words: auto,
+        ..valued!(
+            "nodes",
+            nodes,
+            nodes,
+            "2 to 64",
+            "wavelengths per order under surroundings",
+            Part::Changed(|v| format!("n{}", v.nodes))
+        )
+    },
+    valued!(
+        "environment_error",
+        environment_error,
+        environment_error,
+        "0.5 to 20",
+        "error under surroundings for `nodes = \"auto\"`: 95th percentile of CIEDE2000",
+        Part::Changed(|v| format!("s{}", number(v.environment_error)))
+    ),
 ];
 
 /// Keys of `wavelengths`.
@@ -310,6 +335,16 @@ fn terms(item: &Item) -> Option<Auto<u32>> {
 
 fn window_radius(item: &Item) -> Option<Auto<u32>> {
     number_or_auto(item, 0..65, "the number of bins to each side of the nearest one, or \"auto\"")
+}
+
+fn nodes(item: &Item) -> Option<Auto<u32>> {
+    number_or_auto(item, 2..65, "the number of wavelengths per order, or \"auto\"")
+}
+
+fn environment_error(item: &Item) -> Option<f64> {
+    let what =
+        "the error under surroundings for nodes = \"auto\", as the 95th percentile of CIEDE2000";
+    item.number("from 0.5 to 20", what, |x| (0.5..=20.0).contains(&x))
 }
 
 fn term_error(item: &Item) -> Option<f64> {

@@ -35,6 +35,7 @@ pub(super) const LIGHT_FUNCTIONS: Words<LightFunction> = &[
     ("direction", LightFunction::Direction),
     ("disc", LightFunction::Disc),
     ("polygon", LightFunction::Polygon),
+    ("environment", LightFunction::Environment),
 ];
 
 pub(super) const COHERENCES: Words<Coherence> =

@@ -21,7 +21,7 @@ pub fn check_scaling(optics: &Optics, lights: &Lights) -> Result<()> {
     match lights.with_size().next() {
         Some(light) if optics.coherence_scaling == CoherenceScaling::Fixed => {
             let cause = format!(
-                "a {} has a size, but a coherence length of {} µm at all wavelengths is no light of a fixed size: orders would carry energy in proportion to (λ/550 nm)²",
+                "a light of kind \"{}\" has a size, but a coherence length of {} µm at all wavelengths is no light of a fixed size: orders would carry energy in proportion to (λ/550 nm)²",
                 light.kind(),
                 optics.coherence_um
             );
@@ -74,6 +74,9 @@ pub fn missing(name: &str, form: &Form, light: &Light) -> Option<Error> {
     let remedy = match light {
         Light::Disc { .. } | Light::Polygon { .. } => {
             "use a variant with mode = \"orders\" and this kind in its lights, or --runner exact"
+        }
+        Light::Sky { .. } | Light::Environment(_) => {
+            "use a variant with mode = \"orders\" and \"environment\" in its lights, or --runner exact"
         }
         _ => "use --runner exact",
     };

@@ -14,10 +14,11 @@ use crate::variant::{Form, Ground};
 pub const ROOT: &str = "shader";
 
 /// Flags that forms may set.
-const FLAGS: [&str; 14] = [
+const FLAGS: [&str; 16] = [
     "COHERENCE_SCALES",
     "DISC",
     "ENSEMBLE",
+    "ENVIRONMENT",
     "EVEN_LEVELS",
     "HALF",
     "LAMPS",
@@ -26,6 +27,7 @@ const FLAGS: [&str; 14] = [
     "PAIRED",
     "PREFILTERED",
     "RECTANGLE",
+    "SIZED",
     "SPECTRAL",
     "TABULATED",
     "THESIS_LOOP",
@@ -71,7 +73,9 @@ pub fn shader(
 ) -> std::result::Result<Module, Vec<Diagnostic>> {
     let named = |all: Vec<Diagnostic>| all.into_iter().map(|d| d.variant(name)).collect::<Vec<_>>();
     let specialised = specialise(sources, ROOT, defines).map_err(named)?;
-    let contract = Contract::package(&form.functions(), form.filters());
+    let functions = form.functions();
+    let filters = form.filters() || functions.iter().any(|function| function.host().is_some());
+    let contract = Contract::package(&functions, filters);
     compile_with(&specialised, sources, name, &contract)
 }
 

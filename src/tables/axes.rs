@@ -16,6 +16,11 @@ use serde::Serialize;
 use crate::optics::{REFERENCE_NM, window_sigma_um};
 use crate::plan::{TableFormat, Window};
 
+/// Factor of colours in their table, unless the reflectance rises: see [`BakedAxes::colour_scale`]. A colour without gain is at most the illuminant's white. This power of two leaves
+/// room for sharpening in 16-bit floats and in numbers with a shared exponent, and it keeps dim colours above the
+/// smallest numbers of these formats.
+const COLOUR_SCALE: f64 = 32768.0;
+
 /// Targets for the size of a table of colours.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Aim {
@@ -47,6 +52,14 @@ pub struct BakedAxes {
     /// `w` is small.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub even_w: bool,
+    /// Powers of two by which colours are smaller in the table, since the reflectance rises above that at normal incidence: a
+    /// dielectric reflects all light at grazing angles.
+    #[serde(skip_serializing_if = "is_none")]
+    pub dimmed: u32,
+}
+
+fn is_none(count: &u32) -> bool {
+    *count == 0
 }
 
 fn is_zero(number: &f64) -> bool {
@@ -79,6 +92,7 @@ impl BakedAxes {
                 pace,
                 least_w_squared: 0.0,
                 even_w: false,
+                dimmed: 0,
             }
         };
         let texel = match format {
@@ -102,8 +116,18 @@ impl BakedAxes {
 
     /// The same for other matter than a dielectric in air, under a cover if `least_w_squared` is above 0.
     #[must_use]
-    pub fn with_matter(self, least_w_squared: f64) -> BakedAxes {
-        BakedAxes { least_w_squared, even_w: least_w_squared == 0.0, ..self }
+    ///
+    /// `brightest`: the largest reflectance relative to that at normal incidence.
+    pub fn with_matter(self, least_w_squared: f64, brightest: f64) -> BakedAxes {
+        /// What the scale of colours leaves room for, beside the sharpening.
+        const ROOM: f64 = 1.5;
+        let dimmed = (brightest / ROOM).log2().ceil().clamp(0.0, 30.0) as u32;
+        BakedAxes { least_w_squared, even_w: least_w_squared == 0.0, dimmed, ..self }
+    }
+
+    /// Factor of colours in the table.
+    pub fn colour_scale(&self) -> f64 {
+        COLOUR_SCALE / f64::from(1_u32 << self.dimmed)
     }
 
     /// Number of texels of the table, including repeated columns.

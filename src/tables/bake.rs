@@ -24,7 +24,7 @@ use super::BakedAxes;
 use line::{LANES, Lines, RadiusRow};
 
 pub use sharpen::sharpen;
-pub use table::{COLOUR_SCALE, shape, table};
+pub use table::{shape, table};
 
 /// Colours of a table, `[level][row][column][X, Y, Z]`. Columns cover a full turn.
 #[derive(Clone, Debug, PartialEq)]

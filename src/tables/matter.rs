@@ -208,10 +208,11 @@ impl MatterSpec {
 
 /// The reflectance changes faster than a table can follow.
 fn too_fast(with: &str) -> Error {
-    let cause =
-        format!("the reflectance changes too fast with the {with}, by interference in its films");
-    Error::new("optics.films", cause)
-        .remedy("use thinner films; a layer of many wavelengths is a cover")
+    let cause = format!(
+        "the reflectance changes too fast with the {with}, by interference in films or by total reflection under a cover"
+    );
+    Error::new("optics.films, optics.cover_index", cause)
+        .remedy("use thinner films, since a layer of many wavelengths is a cover; or a cover whose index is below that of a dielectric")
 }
 
 /// The least number of cells with which cubics are good enough. `None` if that is too many.

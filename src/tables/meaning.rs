@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use crate::field::transform::Bins;
 use crate::plan::Packing;
 
-use super::bake::COLOUR_SCALE;
 use super::orders::{CENTRE_NM, EfficiencyAxes, UNIT_NM, moment_columns};
 use super::spec::{CoefficientsSpec, LobesSpec};
 use super::{BakedAxes, MatterSpec, Series, Table, TableSpec, TermScale};
@@ -42,13 +41,14 @@ impl TableSpec {
             TableSpec::Rotation(_) => rotation(),
             TableSpec::Efficiencies(spec) => efficiencies(&spec.axes),
             TableSpec::Moments(spec) => moments(spec.range_nm),
+            TableSpec::Streaks(_) => streaks(),
         };
         let axes = match self.matter() {
             Some(matter) => with_matter(axes, &self.shape(), matter),
             None => axes,
         };
         let scale = match self {
-            TableSpec::Colours(_) => 1.0 / COLOUR_SCALE,
+            TableSpec::Colours(spec) => 1.0 / spec.axes.colour_scale(),
             _ => 1.0,
         };
         let term_scales = match self {
@@ -247,6 +247,19 @@ fn moments(range_nm: [f64; 2]) -> Words {
     let row = "X, Y, Z; 3: X, Y, Z between a column and the next";
     let axes = BTreeMap::from([("column", column), ("row", row.to_owned())]);
     (channels.to_vec(), axes)
+}
+
+fn streaks() -> Words {
+    let channels = [
+        "X of red, green or blue light about the cell's wavelength".to_owned(),
+        "Y".to_owned(),
+        "Z".to_owned(),
+        "row 0: wavelength of the cell, µm; row 1: its lower edge, µm; row 2: standard deviation to blur over, µm of wavelength".to_owned(),
+    ];
+    let column =
+        "cell, from short wavelengths to long ones; the last has the upper edge of the last cell";
+    let row = "red, green, blue light";
+    (channels.to_vec(), BTreeMap::from([("column", column.to_owned()), ("row", row.to_owned())]))
 }
 
 fn row(first: &str) -> String {

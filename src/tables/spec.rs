@@ -17,6 +17,7 @@ use super::lobes::lobes_table;
 use super::orders::{
     EfficiencyAxes, efficiencies_shape, efficiencies_table, moments_shape, moments_table,
 };
+use super::streaks::{streaks_shape, streaks_table};
 use super::{
     Aim, BakedAxes, LaidExpansion, LobeGeometry, MatterSpec, Series, Settings, Table, TermLayers,
     TermScale, bake, coefficients_shape, coefficients_table, grating_table, levels_table,
@@ -48,6 +49,8 @@ pub enum TableSpec {
     Efficiencies(EfficienciesSpec),
     /// Moments of a spectrum.
     Moments(MomentsSpec),
+    /// Cells of wavelengths for orders under surroundings.
+    Streaks(StreaksSpec),
 }
 
 /// See [`terms_table`](super::terms_table).
@@ -288,6 +291,18 @@ pub struct MomentsSpec {
     pub range_nm: [f64; 2],
 }
 
+/// See [`streaks_table`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StreaksSpec {
+    /// The light.
+    #[serde(serialize_with = "Illuminant::serialize_identity")]
+    pub illuminant: Illuminant,
+    /// Range of wavelengths, nm.
+    pub range_nm: [f64; 2],
+    /// Number of cells.
+    pub cells: u32,
+}
+
 impl TableSpec {
     /// The name: the name of the binding, and a hash of this value and the tool's version.
     pub fn id(&self) -> String {
@@ -323,6 +338,7 @@ impl TableSpec {
             TableSpec::Grating(_) | TableSpec::Rotation(_) => spectrum_shape(1, 2),
             TableSpec::Efficiencies(spec) => efficiencies_shape(&spec.axes),
             TableSpec::Moments(spec) => moments_shape(spec.range_nm),
+            TableSpec::Streaks(spec) => streaks_shape(spec.cells),
         }
     }
 
@@ -426,6 +442,9 @@ impl TableSpec {
             TableSpec::Efficiencies(spec) => efficiencies_table(height, &spec.axes),
             TableSpec::Moments(spec) => {
                 moments_table(&Spectrum::new(&spec.illuminant)?, spec.range_nm)
+            }
+            TableSpec::Streaks(spec) => {
+                streaks_table(&Spectrum::new(&spec.illuminant)?, spec.range_nm, spec.cells)
             }
         };
         table.check()?;

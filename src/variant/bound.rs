@@ -16,6 +16,22 @@ pub const AUTO_TAIL_PQ: f64 = 1e-2;
 /// Maximum `σf·L`, in bins, at which neighbouring lobes count as separate. Above it, amplitudes of neighbouring bins interfere.
 pub const ISOLATED: f64 = 0.2;
 
+/// 95th percentile of CIEDE2000 against exact colours with 8 wavelengths per order. It falls with that number to the power
+/// -[`FALL`]: 2.5 with 16, 1.0 with 32.
+const ERROR_OF_8: f64 = 6.0;
+/// See [`ERROR_OF_8`].
+const FALL: f64 = 1.29;
+
+/// The error that a number of wavelengths per order keeps.
+pub fn environment_error(nodes: u32) -> f64 {
+    ERROR_OF_8 * (8.0 / f64::from(nodes)).powf(FALL)
+}
+
+/// The least number of wavelengths per order that keeps an error.
+pub fn nodes_for(error: f64) -> u32 {
+    (2..64).find(|nodes| environment_error(*nodes) <= error).unwrap_or(64)
+}
+
 /// A-priori bounds, valid for every direction.
 #[derive(Clone, Debug, Serialize)]
 pub struct ErrorBound {

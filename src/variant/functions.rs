@@ -4,6 +4,7 @@
 mod arguments;
 mod directional;
 mod disc;
+mod environment;
 mod lamps;
 mod rectangle;
 
@@ -16,9 +17,10 @@ use crate::surface::HeightField;
 
 use super::{Cost, Form};
 
-pub use arguments::Arguments;
+pub use arguments::{Arguments, Around};
 pub use directional::{DIRECTIONAL, Directional};
 pub use disc::{DISC, Disc};
+pub use environment::{ENVIRONMENT, Environment, skies};
 pub use rectangle::{RECTANGLE, Rectangle};
 
 /// A function of a shader. It has the same name in every language.
@@ -35,6 +37,11 @@ pub trait Function: Sync {
     /// Meaning of the arguments, in words.
     fn arguments(&self) -> &'static str;
 
+    /// The function that it calls and the host defines, with its meaning. `None` if it calls none.
+    fn host(&self) -> Option<&'static str> {
+        None
+    }
+
     /// The kind of light that it is for.
     fn light(&self) -> LightFunction;
 
@@ -45,7 +52,7 @@ pub trait Function: Sync {
     fn cost(&self, form: &Form) -> Cost;
 
     /// Errors against exact colours that it promises. Empty if the form itself promises them.
-    fn errors(&self) -> Vec<StatedError> {
+    fn errors(&self, _: &Form) -> Vec<StatedError> {
         Vec::new()
     }
 
@@ -79,8 +86,11 @@ pub struct ExactProbe {
     pub xyz: [f64; 3],
 }
 
+/// Functions that functions call and the host defines. Whole shaders define them over textures.
+pub const HOSTS: [&str; 1] = ["environment_radiance"];
+
 /// All functions.
-pub static FUNCTIONS: [&dyn Function; 3] = [&DIRECTIONAL, &DISC, &RECTANGLE];
+pub static FUNCTIONS: [&dyn Function; 4] = [&DIRECTIONAL, &DISC, &RECTANGLE, &ENVIRONMENT];
 
 /// The function of a kind of light.
 pub fn function_of(light: LightFunction) -> &'static dyn Function {
@@ -88,6 +98,7 @@ pub fn function_of(light: LightFunction) -> &'static dyn Function {
         LightFunction::Direction => &DIRECTIONAL,
         LightFunction::Disc => &DISC,
         LightFunction::Polygon => &RECTANGLE,
+        LightFunction::Environment => &ENVIRONMENT,
     }
 }
 

@@ -249,7 +249,8 @@ pub fn tolerance_under(form: &Form, lights: &Lights, part: Part) -> Option<Toler
             let single = of_direction?.de2000_p95?;
             let of = |light: &Light| {
                 let calls = Arguments::under(light, DVec3::Z);
-                let errors = calls.iter().flat_map(|(call, _)| function_of(call.light()).errors());
+                let errors =
+                    calls.iter().flat_map(|(call, _)| function_of(call.light()).errors(form));
                 errors.map(|error| error.de2000_p95).fold(0.0, f64::max)
             };
             let mut most = lights.with_size().map(of).fold(0.0, f64::max);

@@ -5,10 +5,12 @@
 //! `full.wgsl` and `thesis.wgsl` compute the same sum in different orders; `twin/full.rs` is the twin of both.
 
 mod adaptive;
+pub(super) mod arrivals;
 mod baked;
 mod bins;
 mod disc;
 mod efficiencies;
+pub(super) mod environment;
 mod full;
 mod gems;
 pub(super) mod lamps;
@@ -25,9 +27,10 @@ mod window;
 use glam::DVec3;
 
 use crate::field::reference::Directions;
-use crate::tables::{COEFFICIENTS, SPECTRUM, Settings, TERMS, Table, single_wavelength};
+use crate::light::Surroundings;
+use crate::tables::{COEFFICIENTS, SPECTRUM, STREAKS, Settings, TERMS, Table, single_wavelength};
 
-use super::{Arguments, Form, FullPrefiltered, FullWindow, Pq};
+use super::{Arguments, Around, Form, FullPrefiltered, FullWindow, Pq};
 
 /// Everything that a pixel of a variant reads, and the variant's algorithm.
 #[derive(Clone, Copy)]
@@ -40,11 +43,21 @@ pub struct Twin<'a> {
     pub spectrum: &'a Table,
     /// Table of coefficients or of moments, rounded or not. Empty if the form has neither.
     pub coefficients: &'a Table,
+    /// Table of streaks, rounded or not. Empty if the form has none.
+    pub streaks: &'a Table,
     /// Rotation of the surface, degrees.
     pub rotate_deg: f64,
+    /// What calls mean by [`Around::Host`].
+    pub surroundings: Option<&'a dyn Surroundings>,
 }
 
 impl<'a> Twin<'a> {
+    /// The same among surroundings.
+    #[must_use]
+    pub fn among(self, surroundings: &'a dyn Surroundings) -> Twin<'a> {
+        Twin { surroundings: Some(surroundings), ..self }
+    }
+
     /// Finds the tables by their bindings.
     pub fn new(form: &'a Form, tables: &'a [Table], rotate_deg: f64) -> Twin<'a> {
         let at = |binding| tables.iter().find(|t| t.binding == binding).unwrap_or(&ABSENT);
@@ -53,7 +66,9 @@ impl<'a> Twin<'a> {
             terms: at(TERMS),
             spectrum: at(SPECTRUM),
             coefficients: at(COEFFICIENTS),
+            streaks: at(STREAKS),
             rotate_deg,
+            surroundings: None,
         }
     }
 
@@ -86,6 +101,13 @@ impl<'a> Twin<'a> {
             }
             (Arguments::Rectangle { corners, wr }, Form::Orders(form)) => {
                 Some(rectangle::tristimulus_rectangle(self, form, corners, wr))
+            }
+            (Arguments::Environment { around, wr }, Form::Orders(form)) => {
+                let around: &dyn Surroundings = match &around {
+                    Around::Sky(sky) => sky,
+                    Around::Host => self.surroundings?,
+                };
+                Some(environment::tristimulus_environment(self, form, around, wr))
             }
             _ => None,
         }

@@ -19,7 +19,7 @@ fn functions(path: &Path) -> BTreeSet<String> {
 /// Templates whose twin is that of another template: the same sum in another order.
 const SHARED: [(&str, &str); 1] = [("thesis", "full")];
 /// Templates without a file of that name among the twins: frames around the modes, and what all modes share.
-const OTHERS: [&str; 5] = ["shader", "gain", "colour", "map", "probe"];
+const OTHERS: [&str; 6] = ["shader", "gain", "colour", "map", "probe", "surroundings"];
 
 #[test]
 fn templates_and_twins_have_the_same_functions() {

@@ -123,6 +123,7 @@ terms = 3
 [[preset]]
 name = "orders"
 mode = "orders"
+nodes = "auto"
 source_diameter_deg = 0.53
 [[preset]]
 name = "metal"
@@ -207,6 +208,7 @@ name = "{metal}"
 mode = "orders"
 lights = ["direction"]
 material = "{metal}"
+refractive_index = 2.4
 cover_index = "{}"
 obliquity = "{}"
 "#,

@@ -199,7 +199,7 @@ const FAULTS: [Fault; 10] = [
 ];
 
 /// Numbers that a key refuses, by the last part of its name.
-const BAD_NUMBERS: [(&str, &[&str]); 28] = [
+const BAD_NUMBERS: [(&str, &[&str]); 30] = [
     ("schema", &["0", "2", "-1", "1.0"]),
     ("period_um", &["0", "-1.0", "nan", "inf"]),
     ("height_um", &["0.0", "-0.1", "-inf", "nan"]),
@@ -219,6 +219,8 @@ const BAD_NUMBERS: [(&str, &[&str]); 28] = [
     ("bake_error", &["0", "0.04", "11", "nan"]),
     ("bake_mib", &["0.1", "513", "-inf"]),
     ("lights", &["0", "[1, 2]", "[]"]),
+    ("nodes", &["1", "65", "2.5", "[0]"]),
+    ("environment_error", &["0.4", "21", "nan"]),
     ("rotate_deg", &["nan", "inf", "-inf"]),
     ("size_um", &["0", "-1.0", "nan"]),
     ("pixel_um", &["0.0", "inf"]),

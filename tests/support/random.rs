@@ -212,12 +212,17 @@ fn section(heading: &str, large: Large, first: Vec<String>, rest: Vec<String>) -
     let mut lines: Vec<String> =
         [heading.to_owned()].into_iter().chain(first).chain(rest).collect();
     let filters = lines.iter().any(|line| line.contains("\"filter\""));
+    let surrounds = lines.iter().any(|line| line.starts_with("environment_error"));
     for (is_needed, key, value) in [
         (large.prefiltered, "reconstruction", "\"prefiltered\""),
         (large.baked, "mode", "\"baked\""),
         // the default takes long
         (large.baked, "bake_mib", "0.25"),
         (filters, "table", "\"f16\""),
+        // without a form of this kind nothing reads it
+        (surrounds, "mode", "\"orders\""),
+        (surrounds, "nodes", "\"auto\""),
+        (surrounds, "coherence_scaling", "\"wavelength\""),
     ] {
         let start = format!("{key} = ");
         if is_needed && !lines.iter().any(|line| line.starts_with(&start)) {
@@ -271,6 +276,8 @@ fn numbers(name: &str, large: Large) -> Option<BoxedStrategy<String>> {
         "hoist" | "shadowing" | "accept_error" => any::<bool>().prop_map(|x| x.to_string()).boxed(),
         "bake_error" => float(2.0..10.0),
         "bake_mib" => float(0.25..0.5),
+        "nodes" => (2..17u32).prop_map(|n| n.to_string()).boxed(),
+        "environment_error" => float(1.0..20.0),
         "coherence_um" => float(if large.prefiltered { 0.1..4.0 } else { 0.1..200.0 }),
         "refractive_index" => float(1.01..5.0),
         "cover_index" => prop_oneof![6 => float(1.0..1.9), 1 => file()].boxed(),

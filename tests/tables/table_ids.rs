@@ -152,6 +152,9 @@ fn inputs(spec: &TableSpec, surface: &SurfaceInput, variant: &Variant, forget: &
             json!([id, waves.min_nm, cover])
         }
         TableSpec::Moments(_) => json!([light, waves.min_nm, waves.max_nm]),
+        TableSpec::Streaks(_) => {
+            json!([light, waves.min_nm, waves.max_nm, variant.nodes.to_string()])
+        }
     }
 }
 

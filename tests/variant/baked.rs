@@ -28,6 +28,7 @@ const FEW: BakedAxes = BakedAxes {
     pace: 11.0,
     least_w_squared: 0.0,
     even_w: false,
+    dimmed: 0,
 };
 const VISIBLE: Wavelengths = Wavelengths { min_nm: 380.0, max_nm: 780.0, step_nm: 5.0 };
 

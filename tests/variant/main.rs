@@ -7,6 +7,7 @@ mod support;
 
 mod adaptive;
 mod baked;
+mod environment;
 mod gems;
 mod judged;
 mod matter;

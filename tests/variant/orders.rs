@@ -329,8 +329,9 @@ fn a_missing_function_is_named() {
     let text = error.to_string();
     assert!(text.contains("no function for a light of kind \"disc\""), "{text}");
     assert!(text.contains("mode = \"orders\""), "{text}");
-    let calls = Arguments::under(&Light::Sky { radiance: 1.0 }, DVec3::Z);
-    assert!(calls.is_empty());
+    let sky = Light::Sky { radiance: 1.0 };
+    let text = twin(&subject).under(&sky, &[DVec3::Z], &|_| ()).unwrap_err().to_string();
+    assert!(text.contains("\"environment\" in its lights"), "{text}");
 }
 
 /// A test of the truth at hand: closed forms use nothing of it.

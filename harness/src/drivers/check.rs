@@ -3,10 +3,11 @@
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::field::comparison_directions::pool;
 use diffraction_shaders::field::reference::Directions;
+use diffraction_shaders::light::{Filtered, Sky};
 use diffraction_shaders::plan::LightFunction;
 use diffraction_shaders::runner::Placement;
 use diffraction_shaders::tables::Table;
-use diffraction_shaders::variant::{Arguments, Twin, light_tolerance, probe_tolerances};
+use diffraction_shaders::variant::{Arguments, Around, Twin, light_tolerance, probe_tolerances};
 
 use super::driver::{Driver, DriverRunner, Prepared, probe_calls};
 use super::limits;
@@ -18,13 +19,25 @@ const OF_EACH_KIND: usize = 4;
 /// size if the variant has functions for them. It is an error, a finding, if one of them is outside the tolerance of the
 /// variant's probes. Time: a transform of the heights, some hundred directions in f64, and one small picture.
 pub fn check<D: Driver>(prepared: &Prepared<'_>, driver: &D) -> Result<()> {
-    let (mut calls, expected) = handful(prepared);
-    let mut tolerances = probe_tolerances(&prepared.form, &expected, &expected);
-    let (of_lights, results, allowed) = lit(prepared)?;
-    calls.extend(of_lights);
-    tolerances.extend(allowed);
-    let expected = [expected, results].concat();
-    let got = probe_calls(prepared, driver, &prepared.spectrum, &calls, &|_| ())?;
+    let (calls, expected) = handful(prepared);
+    let tolerances = probe_tolerances(&prepared.form, &expected, &expected);
+    let mut groups = vec![Group { around: None, calls, expected, tolerances }];
+    groups.extend(lit(prepared)?);
+    let (mut calls, mut expected, mut tolerances, mut got) = (vec![], vec![], vec![], vec![]);
+    for group in groups {
+        let around = group.around.as_ref();
+        got.extend(probe_calls(
+            prepared,
+            driver,
+            &prepared.spectrum,
+            &group.calls,
+            around,
+            &|_| (),
+        )?);
+        calls.extend(group.calls);
+        expected.extend(group.expected);
+        tolerances.extend(group.tolerances);
+    }
     let apart = |(a, b): (&[f64; 3], &[f64; 3])| {
         // a maximum that keeps what is not a number
         (0..3).map(|c| (a[c] - b[c]).abs()).fold(0.0, |max: f64, d| if d <= max { max } else { d })
@@ -69,30 +82,58 @@ fn place(call: &Arguments) -> String {
             format!("disc of {:.2}° at {axis:.4}", 2.0 * radius_rad.to_degrees())
         }
         Arguments::Rectangle { corners, .. } => format!("quadrilateral {corners:.4?}"),
+        Arguments::Environment { .. } => "surroundings of a probe".to_owned(),
     }
 }
 
-/// Calls, results of the twin, tolerances.
-type Lit = (Vec<Arguments>, Vec<[f64; 3]>, Vec<f64>);
+/// Calls that have the same surroundings, or none.
+struct Group {
+    around: Option<Filtered>,
+    calls: Vec<Arguments>,
+    /// Results of the twin.
+    expected: Vec<[f64; 3]>,
+    tolerances: Vec<f64>,
+}
 
-/// The probes of functions of lights with a size, with the twin's results.
-fn lit(prepared: &Prepared<'_>) -> Result<Lit> {
+/// The probes of functions of lights with a size.
+fn lit(prepared: &Prepared<'_>) -> Result<Vec<Group>> {
     let Placement { height, rotate_deg, variant } = prepared.placement;
-    let optics = &variant.optics;
     let functions = prepared.form.functions();
     let sized = functions.into_iter().filter(|f| f.light() != LightFunction::Direction);
-    let (mut calls, mut results, mut tolerances) = Lit::default();
-    // its tables are of 32-bit floats
-    let twin = twin(prepared, &prepared.terms);
+    let mut skies: Vec<(Option<Sky>, Vec<Arguments>)> = vec![(None, Vec::new())];
     for function in sized {
-        for probe in function.probes(height, rotate_deg, optics)? {
-            let Some(expected) = twin.evaluate(probe.arguments) else { continue };
-            calls.push(probe.arguments);
-            tolerances.push(light_tolerance(&probe.arguments, prepared.form.matter(), &expected));
-            results.push(expected);
+        for probe in function.probes(height, rotate_deg, &variant.optics)? {
+            let (sky, call) = match probe.arguments {
+                Arguments::Environment { around: Around::Sky(sky), wr } => {
+                    (Some(sky), Arguments::Environment { around: Around::Host, wr })
+                }
+                call => (None, call),
+            };
+            match skies.iter_mut().find(|(known, _)| *known == sky) {
+                Some((_, calls)) => calls.push(call),
+                None => skies.push((sky, vec![call])),
+            }
         }
     }
-    Ok((calls, results, tolerances))
+    // its tables are of 32-bit floats
+    let twin = twin(prepared, &prepared.terms);
+    let group = |(sky, calls): (Option<Sky>, Vec<Arguments>)| {
+        // the levels that the shader reads, so that their own error does not count
+        let around = sky.as_ref().map(|sky| Filtered::of(sky));
+        let twin = Twin { surroundings: around.as_ref().map(|around| around as _), ..twin };
+        let result = |call: &Arguments| twin.evaluate(*call).unwrap_or([f64::NAN; 3]);
+        let expected: Vec<[f64; 3]> = calls.iter().map(result).collect();
+        let allowed = |(call, expected): (&Arguments, &[f64; 3])| {
+            let call = match sky {
+                Some(sky) => Arguments::Environment { around: Around::Sky(sky), wr: call.wr() },
+                None => *call,
+            };
+            light_tolerance(&call, prepared.form.matter(), expected)
+        };
+        let tolerances = calls.iter().zip(&expected).map(allowed).collect();
+        Group { around, calls, expected, tolerances }
+    };
+    Ok(skies.into_iter().map(group).collect())
 }
 
 /// The variant's twin with a table of terms.
@@ -103,7 +144,9 @@ fn twin<'a>(prepared: &'a Prepared<'_>, terms: &'a Table) -> Twin<'a> {
         terms,
         spectrum: &prepared.spectrum,
         coefficients: &prepared.coefficients,
+        streaks: &prepared.streaks,
         rotate_deg,
+        surroundings: None,
     }
 }
 

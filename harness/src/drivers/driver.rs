@@ -6,7 +6,7 @@ use std::ops::Range;
 use diffraction_shaders::diagnostic::Diagnostic;
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::field::reference::Directions;
-use diffraction_shaders::light::Light;
+use diffraction_shaders::light::{Filtered, Light};
 use diffraction_shaders::optics::brdf_map::{BrdfMap, view_direction};
 use diffraction_shaders::optics::colour::from_rgb;
 use diffraction_shaders::runner::{Placement, Progress, Runner, has_wavelengths, lit_by};
@@ -14,8 +14,8 @@ use diffraction_shaders::shader::module::Module;
 use diffraction_shaders::shader::specialise;
 use diffraction_shaders::shader::template::Sources;
 use diffraction_shaders::tables::{
-    COEFFICIENTS, DIRECTIONS, SPECTRUM, Settings, TERMS, Table, TermScale, TexelFormat,
-    single_wavelength,
+    COEFFICIENTS, DIRECTIONS, ENVIRONMENT, SPECTRUM, STREAKS, Settings, TERMS, Table, TermScale,
+    TexelFormat, environment_table, single_wavelength,
 };
 use diffraction_shaders::variant::{Arguments, Form};
 use glam::DVec3;
@@ -87,6 +87,8 @@ pub struct Prepared<'a> {
     pub spectrum: Table,
     /// The table of coefficients or moments; empty if the mode has neither.
     pub coefficients: Table,
+    /// The table of streaks; empty if the variant has no function for surroundings.
+    pub streaks: Table,
 }
 
 impl<'a> Prepared<'a> {
@@ -99,8 +101,10 @@ impl<'a> Prepared<'a> {
             let place = tables.iter().position(|table| table.binding == binding);
             place.map_or(Table::ABSENT, |place| tables.swap_remove(place))
         };
-        let (terms, spectrum, coefficients) = (take(TERMS), take(SPECTRUM), take(COEFFICIENTS));
-        Ok(Prepared { placement, sources: Sources::builtin(), form, terms, spectrum, coefficients })
+        let [terms, spectrum, coefficients, streaks] =
+            [TERMS, SPECTRUM, COEFFICIENTS, STREAKS].map(&mut take);
+        let sources = Sources::builtin();
+        Ok(Prepared { placement, sources, form, terms, spectrum, coefficients, streaks })
     }
 
     /// The shader for a spectrum table of `wavelengths` wavelengths.
@@ -112,7 +116,7 @@ impl<'a> Prepared<'a> {
 
     /// Compiles the entry point `map` with its tables. Its uniform block is [`params`].
     pub fn map_pipeline<D: Driver>(&self, driver: &D) -> Result<D::Pipeline> {
-        self.pipeline(driver, "map", &self.spectrum, None)
+        self.pipeline(driver, "map", &self.spectrum, &[])
     }
 
     /// Rows of arguments of each pixel of the entry point `probe`.
@@ -120,18 +124,23 @@ impl<'a> Prepared<'a> {
         if self.form.functions().len() > 1 { 5 } else { 2 }
     }
 
-    /// Compiles an entry point with its tables. Only `probe` has `directions`.
+    /// Its tables, without the spectrum.
+    fn tables(&self) -> impl Iterator<Item = &Table> {
+        [&self.terms, &self.coefficients, &self.streaks].into_iter().filter(|table| table.width > 0)
+    }
+
+    /// Compiles an entry point with its tables. Only `probe` has `further` ones: directions, surroundings.
     fn pipeline<D: Driver>(
         &self,
         driver: &D,
         entry: &str,
         spectrum: &Table,
-        directions: Option<&Table>,
+        further: &[&Table],
     ) -> Result<D::Pipeline> {
         let module = self.module(spectrum.width)?;
-        let tables = [Some(&self.terms), Some(spectrum), Some(&self.coefficients), directions];
-        let tables: Vec<BoundTable<'_>> =
-            tables.into_iter().flatten().filter(|t| t.width > 0).map(|t| (t.binding, t)).collect();
+        let own = self.tables().chain((spectrum.width > 0).then_some(spectrum));
+        let tables = own.chain(further.iter().copied()).map(|table| (table.binding, table));
+        let tables: Vec<BoundTable<'_>> = tables.collect();
         driver.pipeline(&module, entry, &tables)
     }
 }
@@ -175,7 +184,7 @@ pub(super) fn probe<D: Driver>(
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>> {
     let calls: Vec<Arguments> = directions.iter().map(|d| Arguments::Direction(*d)).collect();
-    probe_calls(prepared, driver, spectrum, &calls, progress)
+    probe_calls(prepared, driver, spectrum, &calls, None, progress)
 }
 
 /// The same for calls of any functions.
@@ -184,16 +193,25 @@ pub(super) fn probe_calls<D: Driver>(
     driver: &D,
     spectrum: &Table,
     calls: &[Arguments],
+    around: Option<&Filtered>,
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>> {
+    let has = prepared.streaks.width > 0;
+    let surroundings = has.then(|| around.map_or_else(dark, environment_table));
     let mut out = Vec::with_capacity(calls.len());
     let rows = prepared.argument_rows();
     for block in calls.chunks(PROBE_WIDTH * (DIRECTION_ROWS / rows)) {
         let table = directions_table(block, rows);
-        let pipeline = prepared.pipeline(driver, "probe", spectrum, Some(&table))?;
+        let further: Vec<&Table> =
+            [&table].into_iter().chain(surroundings.as_ref().map(|(table, _)| table)).collect();
+        let pipeline = prepared.pipeline(driver, "probe", spectrum, &further)?;
         let size = [PROBE_WIDTH as u32, (table.height / rows) as u32];
         let picture = driver.draw(&pipeline, size, &params(DVec3::Z, size), progress)?;
-        out.extend(picture.iter().take(block.len()).map(|c| [c[0], c[1], c[2]].map(f64::from)));
+        let factor = surroundings.as_ref().map_or(1.0, |(_, factor)| *factor);
+        out.extend(picture.iter().zip(block).map(|(c, call)| {
+            let is_scaled = matches!(call, Arguments::Environment { .. });
+            [c[0], c[1], c[2]].map(|c| f64::from(c) * if is_scaled { factor } else { 1.0 })
+        }));
     }
     Ok(out)
 }
@@ -221,8 +239,11 @@ impl<D: Driver> Runner for DriverRunner<'_, D> {
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>> {
         let Prepared { placement, form, spectrum, .. } = &self.prepared;
+        let around = if self.prepared.streaks.width > 0 { light.filtered() } else { None };
         lit_by(&placement.variant.name, form, light, views, &|calls| {
-            let colours = probe_calls(&self.prepared, &self.driver, spectrum, calls, progress)?;
+            let around = around.as_ref();
+            let colours =
+                probe_calls(&self.prepared, &self.driver, spectrum, calls, around, progress)?;
             self.finite(&colours)?;
             Ok(colours)
         })
@@ -268,6 +289,16 @@ impl<D: Driver> Runner for DriverRunner<'_, D> {
     }
 }
 
+/// Surroundings of one black texel, for calls that ask for none: the shader has the texture all the same.
+fn dark() -> (Table, f64) {
+    let texels = vec![0.0; 4];
+    let binding = ENVIRONMENT;
+    let format = TexelFormat::Rgba16Float;
+    let table =
+        Table { binding, format, width: 1, height: 1, filtered: true, texels, ..Table::ABSENT };
+    (table, 1.0)
+}
+
 /// The arguments of each pixel in `rows` rows, as the template `probe` reads them. Unused texels hold directions below the
 /// horizon, which give black.
 fn directions_table(calls: &[Arguments], rows: usize) -> Table {
@@ -280,6 +311,7 @@ fn directions_table(calls: &[Arguments], rows: usize) -> Table {
             Arguments::Rectangle { corners: [a, b, c, d], wr } => {
                 &[(a, 2.0), (wr, 0.0), (b, 0.0), (c, 0.0), (d, 0.0)]
             }
+            Arguments::Environment { wr, .. } => &[(wr, 3.0), (wr, 0.0)],
         };
         for (line, (vector, number)) in arguments.iter().enumerate() {
             let row = rows * (i / PROBE_WIDTH) + line;

@@ -8,6 +8,7 @@
 //! - `.fn.glsl` declares its textures, combined with their samplers, as uniforms with their names in the templates. It
 //!   has no `#version`, no precision statement and no `main`, and is valid after those of GLSL ES 3.00 and of GLSL
 //!   4.50.
+//! - A function that the host defines, such as `environment_radiance`, is only called; GLSL and HLSL declare it.
 //! - `.fn.hlsl` declares its textures and the sampler as globals with their names in the templates, without registers.
 
 mod core;
@@ -84,12 +85,28 @@ fn glsl_text(module: &Module, core: &Core) -> Result<(String, glsl::SamplerTextu
         }
         in_main &= line != "}";
     }
-    Ok((kept.join("\n").trim_end().to_owned() + "\n", names))
+    let text = kept.join("\n").trim_end().to_owned() + "\n";
+    Ok((declared_only(&text, core)?, names))
 }
 
 fn hlsl_text(module: &Module, core: &Core) -> Result<String, String> {
     let (ir, info) = core.without_shell()?;
-    Ok(hlsl::with_head(module, &hlsl::write_unbound(&ir, &info)?))
+    declared_only(&hlsl::with_head(module, &hlsl::write_unbound(&ir, &info)?), core)
+}
+
+/// The text with declarations in place of the functions that the host defines.
+fn declared_only(text: &str, core: &Core) -> Result<String, String> {
+    let mut out = text.to_owned();
+    for host in &core.hosts {
+        let line = signature(&out, host).ok_or(format!("`{host}` is missing in the text"))?;
+        let start = out.find(&line).unwrap_or_default();
+        let end = out[start..].find("\n}").ok_or(format!("`{host}` has no end"))? + start + 2;
+        out.replace_range(
+            start..end,
+            &format!("// Radiance of the surroundings: the host defines it.\n{line};"),
+        );
+    }
+    Ok(out)
 }
 
 /// The declaration of a function: its line in the text up to the body.

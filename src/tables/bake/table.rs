@@ -5,11 +5,6 @@ use crate::tables::{BakedAxes, TERMS, Table, colour_format};
 
 use super::Colours;
 
-/// Factor of colours in their table. A colour without gain is at most the illuminant's white. This power of two leaves
-/// room for sharpening in 16-bit floats and in numbers with a shared exponent, and it keeps dim colours above the
-/// smallest numbers of these formats.
-pub const COLOUR_SCALE: f64 = 32768.0;
-
 /// The table, a 2-D array. Level `level` of page `page` is layer `page·levels + level`. The last column of a page is
 /// the first of the next.
 pub fn table(colours: &Colours, format: TableFormat) -> Table {
@@ -24,7 +19,7 @@ pub fn table(colours: &Colours, format: TableFormat) -> Table {
             let line = ((layer % levels) * rows + row) * columns;
             for column in 0..=page {
                 let xyz = colours.xyz[line + (layer / levels * page + column) % columns];
-                texels.extend(xyz.map(|c| f64::from(c) * COLOUR_SCALE));
+                texels.extend(xyz.map(|c| f64::from(c) * axes.colour_scale()));
                 texels.resize(texels.len() + channels - 3, 0.0);
             }
         }

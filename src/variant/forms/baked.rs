@@ -4,7 +4,6 @@ use crate::defines::Defines;
 use crate::error::Result;
 use crate::plan::{Illuminant, TableFormat, Variant, Window};
 use crate::surface::HeightField;
-use crate::tables::bake::COLOUR_SCALE;
 use crate::tables::{Aim, BEND, BakedAxes, ColoursSpec, RotationSpec, TableSpec, colour_format};
 use crate::variant::judge::Light;
 use crate::variant::tolerance::{Promise, is_visible};
@@ -47,7 +46,8 @@ impl Baked {
                 let deep_um = range_um + coat.matter.detail_um(0.0);
                 let layered_um =
                     if least == 0.0 { 2.0 * deep_um.max(FLATTEST_UM) } else { deep_um };
-                BakedAxes::new(window, variant.table, aim, layered_um).with_matter(least)
+                BakedAxes::new(window, variant.table, aim, layered_um)
+                    .with_matter(least, coat.matter.brightest(lay::range_nm(variant)))
             }
         };
         let axes = sized(aim);
@@ -67,15 +67,15 @@ impl Baked {
 
 impl Computation for Baked {
     fn define(&self, _: usize, into: &mut Defines) {
-        let BakedAxes { columns, levels, pages, rows, pace, stretch, least_w_squared, even_w } =
-            self.axes;
+        let BakedAxes { columns, levels, pages, rows, pace, stretch, .. } = self.axes;
+        let BakedAxes { least_w_squared, even_w, .. } = self.axes;
         into.flag("EVEN_LEVELS", even_w);
         let least = "least square of w, under a cover";
         into.number("LEAST_W_SQUARED", least_w_squared, least);
         into.number("BEND", BEND, "slope at 0 of the parabola that replaces the arc tangent");
         into.number(
             "COLOUR_UNIT",
-            1.0 / COLOUR_SCALE,
+            1.0 / self.axes.colour_scale(),
             "unit of the numbers in the table of colours",
         );
         into.count(

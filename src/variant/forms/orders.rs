@@ -2,13 +2,21 @@
 
 use crate::defines::Defines;
 use crate::error::{Error, Result};
-use crate::plan::{LightFunction, Variant};
+use glam::{DVec2, DVec3};
+
+use crate::light::environment::filtered;
+use crate::optics::spectrum::Spectrum;
+use crate::plan::{Auto, LightFunction, Variant};
 use crate::surface::HeightField;
 use crate::tables::orders::{EfficiencyAxes, moment_columns};
-use crate::tables::{EfficienciesSpec, MomentsSpec, SettingsSpec, TableSpec};
+use crate::tables::streaks::streaks_table;
+use crate::tables::{EfficienciesSpec, MomentsSpec, SettingsSpec, StreaksSpec, TableSpec};
 use crate::variant::judge::Light;
 use crate::variant::tolerance::{Promise, is_visible};
-use crate::variant::{Coat, Computation, Cost, Function, Ground, LobeBounds, function_of, lay};
+use crate::variant::twin::arrivals;
+use crate::variant::{
+    Coat, Computation, Cost, Function, Ground, LobeBounds, function_of, lay, nodes_for,
+};
 
 use super::LobeSum;
 
@@ -16,6 +24,9 @@ use super::LobeSum;
 const MAX_ORDERS: usize = 1024;
 /// Maximum number of columns of the table of efficiencies: every profile allows textures of this size.
 const MAX_COLUMNS: u32 = 2048;
+/// Maximum number of wavelengths of all orders under surroundings: OpenGL of llvmpipe ends the loops of a shader after
+/// 65,535 steps in all.
+const MAX_CELLS: usize = 1 << 15;
 /// Maximum phase from the lowest to the highest point, over which the share of an order is one cubic. Through four nodes of
 /// Chebyshev the cubic errs by half of this to the fourth power, divided by 192.
 const PANEL_PHASE: f64 = 2.0;
@@ -32,6 +43,10 @@ pub struct Orders {
     functions: Vec<LightFunction>,
     /// Number of cubics per 1/µm of wavenumber that the reflectance needs; 0 where it does not depend on the wavelength.
     pub panel_pace: f64,
+    /// Number of cells of wavelengths of an order under surroundings; 0 without the function for them.
+    pub nodes: u32,
+    /// Edges of these cells, µm.
+    edges_um: Vec<f64>,
     cost: Cost,
 }
 
@@ -61,8 +76,32 @@ impl Orders {
         let functions = variant.lights.clone();
         let sized = functions != [LightFunction::Direction];
         let panel_pace = if sized { sum.coat.panel_pace(variant)? } else { 0.0 };
-        let mut form = Orders { sum, axes, functions, panel_pace, cost: Cost::default() };
-        let bytes = (orders * columns as usize + 4 * form.moment_columns()) as u64 * 16;
+        let nodes = match (functions.contains(&LightFunction::Environment), variant.nodes) {
+            (false, _) => 0,
+            (true, Auto::Value(nodes)) => nodes,
+            (true, Auto::Auto) => nodes_for(variant.environment_error),
+        };
+        if orders * nodes as usize > MAX_CELLS {
+            let cause = format!(
+                "{orders} orders with {nodes} wavelengths each are {} look-ups under surroundings, above {MAX_CELLS}",
+                orders * nodes as usize
+            );
+            let remedy = "use fewer nodes, or lights without \"environment\"";
+            return fail(cause).map_err(|error| error.remedy(remedy));
+        }
+        let edges_um = match nodes {
+            0 => Vec::new(),
+            _ => {
+                let spectrum = Spectrum::new(&sum.illuminant)?;
+                let table = streaks_table(&spectrum, sum.range_nm, nodes);
+                (0..=i64::from(nodes)).map(|cell| table.load(cell, 1, 0)[3]).collect()
+            }
+        };
+        let cost = Cost::default();
+        let mut form = Orders { sum, axes, functions, panel_pace, nodes, edges_um, cost };
+        let moments = if form.has_lamps() { 4 * form.moment_columns() } else { 0 };
+        let streaks = 3 * form.edges_um.len();
+        let bytes = (orders * columns as usize + moments + streaks) as u64 * 16;
         form.cost = form.sum.cost(1, 0, bytes);
         Ok(form)
     }
@@ -95,8 +134,28 @@ impl Orders {
         (2.0 * deepest).max(2.0 / PANEL_ARC).max(coloured) as usize + 1
     }
 
+    /// Number of look-ups of the surroundings for the orders that do not mirror, towards a viewer; at most.
+    pub fn streak_lookups(&self, wr: DVec3) -> u64 {
+        let [x, y] = [self.axes.bins.r_max, self.axes.bins.s_max].map(|reach| reach as i32);
+        let mut count = 0;
+        for row in -y..=y {
+            for column in (-x..=x).filter(|column| row != 0 || *column != 0) {
+                let order = DVec2::new(f64::from(column), f64::from(row));
+                let frequency = arrivals::order_frequency(self, order);
+                let [low, high] = arrivals::propagating(self, frequency, wr);
+                let meets = |cell: &&[f64]| cell[0].max(low) < cell[1].min(high);
+                count += self.edges_um.windows(2).filter(meets).count() as u64;
+            }
+        }
+        count
+    }
+
     fn has(&self, light: LightFunction) -> bool {
         self.functions.contains(&light)
+    }
+
+    fn has_lamps(&self) -> bool {
+        self.has(LightFunction::Disc) || self.has(LightFunction::Polygon)
     }
 }
 
@@ -106,7 +165,19 @@ impl Computation for Orders {
         let (disc, rectangle) = (self.has(LightFunction::Disc), self.has(LightFunction::Polygon));
         into.flag("DISC", disc);
         into.flag("RECTANGLE", rectangle);
-        into.flag("LAMPS", disc || rectangle);
+        let environment = self.has(LightFunction::Environment);
+        into.flag("LAMPS", self.has_lamps());
+        into.flag("ENVIRONMENT", environment);
+        into.flag("SIZED", self.has_lamps() || environment);
+        into.count("STREAK_CELLS", self.nodes as usize, "number of wavelengths per order");
+        let rows = "number of rows of the two finest levels of the surroundings";
+        into.count("ENVIRONMENT_ROWS", filtered::ROWS, rows);
+        let levels = "number of levels of the surroundings";
+        into.count("ENVIRONMENT_LEVELS", filtered::LEVELS, levels);
+        let height = "number of rows of all levels with their frames";
+        into.count("ENVIRONMENT_HEIGHT", filtered::HEIGHT, height);
+        let spread = "blur of the second level, radians: 1.5 times the angle between its rows";
+        into.number("FIRST_SPREAD", filtered::FIRST_SPREAD_RAD, spread);
         let shortest = "shortest wavelength, µm";
         into.number("WAVELENGTH_MIN_UM", self.axes.min_um, shortest);
         let covered = "wavelength in air whose greatest phase per height is the greatest here, µm";
@@ -142,10 +213,16 @@ impl Computation for Orders {
             SettingsSpec::without_terms(on.rotate_deg, self.sum.coat.rows.clone()),
         );
         let (illuminant, range_nm) = (self.sum.illuminant.clone(), self.sum.range_nm);
-        let moments = TableSpec::Moments(MomentsSpec { illuminant, range_nm });
-        let has_lamps = self.has(LightFunction::Disc) || self.has(LightFunction::Polygon);
-        let tables = [TableSpec::Efficiencies(efficiencies), lobes];
-        tables.into_iter().chain(has_lamps.then_some(moments)).collect()
+        let mut tables = vec![TableSpec::Efficiencies(efficiencies), lobes];
+        if self.has_lamps() {
+            let illuminant = illuminant.clone();
+            tables.push(TableSpec::Moments(MomentsSpec { illuminant, range_nm }));
+        }
+        if self.nodes > 0 {
+            let cells = self.nodes;
+            tables.push(TableSpec::Streaks(StreaksSpec { illuminant, range_nm, cells }));
+        }
+        tables
     }
 
     fn cost(&self) -> Cost {

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::field::reference::Directions;
-use crate::light::{Cap, Light, Polygon};
+use crate::light::{Cap, Light, Lobe, Polygon, Sky};
 use crate::plan::LightFunction;
 
 /// Arguments of one call. All directions are unit vectors in the tangent frame.
@@ -27,6 +27,22 @@ pub enum Arguments {
         /// To the viewer.
         wr: DVec3,
     },
+    /// Of `diffraction_environment`.
+    Environment {
+        /// The surroundings.
+        around: Around,
+        /// To the viewer.
+        wr: DVec3,
+    },
+}
+
+/// What surrounds the surface in a call.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Around {
+    /// A sky that is given by a formula.
+    Sky(Sky),
+    /// What whoever evaluates the call has.
+    Host,
 }
 
 impl Arguments {
@@ -36,6 +52,7 @@ impl Arguments {
             Arguments::Direction(_) => LightFunction::Direction,
             Arguments::Disc { .. } => LightFunction::Disc,
             Arguments::Rectangle { .. } => LightFunction::Polygon,
+            Arguments::Environment { .. } => LightFunction::Environment,
         }
     }
 
@@ -55,6 +72,9 @@ impl Arguments {
             Arguments::Rectangle { corners, wr } => {
                 Arguments::Rectangle { corners: corners.map(single), wr: single(wr) }
             }
+            Arguments::Environment { around, wr } => {
+                Arguments::Environment { around, wr: single(wr) }
+            }
         }
     }
 
@@ -62,7 +82,7 @@ impl Arguments {
     /// no convex polygon.
     pub fn lamp(&self) -> Option<Light> {
         match *self {
-            Arguments::Direction(_) => None,
+            Arguments::Direction(_) | Arguments::Environment { .. } => None,
             Arguments::Disc { axis, radius_rad, .. } => {
                 Some(Light::Disc { cap: Cap { axis, radius_rad }, irradiance: 1.0 })
             }
@@ -83,7 +103,8 @@ impl Arguments {
         match *self {
             Arguments::Direction(Directions { wr, .. })
             | Arguments::Disc { wr, .. }
-            | Arguments::Rectangle { wr, .. } => wr,
+            | Arguments::Rectangle { wr, .. }
+            | Arguments::Environment { wr, .. } => wr,
         }
     }
 
@@ -105,10 +126,15 @@ impl Arguments {
                 };
                 (1..last).step_by(2).map(part).collect()
             }
-            Light::Direction { .. }
-            | Light::Sky { .. }
-            | Light::Environment(_)
-            | Light::Coloured { .. } => Vec::new(),
+            Light::Sky { .. } | Light::Environment(_) => {
+                vec![(Arguments::Environment { around: Around::Host, wr }, 1.0)]
+            }
+            Light::Coloured { light, .. }
+                if matches!(light.white().0, Light::Sky { .. } | Light::Environment(_)) =>
+            {
+                vec![(Arguments::Environment { around: Around::Host, wr }, 1.0)]
+            }
+            Light::Direction { .. } | Light::Coloured { .. } => Vec::new(),
         }
     }
 
@@ -118,6 +144,7 @@ impl Arguments {
             LightFunction::Direction => 6,
             LightFunction::Disc => 7,
             LightFunction::Polygon => 15,
+            LightFunction::Environment => 20,
         }
     }
 
@@ -130,6 +157,18 @@ impl Arguments {
             }
             Arguments::Rectangle { corners: [a, b, c, d], wr } => {
                 [a, b, c, d, wr].map(|v| v.to_array()).concat()
+            }
+            Arguments::Environment { around, wr } => {
+                let sky = match around {
+                    Around::Sky(sky) => sky,
+                    Around::Host => Sky::default(),
+                };
+                let lobe = |lobe: &Lobe| {
+                    let Lobe { axis, sigma_rad, radiance } = *lobe;
+                    [&axis.to_array()[..], &[sigma_rad], &radiance.to_array()].concat()
+                };
+                let lobes = sky.lobes.iter().flat_map(lobe).collect();
+                [sky.constant.to_array().to_vec(), lobes, wr.to_array().to_vec()].concat()
             }
         }
     }
@@ -148,6 +187,14 @@ impl Arguments {
                 corners: [vector(0)?, vector(3)?, vector(6)?, vector(9)?],
                 wr: vector(12)?,
             },
+            LightFunction::Environment => {
+                let lobe = |at: usize| {
+                    let (axis, radiance) = (vector(at)?, vector(at + 4)?);
+                    Some(Lobe { axis, sigma_rad: *numbers.get(at + 3)?, radiance })
+                };
+                let sky = Sky { constant: vector(0)?, lobes: [lobe(3)?, lobe(10)?] };
+                Arguments::Environment { around: Around::Sky(sky), wr: vector(17)? }
+            }
         })
     }
 }

@@ -54,7 +54,7 @@ impl Function for Disc {
         lamps::cost(form, &bulb, &widest)
     }
 
-    fn errors(&self) -> Vec<StatedError> {
+    fn errors(&self, _: &Form) -> Vec<StatedError> {
         vec![StatedError { under: "any disc".to_owned(), de2000_p95: ERROR }]
     }
 

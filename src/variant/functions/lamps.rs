@@ -13,7 +13,7 @@ use crate::variant::cost::mean_and_worst_views;
 use crate::variant::twin::lamps::{Caps, panel_count};
 use crate::variant::{Cost, Form};
 
-use super::{Arguments, ExactProbe};
+use super::{Arguments, Around, ExactProbe};
 
 /// Number of probes of a function of a light with a size.
 pub(super) const PROBES: usize = 16;
@@ -86,6 +86,7 @@ pub(super) fn mirrored(arguments: &Arguments, matter: &Matter) -> f64 {
         Arguments::Disc { radius_rad, .. } => {
             1.0 / (std::f64::consts::PI * radius_rad.sin().powi(2))
         }
+        Arguments::Environment { around: Around::Sky(sky), .. } => sky.brightest(),
         _ => 1.0,
     };
     matter.normal_reflectance() * radiance
@@ -101,7 +102,7 @@ pub(super) fn cost(
     let panels = |arguments: Arguments| {
         let mut count = 0;
         let caps = match arguments {
-            Arguments::Direction(_) => return 0,
+            Arguments::Direction(_) | Arguments::Environment { .. } => return 0,
             Arguments::Disc { axis, radius_rad, .. } => Caps::disc(axis, radius_rad),
             Arguments::Rectangle { corners, .. } => Caps::rectangle(corners),
         };

@@ -57,7 +57,7 @@ impl Function for Rectangle {
         lamps::cost(form, &window, &widest)
     }
 
-    fn errors(&self) -> Vec<StatedError> {
+    fn errors(&self, _: &Form) -> Vec<StatedError> {
         vec![StatedError { under: "any quadrilateral".to_owned(), de2000_p95: ERROR }]
     }
 

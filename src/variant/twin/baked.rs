@@ -3,7 +3,6 @@
 use glam::{DVec2, DVec3};
 
 use crate::field::reference::Directions;
-use crate::tables::bake::COLOUR_SCALE;
 use crate::tables::{BakedAxes, bilinear, octant};
 use crate::variant::Baked;
 
@@ -17,7 +16,7 @@ pub fn tristimulus(twin: &Twin<'_>, form: &Baked, Directions { wi, wr }: Directi
         return [0.0; 3];
     }
     let xyz = colour_between(twin, &form.axes, matter.path(wi, wr, twin.rotate_deg));
-    xyz.map(|c| factor / COLOUR_SCALE * c)
+    xyz.map(|c| factor / form.axes.colour_scale() * c)
 }
 
 /// The table, interpolated between two levels.

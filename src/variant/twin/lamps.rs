@@ -8,8 +8,9 @@ use crate::tables::orders::{CENTRE_NM, UNIT_NM};
 use crate::variant::Orders;
 
 use super::Twin;
-use super::efficiencies::efficiency;
-use super::matter::{dispersed, reflectance};
+use super::arrivals::{
+    arrival, in_surface, normal_reflectance, order_frequency, order_share, polar, propagating,
+};
 
 mod caps;
 
@@ -21,15 +22,6 @@ pub type Cap = (DVec3, f64);
 /// Wavelength of a crossing that does not exist, µm.
 const NEVER_UM: f64 = 1e9;
 
-/// Direction in the frame of the surface.
-fn in_surface(twin: &Twin<'_>, v: DVec3) -> DVec3 {
-    if twin.rotate_deg == 0.0 {
-        return v;
-    }
-    let (sin, cos) = twin.rotate_deg.to_radians().sin_cos();
-    DVec3::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x, v.z)
-}
-
 /// Square of the chord from the axis of a disc to its edge.
 pub fn disc_chord_squared(radius_rad: f64) -> f64 {
     4.0 * (0.5 * radius_rad.clamp(1e-4, FRAC_PI_2)).sin().powi(2)
@@ -39,11 +31,6 @@ pub fn disc_chord_squared(radius_rad: f64) -> f64 {
 pub fn edge_normal(start: DVec3, end: DVec3, side: f64, centre: DVec3) -> DVec3 {
     let normal = side * start.cross(end);
     if normal.length_squared() < 1e-12 { centre } else { normal.normalize() }
-}
-
-/// Reflectance at normal incidence.
-fn normal_reflectance(form: &Orders) -> f64 {
-    form.sum.coat.matter.normal_reflectance()
 }
 
 /// First and last row of orders that may take light from within `reach` of a direction.
@@ -74,31 +61,6 @@ fn orders_between(offset: f64, reach: f64, ends: [f64; 2], size_um: f64, limit: 
     let first = low[0].min(low[1]).ceil().clamp(-most, most + 1.0);
     let last = high[0].max(high[1]).floor().clamp(-most - 1.0, most);
     [first as i32, last as i32]
-}
-
-fn order_frequency(form: &Orders, order: DVec2) -> DVec2 {
-    order / DVec2::from(form.sum.patch_um)
-}
-
-/// Length and direction of a frequency.
-fn polar(frequency: DVec2) -> DVec3 {
-    let size = frequency.length().max(1e-9);
-    (frequency / size).extend(size)
-}
-
-fn arrival(frequency: DVec2, lambda_um: f64, wr: DVec3) -> DVec3 {
-    let shift = lambda_um * frequency;
-    let squared = wr.z * wr.z - shift.dot(2.0 * wr.truncate() + shift);
-    (-wr.truncate() - shift).extend(squared.max(0.0).sqrt())
-}
-
-fn propagating(form: &Orders, frequency: DVec2, wr: DVec3) -> [f64; 2] {
-    let along = polar(frequency);
-    let start = -wr.truncate().dot(along.truncate());
-    let across = wr.y * along.x - wr.x * along.y;
-    let half = (1.0 - across * across).max(0.0).sqrt();
-    let [min_um, max_um] = form.wavelengths_um();
-    [min_um.max((start - half) / along.z), max_um.min((start + half) / along.z)]
 }
 
 fn crossings(frequency: DVec2, wr: DVec3, (axis, chord_squared): Cap) -> DVec2 {
@@ -247,13 +209,4 @@ fn column_powers(form: &Orders, column: i64) -> DVec4 {
 
 fn moment(twin: &Twin<'_>, column: i64, row: i64) -> DVec4 {
     DVec4::from(twin.coefficients.load(column, row, 0))
-}
-
-fn order_share(twin: &Twin<'_>, form: &Orders, order: DVec2, lambda_um: f64, wr: DVec3) -> f64 {
-    let wi = arrival(order_frequency(form, order), lambda_um, wr);
-    let coat = &form.sum.coat;
-    let matter = &coat.matter;
-    let turns = dispersed(twin, coat, matter.path(wi, wr, 0.0).z, lambda_um) / lambda_um;
-    let reflected = reflectance(twin, coat, lambda_um, matter.facing_of(wi, wr));
-    matter.geometry(wi, wr) / wi.z.max(1e-6) * reflected * efficiency(twin, form, order, turns)
 }

@@ -1,13 +1,14 @@
 //! Some functions of a module, extracted into a module of their own.
 
 use naga::{
-    AddressSpace, Handle, TypeInner,
+    AddressSpace, Arena, Block, Handle, Span, Statement, TypeInner,
     compact::{KeepUnused, compact},
     valid::{Capabilities, ModuleInfo, ValidationFlags, Validator},
 };
 
 use crate::shader::module::Module;
 use crate::shader::module::shell::shell;
+use crate::variant::HOSTS;
 
 /// Name of the entry point that calls the functions.
 pub const SHELL: &str = "main";
@@ -16,6 +17,8 @@ pub const SHELL: &str = "main";
 pub struct Core {
     /// The requested functions that exist.
     pub names: Vec<String>,
+    /// Functions that the host defines. In the modules they return zero.
+    pub hosts: Vec<&'static str>,
     /// The module with the bindings of the templates.
     pub bound: naga::Module,
     /// The module without bindings, except those of samplers, which the writer of HLSL needs. Without bindings, writers
@@ -39,6 +42,7 @@ impl Core {
 /// but no other global.
 pub fn extract(module: &Module, names: &[&str]) -> Result<Core, String> {
     let mut bound = module.ir().clone();
+    let hosts = hollow(&mut bound);
     let find = |name: &&str| {
         let mut functions = bound.functions.iter();
         functions.find(|(_, f)| f.name.as_deref() == Some(*name)).map(|(handle, _)| handle)
@@ -71,8 +75,31 @@ pub fn extract(module: &Module, names: &[&str]) -> Result<Core, String> {
         }
     }
     let info = validate(&unbound)?;
+    let is_called = |host: &&str| {
+        unbound.functions.iter().any(|(_, function)| function.name.as_deref() == Some(*host))
+    };
+    let hosts = hosts.into_iter().filter(|host| is_called(host)).collect();
     let names = found.into_iter().map(|(name, _)| name.to_owned()).collect();
-    Ok(Core { names, bound, unbound, info })
+    Ok(Core { names, hosts, bound, unbound, info })
+}
+
+/// Gives the functions of the host a body that returns zero. Returns their names.
+fn hollow(ir: &mut naga::Module) -> Vec<&'static str> {
+    let mut hosts = Vec::new();
+    for (_, function) in ir.functions.iter_mut() {
+        let name = function.name.as_deref();
+        let Some(host) = HOSTS.into_iter().find(|host| name == Some(*host)) else { continue };
+        hosts.push(host);
+        let Some(result) = &function.result else { continue };
+        let zero = naga::Expression::ZeroValue(result.ty);
+        function.local_variables = Arena::new();
+        function.named_expressions.clear();
+        function.expressions = Arena::new();
+        let value = function.expressions.append(zero, Span::UNDEFINED);
+        function.body = Block::new();
+        function.body.push(Statement::Return { value: Some(value) }, Span::UNDEFINED);
+    }
+    hosts
 }
 
 /// Validates like elsewhere, but globals need no bindings.

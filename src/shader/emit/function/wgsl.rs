@@ -21,12 +21,13 @@ use super::head;
 /// The text. Its first function is the first one of `core`.
 pub fn write(module: &Module, core: &Core) -> Result<String, String> {
     let first = core.names.first().ok_or("there is no function")?;
-    let text = module.text();
-    let source = Source::read(text)?;
+    let text = hollow(module.text(), &core.hosts)?;
+    let source = Source::read(&text)?;
     let mut needed = BTreeSet::new();
     for name in &core.names {
         source.collect(name, &mut needed);
     }
+    let is_host = |name: &str| core.hosts.contains(&name);
     let mut items: Vec<&Item> = needed.iter().filter_map(|name| source.items.get(name)).collect();
     items.sort_by_key(|item| (item.start, item.text.len()));
     let mut out = source.first(first, &head::lines(module))?;
@@ -35,17 +36,31 @@ pub fn write(module: &Module, core: &Core) -> Result<String, String> {
     if !constants.is_empty() {
         out += &format!("\n\n{}", constants.join("\n"));
     }
-    for item in items {
+    for item in &items {
         match item.kind {
             Kind::Structure => out += &format!("\n\n{}", item.with_comments()),
-            Kind::Function if item.name != *first => {
+            Kind::Function if item.name != *first && !is_host(&item.name) => {
                 out += &format!("\n\n{}{}", item.comments, source.threaded(item)?);
             }
             _ => {}
         }
     }
     out.push('\n');
-    check(&out)?;
+    let hosts = items.iter().filter(|item| is_host(&item.name)).map(|item| item.text);
+    check(&out, &hosts.collect::<Vec<_>>().concat())?;
+    Ok(out)
+}
+
+/// The text in which the functions of the host return zero.
+fn hollow(text: &str, hosts: &[&str]) -> Result<String, String> {
+    let mut out = text.to_owned();
+    for host in hosts {
+        let missing = || format!("`{host}` is not in the text");
+        let start = out.find(&format!("\nfn {host}(")).ok_or_else(missing)? + 1;
+        let body = start + out[start..].find(" {\n").ok_or_else(missing)?;
+        let end = body + out[body..].find("\n}").ok_or_else(missing)?;
+        out.replace_range(body..end, " {\n    return vec3f(0.0);");
+    }
     Ok(out)
 }
 
@@ -263,8 +278,9 @@ fn tokens(text: &str) -> Vec<(usize, &str)> {
     tokens
 }
 
-/// Checks that the text is a valid module that begins with a function and has no bindings.
-fn check(text: &str) -> Result<(), String> {
+/// Checks that the text, with the functions of the host, is a valid module that begins with a function and has no bindings.
+fn check(text: &str, hosts: &str) -> Result<(), String> {
+    let text = &format!("{text}{hosts}");
     let ir = naga::front::wgsl::parse_str(text).map_err(|error| error.emit_to_string(text))?;
     Validator::new(ValidationFlags::all(), Capabilities::empty())
         .validate(&ir)

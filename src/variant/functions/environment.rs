@@ -1,0 +1,127 @@
+//! `diffraction_environment(wr)`: radiance under surroundings.
+
+use std::f64::consts::TAU;
+
+use glam::{DVec2, DVec3};
+
+use crate::error::{Error, Result};
+use crate::field::orders::OrderSum;
+use crate::light::{Lobe, Sky};
+use crate::optics::{Matter, direction};
+use crate::plan::{LightFunction, Optics};
+use crate::surface::HeightField;
+use crate::variant::bound::environment_error;
+use crate::variant::cost::mean_and_worst_views;
+use crate::variant::{Cost, Form};
+
+use super::lamps::PROBES;
+use super::{Arguments, Around, ExactProbe, Function, StatedError};
+
+/// Light from all around.
+pub static ENVIRONMENT: Environment = Environment;
+
+/// Light from all around: `diffraction_environment(wr)`.
+pub struct Environment;
+
+/// The skies of probes: constant and white; a red and a blue lobe; a bright small one in a dim sky; wide ones near the horizon.
+pub fn skies() -> [Sky; 4] {
+    let lobe = |theta, phi, sigma_rad, radiance| Lobe {
+        axis: direction(theta, phi),
+        sigma_rad,
+        radiance: DVec3::from(radiance),
+    };
+    let sky = |constant, lobes| Sky { constant: DVec3::from(constant), lobes };
+    let none = Lobe::default();
+    [
+        sky([1.0, 1.0, 1.0], [none, none]),
+        sky(
+            [0.05, 0.05, 0.05],
+            [lobe(25.0, 40.0, 0.25, [2.0, 0.1, 0.1]), lobe(50.0, 200.0, 0.3, [0.1, 0.3, 2.0])],
+        ),
+        sky([0.1, 0.1, 0.12], [lobe(35.0, 250.0, 0.12, [8.0, 7.0, 5.0]), none]),
+        sky(
+            [0.3, 0.5, 1.0],
+            [lobe(80.0, 90.0, 0.5, [3.0, 2.0, 1.0]), lobe(70.0, 310.0, 0.4, [0.5, 2.0, 0.5])],
+        ),
+    ]
+}
+
+impl Function for Environment {
+    fn name(&self) -> &'static str {
+        "diffraction_environment"
+    }
+
+    fn tristimulus_name(&self) -> &'static str {
+        "tristimulus_environment"
+    }
+
+    fn signature(&self) -> &'static str {
+        "(wr: vec3f) -> vec3f"
+    }
+
+    fn arguments(&self) -> &'static str {
+        "wr: unit vector to the viewer, pointing away from the surface"
+    }
+
+    fn host(&self) -> Option<&'static str> {
+        Some(
+            "environment_radiance(direction: vec3f, spread: f32) -> vec3f: radiance of the surroundings, linear sRGB, from a unit direction in the tangent frame, blurred to a standard deviation of `spread` radians on each axis; it is called with spread 0 once, and with one up to about 0.5 for each wavelength of each order",
+        )
+    }
+
+    fn light(&self) -> LightFunction {
+        LightFunction::Environment
+    }
+
+    fn unit(&self, _: &Form) -> &'static str {
+        "radiance, in the unit of environment_radiance; a white is as bright as its surroundings"
+    }
+
+    /// A look-up of the surroundings counts as the evaluation; beside it there is one of the efficiencies and three of the
+    /// streaks.
+    fn cost(&self, form: &Form) -> Cost {
+        let Form::Orders(orders) = form else { return Cost::default() };
+        let (mean, worst) = mean_and_worst_views(|wr| 1 + orders.streak_lookups(wr));
+        Cost::of_evaluations((mean, worst), 2, 3, form.cost().table_bytes)
+    }
+
+    fn errors(&self, form: &Form) -> Vec<StatedError> {
+        let Form::Orders(orders) = form else { return Vec::new() };
+        vec![StatedError {
+            under: "surroundings without lamps narrower than 5°, which are discs".to_owned(),
+            de2000_p95: environment_error(orders.nodes),
+        }]
+    }
+
+    fn probe_count(&self) -> usize {
+        PROBES
+    }
+
+    fn probes(
+        &self,
+        height: &HeightField,
+        rotate_deg: f64,
+        optics: &Optics,
+    ) -> Result<Vec<ExactProbe>> {
+        let normal = Matter::new(optics)?.normal_reflectance();
+        let orders = OrderSum::new(height, rotate_deg, optics)?;
+        let mut found = Vec::with_capacity(PROBES);
+        for i in 0..4 * PROBES {
+            let sky = skies()[i % 4];
+            let part =
+                |power: i32| (0.5 + (i + 1) as f64 / 1.324_717_957_244_746_f64.powi(power)).fract();
+            let plane = 0.98 * part(1).sqrt() * DVec2::from_angle(TAU * part(2));
+            let wr = plane.extend((1.0 - plane.length_squared()).sqrt());
+            let arguments = Arguments::Environment { around: Around::Sky(sky), wr }.rounded();
+            let xyz = orders.radiance(&sky, arguments.wr());
+            if xyz[1] > 1e-3 * normal * sky.brightest() {
+                found.push(ExactProbe { arguments, xyz });
+                if found.len() == PROBES {
+                    return Ok(found);
+                }
+            }
+        }
+        let cause = format!("only {} of {PROBES} probes are lit", found.len());
+        Err(Error::new("probe.json", cause))
+    }
+}
