@@ -15,7 +15,9 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 pub use cap::Cap;
-pub use environment::{Environment, Panorama};
+pub use environment::{
+    Environment, Lamp, LampSearch, MAX_LAMP_DEG, MAX_LAMPS, Panorama, Studio, TakenOut,
+};
 pub use polygon::{MAX_CORNERS, Polygon, PolygonFault};
 
 /// All lights of a `lights.toml`, in its order.
