@@ -216,8 +216,12 @@ fn said(subject: &str, search: LampSearch, taken: &TakenOut) -> Option<String> {
         0 => String::new(),
         n => format!("; {n} weaker ones stay in the map"),
     };
+    let count = match each.len() {
+        1 => "1 lamp is".to_owned(),
+        n => format!("{n} lamps are"),
+    };
     Some(format!(
-        "{subject}: lamps are taken out of the map above {threshold}, and are discs: {}{more} (lamps = \"none\" keeps them in)",
+        "{subject}: {count} taken out of the map above {threshold}, to be discs: {}{more} (lamps = \"none\" keeps them in)",
         each.join("; ")
     ))
 }

@@ -74,6 +74,11 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         surface.field.check_pitch(&surface::subject(&spec), variant.wavelengths.min_nm)?;
         let form = Form::new(&variant, &surface.field)?;
         lamps.check(&variant, &form, args)?;
+        if args.no_diffraction && form.matter().body_share() == Some(0.0) {
+            console.note(&format!(
+                "{name}: no light passes a metal, so that the body is black without diffraction"
+            ));
+        }
         skins.push(Skin { spec, surface, variant, has_disc: has_disc(&form) });
     }
     if let (true, Some(skin)) = (lamps.wants_discs(), skins.iter().find(|skin| !skin.has_disc)) {
