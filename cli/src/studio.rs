@@ -60,7 +60,7 @@ impl clap::ValueEnum for Kind {
 }
 
 fn width(text: &str) -> Result<u32, String> {
-    let value = text.parse().ok().filter(|n: &u32| (2..=8192).contains(n) && n % 2 == 0);
+    let value = text.parse().ok().filter(|n: &u32| (2..=8192).contains(n) && n.is_multiple_of(2));
     value.ok_or_else(|| "expected an even number from 2 to 8192".to_owned())
 }
 
