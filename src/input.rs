@@ -14,7 +14,7 @@ use serde_json::json;
 use crate::disk::open_regular;
 use crate::error::{Error, Result};
 use crate::hash::{of_value, sha256};
-use crate::light::{Lights, Panorama};
+use crate::light::{LampSearch, Lights, Panorama};
 use crate::optics::{Index, notes, spectrum};
 use crate::plan::{Data, FileSource, Medium, Plan, SurfaceSource, SurfaceSpec};
 use crate::surface::read::{MAX_FILE_BYTES, Reading};
@@ -127,9 +127,14 @@ fn read_text(path: &Path, remedy: &str) -> Result<String> {
 
 /// Reads and checks a `lights.toml`. Returns all errors, in the order of its text.
 pub fn read_lights(path: &Path) -> Result<Lights, Vec<Error>> {
+    read_lights_with(path, LampSearch::None)
+}
+
+/// The same. `lamps`: what happens to lamps in a map of which the file does not say it.
+pub fn read_lights_with(path: &Path, lamps: LampSearch) -> Result<Lights, Vec<Error>> {
     let text = read_text(path, LIGHTS_REMEDY).map_err(|error| vec![error])?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    Lights::parse(&text, path, &|file| read_panorama(&folder.join(file)))
+    Lights::parse_with(&text, path, &|file| read_panorama(&folder.join(file)), lamps)
 }
 
 /// Reads a panorama, with notes about it.

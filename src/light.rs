@@ -17,7 +17,9 @@ use glam::DVec3;
 
 pub use cap::Cap;
 pub use environment::filtered::Filtered;
-pub use environment::{Environment, Panorama};
+pub use environment::{
+    Environment, Lamp, LampSearch, MAX_LAMP_DEG, MAX_LAMPS, Panorama, Studio, TakenOut,
+};
 pub use polygon::{MAX_CORNERS, Polygon, PolygonFault};
 pub use sky::{Lobe, Sky, Surroundings};
 

@@ -24,6 +24,7 @@ pub mod progress;
 pub mod render;
 pub mod replace;
 pub mod runners;
+mod studio;
 mod unchanged;
 
 use std::ffi::OsString;
@@ -63,10 +64,12 @@ enum Command {
     Eval(eval::Args),
     /// Draw a BRDF map: the colours of all viewing directions under one light.
     Render(render::Args),
+    /// Write a panorama by formula, a studio or a sky, to light surfaces and engines with.
+    Studio(studio::Args),
 }
 
 /// All commands in the order of the help text, with those of the harness and those that only one program has.
-const ORDER: [&str; 17] = [
+const ORDER: [&str; 18] = [
     "generate",
     "list",
     "import",
@@ -76,6 +79,7 @@ const ORDER: [&str; 17] = [
     "explain",
     "eval",
     "render",
+    "studio",
     "compare",
     "testbench",
     "bench",
@@ -162,6 +166,7 @@ pub fn main(program: &Program) -> ExitCode {
             Err(harness::take_over(program, &args))
         }
         Command::Render(args) => render::run(&args, &console, drivers),
+        Command::Studio(args) => studio::run(&args, &console),
     };
     finish(outcome.map(ExitCode::from), &console)
 }

@@ -17,6 +17,7 @@ mod raw;
 mod read;
 mod snake;
 mod sphere;
+pub mod surroundings;
 mod tangents;
 
 pub use camera::Orbit;

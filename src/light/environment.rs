@@ -1,7 +1,10 @@
 //! A map of the surroundings: a panorama of radiance over all directions.
 
 pub mod filtered;
+mod lamps;
 mod read;
+mod studio;
+mod write;
 
 use std::f64::consts::{PI, TAU};
 use std::fmt;
@@ -11,6 +14,9 @@ use glam::DVec3;
 
 use super::{Cap, Emitter};
 use crate::hash::sha256;
+
+pub use lamps::{Lamp, LampSearch, MAX_LAMP_DEG, MAX_LAMPS, TakenOut};
+pub use studio::Studio;
 
 /// Radiance over all directions as a picture. The centre of pixel (row i, column j) of h × w is at `theta = (i + 0.5)/h·180°`,
 /// `phi = (j + 0.5)/w·360° - 180°`. Between centres it is bilinear. Columns go on at the other side; beyond the centres of the
@@ -47,6 +53,30 @@ impl Panorama {
         };
         let line = |row: f64| texel(row, left).lerp(texel(row, left + 1.0), right);
         line(top).lerp(line(top + 1.0), down)
+    }
+
+    /// The solid angle that each pixel of a row stands for: the integral of what it adds between centres. All pixels have 4π.
+    pub fn solid_angles(&self) -> Vec<f64> {
+        let step = PI / self.height as f64;
+        // from its centre towards a pole: constant in the last row, else falling to the next centre
+        let half = |row: usize| {
+            let centre = (row as f64 + 0.5) * step;
+            match row {
+                0 => 1.0 - centre.cos(),
+                _ => (centre.sin() - (centre - step).sin()) / step - centre.cos(),
+            }
+        };
+        let both = |row: usize| half(row) + half(self.height - 1 - row);
+        (0..self.height).map(|row| TAU / self.width as f64 * both(row)).collect()
+    }
+
+    /// The integral over all directions, linear sRGB.
+    pub fn integral(&self) -> DVec3 {
+        let rows = self.texels.chunks_exact(self.width).zip(self.solid_angles());
+        let row = |(texels, part): (&[[f32; 3]], f64)| {
+            part * texels.iter().map(|texel| DVec3::from(texel.map(f64::from))).sum::<DVec3>()
+        };
+        rows.map(row).sum()
     }
 
     /// The angle between neighbouring pixels, radians.

@@ -11,7 +11,10 @@ use crate::plan::toml::{Item, Source, Table};
 
 use glam::DVec3;
 
-use super::{Cap, Environment, Light, Lights, MAX_CORNERS, Panorama, Polygon, PolygonFault};
+use super::{
+    Cap, Environment, LampSearch, Light, Lights, MAX_CORNERS, MAX_LAMP_DEG, Panorama, Polygon,
+    PolygonFault, Studio, TakenOut,
+};
 
 /// Maximum number of lights.
 const MAX_LIGHTS: usize = 64;
@@ -22,7 +25,7 @@ const KINDS: [(&str, &[&str]); 5] = [
     ("disc", &["direction", "diameter_deg", "irradiance"]),
     ("polygon", &["corners", "radiance"]),
     ("sky", &["radiance"]),
-    ("environment", &["file", "scale", "rotate_deg"]),
+    ("environment", &["file", "studio", "scale", "rotate_deg", "lamps", "lamp_threshold"]),
 ];
 
 /// Keys of every light.
@@ -34,6 +37,16 @@ impl Lights {
     /// Checks the text of a `lights.toml`. `path` is its name in messages. `open` reads a panorama that it names, with notes.
     /// Returns all errors, in the order of the text.
     pub fn parse(text: &str, path: &Path, open: Open<'_>) -> Result<Lights, Vec<Error>> {
+        Lights::parse_with(text, path, open, LampSearch::None)
+    }
+
+    /// The same. `lamps`: what happens to lamps in a map of which the text does not say it.
+    pub fn parse_with(
+        text: &str,
+        path: &Path,
+        open: Open<'_>,
+        lamps: LampSearch,
+    ) -> Result<Lights, Vec<Error>> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let source = Source::new(text, path.display());
         let (document, faults) = DeTable::parse_recoverable(text);
@@ -41,7 +54,7 @@ impl Lights {
             source.fail_toml(&faults);
             return Err(source.into_errors());
         }
-        let lights = read(&Table::root(&source, document.get_ref()), open);
+        let lights = read(&Table::root(&source, document.get_ref()), open, lamps);
         let errors = source.into_errors();
         if errors.is_empty() { Ok(lights) } else { Err(errors) }
     }
@@ -50,7 +63,7 @@ impl Lights {
 /// Reads a panorama, with notes. Its path is as the file of lights has it.
 pub type Open<'a> = &'a dyn Fn(&Path) -> Result<(Panorama, Vec<String>), Error>;
 
-fn read(root: &Table, open: Open<'_>) -> Lights {
+fn read(root: &Table, open: Open<'_>, lamps: LampSearch) -> Lights {
     root.only(&["schema", "light"]);
     root.schema("the version of the format; write schema = 1");
     let tables = root.tables("light");
@@ -63,7 +76,10 @@ fn read(root: &Table, open: Open<'_>) -> Lights {
     }
     let mut lights = Lights::default();
     for table in &tables {
-        lights.all.extend(light(table, open, &mut lights.notes));
+        let mut said = Vec::new();
+        let found = light(table, open, &mut said).into_iter();
+        lights.all.extend(found.flat_map(|light| divided(table, light, lamps, &mut said)));
+        lights.notes.extend(said);
     }
     lights
 }
@@ -102,17 +118,112 @@ fn light(table: &Table, open: Open<'_>, notes: &mut Vec<String>) -> Option<Light
 }
 
 fn environment(table: &Table, open: Open<'_>, notes: &mut Vec<String>) -> Option<Environment> {
-    let file = table.require("file", "the path of a panorama, .exr or .hdr")?;
-    let name = file.string("a path")?;
     let what = "what the picture has at phi stands at phi + rotate_deg";
     let turned = |item: Item| item.number("from -360 to 360", what, |x| x.abs() <= 360.0);
     let rotate_deg = table.get("rotate_deg").map_or(Some(0.0), turned);
     let scale = power(table, "scale");
-    let (panorama, said) = open(&PathBuf::from(name))
-        .map_err(|error| file.fail(error.message(), error.advice().unwrap_or("check the path")))
-        .ok()?;
-    notes.extend(said);
+    let either = "write file = \"studio.exr\" (.exr or .hdr), or studio = \"softboxes\", \"window\" or \"gradient\"";
+    let panorama = match (table.get("file"), table.get("studio")) {
+        (Some(file), None) => {
+            let name = file.string("a path")?;
+            let refused = |error: Error| {
+                file.fail(error.message(), error.advice().unwrap_or("check the path"));
+            };
+            let (panorama, said) = open(&PathBuf::from(name)).map_err(refused).ok()?;
+            notes.extend(said);
+            panorama
+        }
+        (None, Some(studio)) => studio.word(&Studio::WORDS)?.panorama(Studio::WIDTH),
+        (None, None) => {
+            let cause = format!("{}: has neither file nor studio", table.path);
+            table.fail(cause, Some(either.to_owned()));
+            return None;
+        }
+        (Some(_), Some(studio)) => {
+            studio.fail("stands beside a file", format!("keep one of them: {either}"));
+            return None;
+        }
+    };
     Some(Environment { panorama: Arc::new(panorama), scale: scale?, rotate_deg: rotate_deg? })
+}
+
+/// A light as it is, or a map without its lamps, and these. `by_default`: what happens to lamps unless the table says it.
+fn divided(
+    table: &Table,
+    light: Light,
+    by_default: LampSearch,
+    notes: &mut Vec<String>,
+) -> Vec<Light> {
+    let (white, colour) = light.white();
+    let Light::Environment(environment) = white else { return vec![light] };
+    let Some(search) = search(table, by_default) else { return Vec::new() };
+    let Some(taken) = environment.without_lamps(search) else { return vec![light] };
+    notes.extend(said(&table.path, search, &taken));
+    let all = taken.lamps.iter().map(|lamp| lamp.light().coloured(colour));
+    [Light::Environment(taken.rest.clone()).coloured(colour)].into_iter().chain(all).collect()
+}
+
+/// How lamps of a map are sought. `None` if a key is wrong.
+fn search(table: &Table, by_default: LampSearch) -> Option<LampSearch> {
+    let what = "radiance above which a small spot is a lamp, in the units of the light: the map's times scale";
+    let words = [("none", LampSearch::None), ("auto", LampSearch::Auto)];
+    let word = table.get("lamps").map(|item| item.word(&words));
+    let threshold = table.get("lamp_threshold");
+    let number = threshold
+        .clone()
+        .map(|item| item.number("above 0 and at most 1e12", what, |x| x > 0.0 && x <= 1e12));
+    match (word, number) {
+        (Some(None), _) | (_, Some(None)) => None,
+        (Some(Some(LampSearch::None)), Some(_)) => {
+            let cause = "stands beside lamps = \"none\"";
+            threshold?.fail(cause, "remove one of them");
+            None
+        }
+        (_, Some(Some(radiance))) => Some(LampSearch::Above(radiance)),
+        (Some(word), None) => word,
+        (None, None) => Some(by_default),
+    }
+}
+
+/// What a user should know about the lamps of a map. `None` if there is nothing to say.
+fn said(subject: &str, search: LampSearch, taken: &TakenOut) -> Option<String> {
+    let found = match search {
+        LampSearch::Above(_) => "as given",
+        _ => "16 times the map's mean",
+    };
+    let threshold = format!("radiance {:.4}, {found}", taken.threshold);
+    if taken.lamps.is_empty() {
+        // a map without lamps is as it was; who asked for them should know
+        let asked = matches!(search, LampSearch::Above(_));
+        return asked.then(|| {
+            format!("{subject}: no lamp of at most {MAX_LAMP_DEG}° in radius above {threshold}")
+        });
+    }
+    let each = taken.lamps.iter().map(|lamp| {
+        let axis = lamp.cap.axis;
+        let theta = axis.truncate().length().atan2(axis.z).to_degrees();
+        let phi = axis.y.atan2(axis.x).to_degrees();
+        let wide = 2.0 * lamp.cap.radius_rad.to_degrees();
+        let (white, colour) = (lamp.light(), lamp.irradiance);
+        let irradiance = match white.white().0 {
+            Light::Disc { irradiance, .. } => *irradiance,
+            _ => colour.max_element(),
+        };
+        format!("{wide:.2}° wide at [{theta:.2}, {phi:.2}] of irradiance {irradiance:.4}")
+    });
+    let each: Vec<String> = each.collect();
+    let more = match taken.others {
+        0 => String::new(),
+        n => format!("; {n} weaker ones stay in the map"),
+    };
+    let count = match each.len() {
+        1 => "1 lamp is".to_owned(),
+        n => format!("{n} lamps are"),
+    };
+    Some(format!(
+        "{subject}: {count} taken out of the map above {threshold}, to be discs: {}{more} (lamps = \"none\" keeps them in)",
+        each.join("; ")
+    ))
 }
 
 /// Linear sRGB; white without the key.

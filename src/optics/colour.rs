@@ -45,6 +45,22 @@ pub fn srgb_encode(linear: f64) -> f64 {
     if c <= 0.0031308 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
 }
 
+/// Brightness above which the tone map bends.
+const KNEE: f64 = 0.6;
+
+/// Maps linear colours into [0, 1] and keeps their hue. Negative components become 0. If the largest component `m` exceeds 0.6,
+/// all are scaled so that it becomes `1 - 0.4·exp(-(m - 0.6)/0.4)`.
+pub fn tone_map(rgb: [f64; 3]) -> [f64; 3] {
+    let rgb = rgb.map(|c| if c > 0.0 { c } else { 0.0 });
+    let most = rgb.iter().copied().fold(0.0, f64::max);
+    if most <= KNEE {
+        return rgb;
+    }
+    let room = 1.0 - KNEE;
+    let bent = 1.0 - room * (-(most - KNEE) / room).exp();
+    rgb.map(|c| (c / most).min(1.0) * bent)
+}
+
 /// CIEDE2000 between two tristimulus values relative to D65 with `Y = 1` (Luo, Cui & Rigg 2001, by `colorimetry`).
 /// Components are first clipped to the range from black to white.
 pub fn ciede2000(a: [f64; 3], b: [f64; 3]) -> f64 {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use diffraction_shaders::Error;
 use diffraction_shaders::input::read_lights;
-use diffraction_shaders::light::{Light, Lights};
+use diffraction_shaders::light::{LampSearch, Light, Lights, Panorama, Studio};
 
 fn lights(text: &str) -> Lights {
     Lights::parse(text, Path::new("lights.toml"), &|_| Err(Error::new("file", "absent"))).unwrap()
@@ -49,6 +49,77 @@ kind = "sky"
     assert!(matches!(read.all[3], Light::Sky { radiance: 1.0 }));
 }
 
+/// A sky of radiance 1 with a sun of some pixels.
+fn sunny() -> Panorama {
+    let (width, height) = (360, 180);
+    let texel = |i: usize| {
+        let (row, column) = (i / width, i % width);
+        let is_sun = (58..62).contains(&row) && (200..204).contains(&column);
+        if is_sun { [4000.0, 3000.0, 2000.0] } else { [1.0; 3] }
+    };
+    Panorama { width, height, texels: (0..width * height).map(texel).collect() }
+}
+
+/// Without a word a map is what it is; a command may have another default, and the file has the last word.
+#[test]
+fn lamps_leave_a_map_only_if_someone_says_so() {
+    let read = |keys: &str, by_default| {
+        let text = format!(
+            "schema = 1\n[[light]]\nkind = \"environment\"\nfile = \"sun.exr\"\nscale = 0.5\nrotate_deg = 90\n{keys}"
+        );
+        let open = |_: &Path| Ok((sunny(), Vec::new()));
+        Lights::parse_with(&text, Path::new("lights.toml"), &open, by_default).unwrap()
+    };
+    let kinds = |lights: &Lights| lights.all.iter().map(Light::kind).collect::<Vec<_>>();
+    for (keys, by_default, taken) in [
+        ("", LampSearch::None, false),
+        ("", LampSearch::Auto, true),
+        ("lamps = \"none\"", LampSearch::Auto, false),
+        ("lamps = \"auto\"", LampSearch::None, true),
+        ("lamp_threshold = 100", LampSearch::None, true),
+        ("lamps = \"auto\"\nlamp_threshold = 100", LampSearch::None, true),
+        ("lamp_threshold = 1990", LampSearch::Auto, false),
+    ] {
+        let found = read(keys, by_default);
+        let Light::Environment(map) = &found.all[0] else { panic!("{found:?}") };
+        if !taken {
+            assert_eq!(kinds(&found), ["environment"], "{keys}");
+            assert_eq!(*map.panorama, sunny());
+            assert_eq!(found.notes.is_empty(), keys != "lamp_threshold = 1990", "{found:?}");
+            continue;
+        }
+        assert_eq!(kinds(&found), ["environment", "disc"], "{keys}");
+        assert!(map.panorama.texels.iter().flatten().all(|v| *v <= 1.0));
+        let note = found.notes.concat();
+        let threshold = if keys.contains("100") { "100.0000, as given" } else { "mean" };
+        // the middle of the four rows, and of the four columns, turned by 90°
+        for part in ["light[1]", "[60.0", ", 112.00]", threshold, "° wide", "lamps = \"none\""] {
+            assert!(note.contains(part), "{part}: {note}");
+        }
+        let (Light::Disc { cap, irradiance }, colour) = found.all[1].white() else {
+            panic!("{found:?}")
+        };
+        // half of the texels times their solid angles
+        let part = 16.0 * 1_f64.to_radians().powi(2) * 60_f64.to_radians().sin();
+        let expected = 0.5 * part * glam::DVec3::new(3999.0, 2999.0, 1999.0);
+        let off = (colour * *irradiance / expected - 1.0).abs().max_element();
+        assert!(off < 2e-3, "{colour} {irradiance} {expected}");
+        assert!((cap.radius_rad.to_degrees() - 2.15).abs() < 0.2, "{cap:?}");
+    }
+}
+
+#[test]
+fn studios_are_maps_without_a_file() {
+    for (word, studio) in Studio::WORDS {
+        let read = lights(&format!(
+            "schema = 1\n[[light]]\nkind = \"environment\"\nstudio = \"{word}\"\nrotate_deg = 30"
+        ));
+        let Light::Environment(found) = &read.all[0] else { panic!("{read:?}") };
+        assert_eq!((found.scale, found.rotate_deg), (1.0, 30.0));
+        assert_eq!(*found.panorama, studio.panorama(1024));
+    }
+}
+
 #[test]
 fn what_is_wrong_is_named_with_line_and_remedy() {
     let one = |body: &str| format!("schema = 1\n[[light]]\n{body}\n");
@@ -62,7 +133,25 @@ fn what_is_wrong_is_named_with_line_and_remedy() {
         ("schema = 1\n[light]\nkind = \"sky\"".to_owned(), "write [[light]] with two brackets"),
         (one("direction = [1, 2]"), "lights.toml:2: light[1].kind is missing"),
         (one("kind = \"lamp\""), "lights.toml:3: light[1].kind = \"lamp\": unknown value"),
-        (one("kind = \"environment\""), "light[1].file is missing"),
+        (one("kind = \"environment\""), "lights.toml:2: light[1]: has neither file nor studio"),
+        (
+            one("kind = \"environment\"\nfile = \"x\"\nstudio = \"window\""),
+            "lights.toml:5: light[1].studio = \"window\": stands beside a file",
+        ),
+        (one("kind = \"environment\"\nstudio = \"windows\""), "did you mean \"window\"?"),
+        (one("kind = \"environment\"\nstudio = 3"), "is an integer"),
+        (one("kind = \"environment\"\nstudio = \"window\"\nlamps = \"sun\""), "unknown value"),
+        (
+            one("kind = \"environment\"\nstudio = \"window\"\nlamp_threshold = 0"),
+            "light[1].lamp_threshold = 0: must be above 0",
+        ),
+        (
+            one(
+                "kind = \"environment\"\nstudio = \"window\"\nlamps = \"none\"\nlamp_threshold = 9",
+            ),
+            "stands beside lamps = \"none\"",
+        ),
+        (one("kind = \"sky\"\nlamps = \"auto\""), "unknown key light[1].lamps"),
         (one("kind = \"environment\"\nfile = \"x\"\nscale = -1"), "light[1].scale = -1: must be"),
         (one("kind = \"environment\"\nfile = \"x\"\nrotate_deg = 400"), "must be from -360"),
         (one("kind = \"environment\"\nfile = 3"), "light[1].file"),

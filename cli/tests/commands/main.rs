@@ -14,5 +14,6 @@ mod matter;
 mod memory;
 mod outputs;
 mod program;
+mod studio;
 mod surfaces;
 mod surroundings;

@@ -25,6 +25,7 @@ use crate::drivers::gpu::{
 use crate::drivers::{Prepared, table_texture};
 use crate::scene::Mesh;
 use crate::scene::lights::{MAX_LIGHTS, refused};
+use crate::scene::surroundings::{Surroundings, TABLE, surrounds};
 
 pub use truth::{Truth, truth, truth_under};
 
@@ -45,9 +46,12 @@ const ORIENTATION_MAP: u32 = 9;
 const SHADE_BLOCK: u32 = 20;
 const BODY_COLOUR: u32 = 21;
 const BODY_SAMPLER: u32 = 22;
+const WHITES: u32 = 23;
+/// Numbers of the table of [`Surroundings`].
+const WHITES_NUMBERS: usize = 4 * TABLE[0] * TABLE[1];
 /// Corners of a polygon that the block has room for.
 const CORNERS: usize = diffraction_shaders::light::MAX_CORNERS;
-const SHADE_NUMBERS: usize = 12 + 4 * MAX_LIGHTS * (3 + CORNERS);
+const SHADE_NUMBERS: usize = 12 + 4 * MAX_LIGHTS * (2 + 3 + CORNERS);
 const PARAMS_NUMBERS: usize = 56;
 
 /// Number of levels of widened lobes. In the last, lobes are 32 times as wide.
@@ -64,12 +68,14 @@ pub struct Look {
     pub texture_weight: f64,
     /// Radiance of the unlit texture where it is white.
     pub unlit: f64,
+    /// Whether the relief diffracts. Without, the body's colour is drawn alone, under lights of any kind and colour.
+    pub diffracts: bool,
 }
 
 impl Look {
     /// Lights alone.
     pub fn lit_by(lights: Vec<Light>) -> Look {
-        Look { lights, texture_weight: 0.0, unlit: 1.0 }
+        Look { lights, texture_weight: 0.0, unlit: 1.0, diffracts: true }
     }
 }
 
@@ -140,17 +146,25 @@ impl<'a> Drawing<'a> {
 
     /// Draws a picture with four samples per pixel.
     pub fn draw(&self, params: &MeshParams, look: &Look, size: [u32; 2]) -> Result<Hdr> {
-        check(&self.mesh.name, &self.variant, &self.form, &look.lights)?;
+        match look.diffracts {
+            true => check(&self.mesh.name, &self.variant, &self.form, &look.lights)?,
+            false => check_counts(&self.mesh.name, &look.lights)?,
+        }
+        let has_size = |light: &&Light| !matches!(light.white().0, Light::Direction { .. });
         if self.levels.len() > 1
-            && let Some(light) = look.lights.iter().find(|l| !matches!(l, Light::Direction { .. }))
+            && look.diffracts
+            && let Some(light) = look.lights.iter().find(has_size)
         {
             return Err(Error::new(&self.mesh.name, widened(light)));
         }
         let block = params_bytes(params);
         let shades: Vec<[f32; SHADE_NUMBERS]> =
             (0..self.levels.len()).map(|level| self.shade(look, level)).collect();
-        let bytes: Vec<[&[u8]; 2]> =
-            shades.iter().map(|shade| [&block[..], bytemuck::cast_slice(shade)]).collect();
+        let whites = whites(&look.lights);
+        let bytes: Vec<[&[u8]; 3]> = shades
+            .iter()
+            .map(|shade| [&block[..], bytemuck::cast_slice(shade), bytemuck::cast_slice(&whites)])
+            .collect();
         let passes: Vec<MeshPass<'_>> =
             self.levels.iter().zip(&bytes).map(|((p, _), bytes)| (p, &bytes[..])).collect();
         let pictures =
@@ -197,49 +211,50 @@ pub fn check_counts(subject: &str, lights: &[Light]) -> Result<()> {
     Ok(())
 }
 
+/// The table of a white body under skies and maps; zeros without them.
+fn whites(lights: &[Light]) -> Vec<f32> {
+    Surroundings::new(lights).map_or_else(|| vec![0.0; WHITES_NUMBERS], |found| found.numbers())
+}
+
 /// The uniform block `Shade`. `scale`: diffuser scale; `[level, last, lobe]`: level of the pass, last level, and `(λ σf)²`.
 fn shade_numbers(look: &Look, scale: f64, [level, last, lobe]: [f32; 3]) -> [f32; SHADE_NUMBERS] {
     let mut numbers = [0.0; SHADE_NUMBERS];
-    let head = [look.texture_weight as f32, scale as f32, look.unlit as f32, level, last, lobe];
-    numbers[..head.len()].copy_from_slice(&head);
+    let flag = |is_set: bool| f32::from(u8::from(is_set));
+    let surrounded = look.lights.iter().any(surrounds);
+    let blend = [look.texture_weight as f32, scale as f32, look.unlit as f32, level];
+    let widening = [last, lobe, flag(surrounded), flag(look.diffracts)];
+    numbers[..4].copy_from_slice(&blend);
+    numbers[4..8].copy_from_slice(&widening);
     let (counts, directions) = (8, 12);
     let discs = directions + 4 * MAX_LIGHTS;
     let powers = discs + 4 * MAX_LIGHTS;
-    let corners = powers + 4 * MAX_LIGHTS;
+    let corners = powers + 4 * 3 * MAX_LIGHTS;
     let mut next = [0; 3];
-    let mut place = |kind: usize| {
-        next[kind] += 1;
-        next[kind] - 1
-    };
     let mut set = |at: usize, vector: DVec3, number: f64| {
         let vector = vector.as_vec3().extend(number as f32);
         numbers[at..at + 4].copy_from_slice(&vector.to_array());
     };
-    let mut powered = [[0.0; 3]; MAX_LIGHTS];
-    for light in &look.lights {
-        match light {
+    for (light, colour) in look.lights.iter().map(Light::white) {
+        let (kind, power, count) = match light {
             Light::Direction { direction, irradiance } => {
-                set(directions + 4 * place(0), *direction, *irradiance);
+                set(directions + 4 * next[0], *direction, 0.0);
+                (0, *irradiance, 0)
             }
             Light::Disc { cap, irradiance } => {
-                let i = place(1);
-                set(discs + 4 * i, cap.axis, cap.radius_rad);
-                powered[i][0] = *irradiance;
+                set(discs + 4 * next[1], cap.axis, cap.radius_rad);
+                (1, *irradiance, 0)
             }
             Light::Polygon { polygon, radiance } => {
-                let i = place(2);
-                let all = polygon.corners();
-                for (k, corner) in all.iter().enumerate() {
-                    set(corners + 4 * (CORNERS * i + k), *corner, 0.0);
+                for (k, corner) in polygon.corners().iter().enumerate() {
+                    set(corners + 4 * (CORNERS * next[2] + k), *corner, 0.0);
                 }
-                powered[i][1] = *radiance;
-                powered[i][2] = all.len() as f64;
+                (2, *radiance, polygon.corners().len())
             }
-            Light::Sky { .. } | Light::Environment(_) | Light::Coloured { .. } => {}
-        }
-    }
-    for (i, power) in powered.iter().enumerate() {
-        set(powers + 4 * i, DVec3::from(*power), 0.0);
+            // these are in the table of a white body
+            Light::Sky { .. } | Light::Environment(_) | Light::Coloured { .. } => continue,
+        };
+        set(powers + 4 * (MAX_LIGHTS * kind + next[kind]), power * colour, count as f64);
+        next[kind] += 1;
     }
     set(counts, DVec3::from(next.map(|count| count as f64)), 0.0);
     numbers
@@ -261,7 +276,7 @@ pub fn relative_radiance(
 }
 
 /// Draws what the lights contribute, with one sample per pixel: linear RGB of the diffracted radiance, with alpha 0 outside the mesh,
-/// and the radiance of a white body.
+/// and the radiance of a white body, which is that under all lights.
 pub fn lit_parts(
     gpu: &Gpu,
     prepared: &Prepared<'_>,
@@ -269,15 +284,18 @@ pub fn lit_parts(
     params: &MeshParams,
     lights: &[Light],
     size: [u32; 2],
-) -> Result<Vec<([f32; 4], f32)>> {
+) -> Result<Vec<([f32; 4], Vec3)>> {
     let variant = prepared.placement.variant;
     check(&mesh.name, &variant.name, &prepared.form, lights)?;
     let scale = prepared.form.diffuser_scale(&variant.optics).unwrap_or_default();
     let shade = shade_numbers(&Look::lit_by(lights.to_vec()), scale, [0.0, -1.0, 0.0]);
     let textures = textures(prepared, &mesh.orientation);
     let stage = Stage { wgsl: &text(prepared)?, entry: "scene_parts", pictures: 2, textures };
-    let pictures = single(gpu, prepared, mesh, params, size, stage, Some(&shade))?;
-    Ok(pictures[0].iter().zip(&pictures[1]).map(|(glints, white)| (*glints, white[0])).collect())
+    let whites = whites(lights);
+    let blocks = [bytemuck::cast_slice(&shade), bytemuck::cast_slice(&whites)];
+    let pictures = single(gpu, prepared, mesh, params, size, stage, Some(blocks))?;
+    let white = |texel: &[f32; 4]| vector(texel).as_vec3();
+    Ok(pictures[0].iter().zip(&pictures[1]).map(|(g, w)| (*g, white(w))).collect())
 }
 
 /// The directions that the entry point `mesh` uses in each pixel, and the distance from the viewer; `None` outside the mesh.
@@ -338,7 +356,8 @@ struct Stage<'a> {
     textures: Vec<Texture<'a>>,
 }
 
-/// A pass with one sample to a pixel that reads the package's own parameters, `textures` and, if given, the block `Shade`.
+/// A pass with one sample to a pixel that reads the package's own parameters, `textures` and, if given, the blocks `Shade` and
+/// `Whites`.
 fn single(
     gpu: &Gpu,
     prepared: &Prepared<'_>,
@@ -346,15 +365,15 @@ fn single(
     params: &MeshParams,
     size: [u32; 2],
     Stage { wgsl, entry, pictures, textures }: Stage<'_>,
-    shade: Option<&[f32; SHADE_NUMBERS]>,
+    shade: Option<[&[u8]; 2]>,
 ) -> Result<Vec<Vec<[f32; 4]>>> {
     let targets = Targets { pictures, multisampled: false };
     let mut uniforms = vec![(MESH_PARAMS, 4 * PARAMS_NUMBERS)];
     let block = params_bytes(params);
     let mut blocks: Vec<&[u8]> = vec![&block];
     if let Some(shade) = shade {
-        uniforms.push((SHADE_BLOCK, 4 * SHADE_NUMBERS));
-        blocks.push(bytemuck::cast_slice(shade));
+        uniforms.extend([(SHADE_BLOCK, 4 * SHADE_NUMBERS), (WHITES, 4 * WHITES_NUMBERS)]);
+        blocks.extend(shade);
     }
     let program = MeshProgram {
         name: &prepared.placement.variant.name,
@@ -403,7 +422,12 @@ fn pass(gpu: &Gpu, prepared: &Prepared<'_>, mesh: &Mesh, add: bool) -> Result<Me
         fragment_entry: if add { "scene_level" } else { "scene_skin" },
         textures: textures(prepared, &mesh.orientation),
         colours: (!add).then_some(colours),
-        uniforms: vec![(MESH_PARAMS, 4 * PARAMS_NUMBERS), (SHADE_BLOCK, 4 * SHADE_NUMBERS)],
+        uniforms: [
+            (MESH_PARAMS, 4 * PARAMS_NUMBERS),
+            (SHADE_BLOCK, 4 * SHADE_NUMBERS),
+            (WHITES, 4 * WHITES_NUMBERS),
+        ]
+        .to_vec(),
         add,
     };
     gpu.mesh_program(&program, PICTURE)

@@ -8,13 +8,14 @@ use diffraction_shaders::runner::missing;
 use diffraction_shaders::variant::Form;
 use glam::DVec3;
 
+use super::surroundings::{Surroundings, luminance, turned};
+
 /// Maximum number of lights of each kind in a picture.
 pub const MAX_LIGHTS: usize = 4;
 
-/// A light of a file in the world: theta counts from `+y`, phi from `+x` towards `+z`.
+/// A light of a file in the world: theta counts from `+y`, phi from `+x` towards `+z`. A map keeps its own frame, which
+/// [`turned`] takes into the world.
 pub fn in_world(light: &Light) -> Result<Light> {
-    // of a file, x and y are along the surface and z is its normal; this mirrors, which no kind of light minds
-    let turned = |v: DVec3| DVec3::new(v.x, v.z, v.y);
     Ok(match light {
         Light::Direction { direction, irradiance } => {
             Light::Direction { direction: turned(*direction), irradiance: *irradiance }
@@ -34,17 +35,30 @@ pub fn in_world(light: &Light) -> Result<Light> {
     })
 }
 
-/// Why a scene cannot show a light on a variant. `None` if it can. `subject` names the light, `name` the variant.
+/// Why a scene cannot show what a variant diffracts of a light. `None` if it can. `subject` names the light, `name` the variant.
 pub fn refused(subject: &str, name: &str, form: &Form, light: &Light) -> Option<Error> {
     let kind = light.kind();
-    match light {
-        Light::Direction { .. } => None,
-        Light::Sky { .. } | Light::Environment(_) => Some(
-            Error::new(subject, format!("a light of kind {kind:?} is not supported yet by scene")).remedy(
-                "use directions, discs and polygons; eval and render compute surfaces under skies",
-            ),
-        ),
-        _ => missing(name, form, light).map(|_| {
+    let alone = "--no-diffraction draws the body and what is behind it alone";
+    match light.white() {
+        (Light::Sky { .. } | Light::Environment(_), _) => {
+            let cause = format!(
+                "a light of kind {kind:?} is not supported yet by scene for what a relief diffracts"
+            );
+            Some(Error::new(subject, cause).remedy(format!(
+                "use directions, discs and polygons; {alone}; eval and render compute surfaces under skies"
+            )))
+        }
+        (_, colour) if colour != DVec3::ONE => {
+            let cause = format!(
+                "a light of kind {kind:?} has the colour [{:.3}, {:.3}, {:.3}], but the functions of the variant {name} are those of a white light",
+                colour.x, colour.y, colour.z
+            );
+            Some(Error::new(subject, cause).remedy(format!(
+                "remove its colour; for a lamp of a map, write lamps = \"none\"; {alone}"
+            )))
+        }
+        (Light::Direction { .. }, _) => None,
+        (light, _) => missing(name, form, light).map(|_| {
             let cause =
                 format!("the variant {name} has no function for a light of kind \"{kind}\"");
             Error::new(subject, cause).remedy(format!(
@@ -65,7 +79,8 @@ pub fn middle(light: &Light) -> DVec3 {
     }
 }
 
-/// Radiance of a white diffuser that faces a light.
+/// Radiance of a white diffuser that faces a light; that of coloured light is a luminance. Of a map it is the most that any diffuser
+/// shows.
 pub fn facing(light: &Light) -> f64 {
     match light {
         Light::Direction { irradiance, .. } | Light::Disc { irradiance, .. } => irradiance / PI,
@@ -75,24 +90,31 @@ pub fn facing(light: &Light) -> f64 {
             radiance / PI * 0.5 * edges.map(|(a, b)| edge(*a, *b)).sum::<DVec3>().length()
         }
         Light::Sky { radiance } => *radiance,
-        Light::Environment(_) => 1.0,
-        Light::Coloured { light, .. } => facing(light),
+        Light::Environment(_) => brightest(light),
+        Light::Coloured { light: map, colour } => match **map {
+            Light::Environment(_) => brightest(light),
+            _ => luminance(*colour) * facing(map),
+        },
     }
 }
 
-/// Irradiance of a surface with this normal. Of a disc it is that of its middle: a disc across the horizon counts whole or not at
+fn brightest(map: &Light) -> f64 {
+    Surroundings::new(std::slice::from_ref(map)).map_or(0.0, |found| found.brightest())
+}
+
+/// Irradiance of a surface with this normal, linear sRGB; for skies and maps see [`Surroundings`], here they give none. Of a disc it is that of its middle: a disc across the horizon counts whole or not at
 /// all. That of a polygon is exact.
-pub fn irradiance(light: &Light, normal: DVec3) -> f64 {
-    match light {
-        Light::Direction { direction: axis, irradiance }
-        | Light::Disc { cap: Cap { axis, .. }, irradiance } => {
-            irradiance * axis.dot(normal).max(0.0)
+pub fn irradiance(light: &Light, normal: DVec3) -> DVec3 {
+    let (light, colour) = light.white();
+    colour
+        * match light {
+            Light::Direction { direction: axis, irradiance }
+            | Light::Disc { cap: Cap { axis, .. }, irradiance } => {
+                irradiance * axis.dot(normal).max(0.0)
+            }
+            Light::Polygon { polygon, radiance } => radiance * above(polygon.corners(), normal),
+            Light::Sky { .. } | Light::Environment(_) | Light::Coloured { .. } => 0.0,
         }
-        Light::Polygon { polygon, radiance } => radiance * above(polygon.corners(), normal),
-        Light::Sky { radiance } => PI * radiance,
-        Light::Environment(_) => PI,
-        Light::Coloured { light, .. } => irradiance(light, normal),
-    }
 }
 
 /// Integral of the cosine to the normal over the part of a polygon above the horizon: half the sum over its edges (Lambert 1760;
@@ -151,15 +173,15 @@ mod tests {
     fn irradiance_of_polygons_is_the_sum_over_directions() {
         let window = polygon(&[[10.0, 0.0], [60.0, 0.0], [60.0, 70.0], [30.0, 90.0]]);
         for normal in [DVec3::Z, direction(60.0, 30.0), direction(120.0, 10.0), DVec3::NEG_Y] {
-            let (exact, sum) = (irradiance(&window, normal), summed(&window, normal));
+            let (exact, sum) = (irradiance(&window, normal).x, summed(&window, normal));
             assert!((exact - sum).abs() < 2e-3, "{normal}: {exact} {sum}");
         }
-        assert!(irradiance(&window, direction(120.0, 10.0)) > 0.01, "partly above the horizon");
-        assert_eq!(irradiance(&window, DVec3::NEG_Z), 0.0);
+        assert!(irradiance(&window, direction(120.0, 10.0)).x > 0.01, "partly above the horizon");
+        assert_eq!(irradiance(&window, DVec3::NEG_Z), DVec3::ZERO);
         // a diffuser shows most where it faces the light
         let most = (0..2000).map(|i| {
             let normal = direction(0.09 * f64::from(i % 1000), if i < 1000 { 38.0 } else { 42.0 });
-            irradiance(&window, normal) / PI
+            irradiance(&window, normal).x / PI
         });
         let most = most.fold(0.0, f64::max);
         assert!((most / facing(&window) - 1.0).abs() < 1e-2, "{most} {}", facing(&window));

@@ -2,11 +2,8 @@
 
 use diffraction_shaders::encode::{self, Floats, Picture};
 use diffraction_shaders::error::Result;
-use diffraction_shaders::optics::colour::srgb_encode;
+use diffraction_shaders::optics::colour::{srgb_encode, tone_map};
 use exr::image::FlatSamples;
-
-/// Brightness above which the tone map bends.
-const KNEE: f64 = 0.6;
 
 /// Exposes, tone-maps and encodes linear RGB with coverage over black.
 pub fn display(width: u32, height: u32, pixels: &[[f32; 4]], exposure: f64) -> Picture {
@@ -16,19 +13,6 @@ pub fn display(width: u32, height: u32, pixels: &[[f32; 4]], exposure: f64) -> P
         [r, g, b, 255]
     };
     Picture { width, height, texels: pixels.iter().map(texel).collect() }
-}
-
-/// Maps linear colours into [0, 1] and keeps their hue. Negative components become 0. If the largest component `m` exceeds 0.6,
-/// all are scaled so that it becomes `1 - 0.4·exp(-(m - 0.6)/0.4)`.
-pub fn tone_map(rgb: [f64; 3]) -> [f64; 3] {
-    let rgb = rgb.map(|c| if c > 0.0 { c } else { 0.0 });
-    let most = rgb.iter().copied().fold(0.0, f64::max);
-    if most <= KNEE {
-        return rgb;
-    }
-    let room = 1.0 - KNEE;
-    let bent = 1.0 - room * (-(most - KNEE) / room).exp();
-    rgb.map(|c| (c / most).min(1.0) * bent)
 }
 
 /// Reduces a picture: each pixel is the mean of `factor × factor` pixels.

@@ -26,6 +26,8 @@ name = "fixed"
 const SUN: &str = "[[light]]\nkind = \"disc\"\ndirection = [60, 60]\ndiameter_deg = 0.53\n";
 const WINDOW: &str = "[[light]]\nkind = \"polygon\"\ncorners = [[40, 70], [40, 110], [70, 110], [70, 70]]\nradiance = 0.01\n";
 
+const STUDIO: &str = "[[light]]\nkind = \"environment\"\nstudio = \"window\"\nrotate_deg = 90\n";
+
 fn scene(folder: &Path, lights: &str, options: &str) -> (Option<i32>, String) {
     fs::write(folder.join("lights.toml"), format!("schema = 1\n{lights}")).unwrap();
     let line = format!("scene --surface a --mesh sphere --size 64x48 {options}");
@@ -59,6 +61,17 @@ fn lights_that_cannot_be_shown_are_refused_with_a_remedy() {
             of("orders", ""),
             "lights.toml: light 1: a light of kind \"sky\" is not supported yet by scene",
         ),
+        (
+            STUDIO,
+            of("orders", ""),
+            "lights.toml: a light of kind \"environment\" is not supported yet by scene for what a relief diffracts",
+        ),
+        (
+            &format!("{SUN}colour = [1, 0.5, 0]"),
+            of("orders", ""),
+            "light 1: a light of kind \"disc\" has the colour [1.000, 0.500, 0.000]",
+        ),
+        (STUDIO, of("orders", " --no-diffraction --truth"), "cannot be used with"),
         (&SUN.repeat(5), of("orders", ""), "has 5 lights of kind \"disc\""),
         (SUN, of("orders", " --light 0,0,1"), "cannot be used with"),
         (SUN, of("orders", " --light-diameter-deg 1"), "cannot be used with"),
@@ -81,6 +94,31 @@ fn lights_that_cannot_be_shown_are_refused_with_a_remedy() {
         assert!(said.contains(expected), "{options}: {said}");
         assert!(!folder.path().join("a.png").exists());
     }
+}
+
+/// The window of the studio stands behind the body, blue and bright; without it the corners are black.
+#[test]
+fn a_studio_is_the_background_and_lights_the_body() {
+    let folder = folder_with(PLAN);
+    let mut seen = Vec::new();
+    for more in ["", " --no-background", " --filter supersample"] {
+        let options = "--variant orders --lights lights.toml --no-diffraction --out a.png";
+        let (code, said) = scene(folder.path(), STUDIO, &format!("{options}{more}"));
+        let Some(code) = code else { return };
+        assert_eq!(code, 0, "{more}: {said}");
+        let file = fs::File::open(folder.path().join("a.png")).unwrap();
+        let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().unwrap();
+        let mut texels = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut texels).unwrap();
+        let samples = reader.info().color_type.samples();
+        let of = |x: usize, y: usize| texels[(64 * y + x) * samples..][..3].to_vec();
+        // a corner above the middle of the window, and the body
+        seen.push((of(18, 3), of(32, 24)));
+    }
+    let [(with, body), (without, same), (fine, _)] = &seen[..] else { panic!("{seen:?}") };
+    assert!(with[2] > 200 && with[2] > with[0], "{seen:?}");
+    assert!(*without == [0, 0, 0] && body == same && body[1] > 20, "{seen:?}");
+    assert!(with.iter().zip(fine).all(|(a, b)| a.abs_diff(*b) < 12), "{seen:?}");
 }
 
 /// Whatever power a file states, the body is neither black nor white.

@@ -7,5 +7,6 @@ mod support;
 
 mod scene;
 mod scene_lights;
+mod scene_surroundings;
 mod scene_files;
 mod mesh_bounds;

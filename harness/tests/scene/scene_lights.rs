@@ -27,12 +27,12 @@ const COLOUR: f64 = 0.15;
 const SHADING: f64 = 0.05;
 const BODY: f64 = 1e-3;
 
-fn crossed() -> HeightField {
+pub fn crossed() -> HeightField {
     let wave = |period_um| Box::new(Grating::Sinusoidal { period_um, height_um: 0.15, pixels: 32 });
     synthesise(&Grating::Crossed { x: wave(2.0), y: wave(1.5) }, "crossed").unwrap().field
 }
 
-fn orders() -> Variant {
+pub fn orders() -> Variant {
     let mut variant = Variant::texts(&Optics::standard());
     variant.name = "orders".into();
     variant.mode = Mode::Orders;

@@ -18,6 +18,13 @@ const EXAMPLE: &str = "Examples:
   cargo xtask scene --plan plans/scene.toml --surface cd --variant orders --mesh sphere --filter supersample --out sun.png
   cargo xtask scene --plan plans/scene.toml --surface crossed --variant orders --mesh sphere --lights studio.toml --out studio.png
   cargo xtask scene --plan plans/scene.toml --surface crossed --variant orders --mesh sphere --lights studio.toml --truth --size 320x240
+  cargo xtask scene --plan plans/scene.toml --surface crossed --variant orders --mesh sphere --lights room.toml --no-diffraction --out room.png
+
+A room.toml with a panorama by formula; file = \"room.exr\" takes one of your own:
+  schema = 1
+  [[light]]
+  kind = \"environment\"
+  studio = \"window\"
 
 A studio.toml with a rectangular softbox to the upper left and a bulb to the right:
   schema = 1
@@ -39,7 +46,10 @@ World: right-handed, y up. At azimuth and elevation 0 the camera is on +z. In a 
 
 Colours are radiances: 1 is what a white diffuser shows that faces a light of irradiance π. Each --light has the irradiance π. A light of
 a file has what the file states: under a disc of irradiance 1, a white diffuser that faces it shows 1/π; a polygon has its radiance.
-The body's colour is lit by the same lights.
+The body's colour is lit by the same lights. Small bright spots of a map, such as the sun, become discs; a note says which.
+
+Under a sky or a map, the lights with a size are the background, also in an EXR, whose alpha is the coverage of the body alone: to put
+the body before another picture, write --no-background.
 
 A PNG is tone-mapped: colours are multiplied by --exposure, negative components become 0. If the largest component m exceeds
 0.6, it becomes 1 - 0.4 exp(-(m - 0.6)/0.4), and the others are scaled alike. An EXR holds the linear colours.";
@@ -76,10 +86,16 @@ pub(crate) struct Args {
     /// single direction, which is what other variants always have; their coherence length stands for the size of the light.
     #[arg(long, value_name = "DEG", default_value = "0.53", value_parser = diameter)]
     pub(crate) light_diameter_deg: f64,
-    /// Lights of a file in place of --light: up to 4 directions, 4 discs and 4 polygons. Discs and polygons need a variant with
-    /// mode = "orders". docs/lights.md describes the file; its angles here are of the world, see below.
+    /// Lights of a file in place of --light: up to 4 of each kind. Discs and polygons need a variant with mode = "orders"; skies, maps
+    /// and coloured lights need --no-diffraction. docs/lights.md describes the file; its angles here are of the world, see below.
     #[arg(long, value_name = "FILE.toml", conflicts_with_all = ["light", "light_diameter_deg"])]
     pub(crate) lights: Option<PathBuf>,
+    /// Leave what is behind the body black. Otherwise, under a sky or a map, all lights with a size are seen behind it.
+    #[arg(long)]
+    pub(crate) no_background: bool,
+    /// Draw the body's colour alone, without what its relief diffracts, under lights of any kind and colour.
+    #[arg(long, conflicts_with = "truth")]
+    pub(crate) no_diffraction: bool,
     /// Angle of the camera about the y axis, in degrees.
     #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true)]
     pub(crate) azimuth: f64,

@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use anyhow::{Result, bail};
-use diffraction_cli::console::Errors;
+use diffraction_cli::console::{Console, Errors};
 use diffraction_shaders::input;
-use diffraction_shaders::light::{Cap, Light, Lights};
+use diffraction_shaders::light::{Cap, LampSearch, Light, Lights};
 use diffraction_shaders::plan::{LightFunction, Variant};
 use diffraction_shaders::runner::check_scaling;
 use diffraction_shaders::variant::Form;
@@ -21,16 +21,16 @@ const EXPOSURE: f64 = 0.5;
 
 /// Where the lights come from.
 pub(super) enum Lamps {
-    /// A file: its name, and its lights in the world.
-    File(String, Vec<Light>),
+    /// A file: its name, its lights in the world, and the radiance of a white diffuser that faces all of them.
+    File(String, Vec<Light>, f64),
     /// Options: directions, and the angular radius of the lights, 0 for single directions.
     Options(Vec<DVec3>, f64),
 }
 
 impl Lamps {
-    pub(super) fn read(args: &Args) -> Result<Lamps> {
+    pub(super) fn read(args: &Args, console: &Console) -> Result<Lamps> {
         match &args.lights {
-            Some(path) => Lamps::of_file(path),
+            Some(path) => Lamps::of_file(path, console),
             None => {
                 let directions = args.light.iter().map(|light| DVec3::from(light.0)).collect();
                 Ok(Lamps::Options(directions, 0.5 * args.light_diameter_deg.to_radians()))
@@ -38,16 +38,20 @@ impl Lamps {
         }
     }
 
-    fn of_file(path: &Path) -> Result<Lamps> {
-        let Lights { all, notes: _ } = input::read_lights(path).map_err(Errors)?;
-        let lights = all.iter().map(in_world).collect::<Result<_, _>>()?;
-        Ok(Lamps::File(path.display().to_string(), lights))
+    /// Lamps of maps are discs here, unless the file says otherwise: the functions of discs draw them with their edge.
+    fn of_file(path: &Path, console: &Console) -> Result<Lamps> {
+        let read = input::read_lights_with(path, LampSearch::Auto);
+        let Lights { all, notes } = read.map_err(Errors)?;
+        notes.iter().for_each(|note| console.note(note));
+        let lights: Vec<Light> = all.iter().map(in_world).collect::<Result<_, _>>()?;
+        let white: f64 = lights.iter().map(facing).sum();
+        Ok(Lamps::File(path.display().to_string(), lights, if white > 0.0 { white } else { 1.0 }))
     }
 
     /// The lights on a variant with or without a function for discs. `directions` stand for those of the options.
     pub(super) fn on(&self, has_disc: bool, directions: Option<&[DVec3]>) -> Vec<Light> {
         match self {
-            Lamps::File(_, lights) => lights.clone(),
+            Lamps::File(_, lights, _) => lights.clone(),
             Lamps::Options(given, radius_rad) => {
                 let radius_rad = if has_disc { *radius_rad } else { 0.0 };
                 let directions = directions.unwrap_or(given);
@@ -57,23 +61,32 @@ impl Lamps {
     }
 
     /// Refuses lights that a scene cannot show on a variant.
-    pub(super) fn check(&self, variant: &Variant, form: &Form, filter: Filter) -> Result<()> {
+    pub(super) fn check(&self, variant: &Variant, form: &Form, args: &Args) -> Result<()> {
         let lights = self.on(has_disc(form), None);
         let (subject, remedy) = match self {
-            Lamps::File(name, _) => (name.as_str(), ""),
+            Lamps::File(name, ..) => (name.as_str(), ""),
             Lamps::Options(..) => ("--light", ", or --light-diameter-deg 0"),
         };
+        check_counts(subject, &lights)?;
+        if args.no_diffraction {
+            return Ok(());
+        }
         for (i, light) in lights.iter().enumerate() {
-            let subject = format!("{subject}: light {}", i + 1);
+            // a map with lamps is several lights
+            let is_counted = !lights.iter().any(|light| light.kind() == "environment");
+            let subject = match is_counted {
+                true => format!("{subject}: light {}", i + 1),
+                false => subject.to_owned(),
+            };
             if let Some(error) = refused(&subject, &variant.name, form, light) {
                 return Err(error.into());
             }
-            if filter == Filter::Footprint && !matches!(light, Light::Direction { .. }) {
+            let has_size = !matches!(light.white().0, Light::Direction { .. });
+            if args.filter == Filter::Footprint && has_size {
                 let cause = widened(light);
                 bail!("--filter footprint: {subject}: {cause} (use --filter supersample{remedy})");
             }
         }
-        check_counts(subject, &lights)?;
         check_scaling(&variant.optics, &Lights { all: lights, notes: Vec::new() })?;
         Ok(())
     }
@@ -90,9 +103,10 @@ impl Lamps {
 
     /// Radiance of a white diffuser that faces the lights: each light of the options shows it as 1.
     fn white(&self) -> f64 {
-        let Lamps::File(_, lights) = self else { return 1.0 };
-        let sum: f64 = lights.iter().map(facing).sum();
-        if sum > 0.0 { sum } else { 1.0 }
+        match self {
+            Lamps::File(.., white) => *white,
+            Lamps::Options(..) => 1.0,
+        }
     }
 
     /// The exposure unless the options say otherwise.
@@ -100,8 +114,9 @@ impl Lamps {
         EXPOSURE / self.white()
     }
 
-    pub(super) fn look(&self, lights: Vec<Light>, texture_weight: f64) -> Look {
-        Look { lights, texture_weight, unlit: self.white() }
+    pub(super) fn look(&self, lights: Vec<Light>, args: &Args) -> Look {
+        let (texture_weight, diffracts) = (args.texture_weight, !args.no_diffraction);
+        Look { lights, texture_weight, unlit: self.white(), diffracts }
     }
 }
 

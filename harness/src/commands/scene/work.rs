@@ -25,12 +25,15 @@ use crate::process::watched::{Place, child::enter};
 use crate::results::Part;
 use crate::scene::drawing::{Drawing, Hdr, Truth, truth, truth_under};
 use crate::scene::lights::middle;
+use crate::scene::surroundings::add_behind;
 use crate::scene::tone_map::{display, exr, reduced, stacked, strip};
 use crate::scene::{Mesh, Orbit, PRINTED_LIGHTS, PRINTED_ZOOMS, Snake, read, snake, sphere};
 use diffraction_shaders::encode::{Picture, animation};
 
 /// Supersampled pictures are drawn N times as wide and as high.
 const SUPER: u32 = 4;
+/// In pictures of four samples per pixel the background takes as many: N along each side.
+const BEHIND: u32 = 2;
 /// Gap between pictures of a strip, in pixels.
 const GAP: u32 = 4;
 /// How long a turntable shows each picture.
@@ -61,7 +64,7 @@ struct Skin {
 
 pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let plan: Plan = args.plan.read(console)?;
-    let lamps = Lamps::read(args)?;
+    let lamps = Lamps::read(args, console)?;
     let mut skins = Vec::new();
     for name in &args.surface {
         let spec = plan.surface(name)?.clone();
@@ -70,7 +73,12 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         surface.notes.iter().for_each(|note| console.note(note));
         surface.field.check_pitch(&surface::subject(&spec), variant.wavelengths.min_nm)?;
         let form = Form::new(&variant, &surface.field)?;
-        lamps.check(&variant, &form, args.filter)?;
+        lamps.check(&variant, &form, args)?;
+        if args.no_diffraction && form.matter().body_share() == Some(0.0) {
+            console.note(&format!(
+                "{name}: no light passes a metal, so that the body is black without diffraction"
+            ));
+        }
         skins.push(Skin { spec, surface, variant, has_disc: has_disc(&form) });
     }
     if let (true, Some(skin)) = (lamps.wants_discs(), skins.iter().find(|skin| !skin.has_disc)) {
@@ -184,14 +192,18 @@ fn sweep(
         if mesh.holds(orbit.eye()) {
             console.note("the camera is inside the mesh: it sees back faces, which are black");
         }
-        let look = lamps.look(lights, args.texture_weight);
+        let look = lamps.look(lights, args);
         let picture = |times: &mut Vec<f64>| -> Result<Hdr> {
             let factor = if args.filter == Filter::Supersample { SUPER } else { 1 };
             let size = args.size.0.map(|side| side * factor);
             let light = middle(&look.lights[0]);
             let params = orbit.params(drawing.mesh(), size, light)?;
             let begun = Instant::now();
-            let drawn = drawing.draw(&params, &look, size)?;
+            let mut drawn = drawing.draw(&params, &look, size)?;
+            if !args.no_background {
+                let side = if factor == 1 { BEHIND } else { 1 };
+                add_behind(&mut drawn.pixels, drawn.width, &look.lights, &params, side);
+            }
             times.push(begun.elapsed().as_secs_f64());
             let [width, height] = args.size.0;
             Ok(match factor {

@@ -4,22 +4,33 @@
 struct Shade {
     // x: weight w_d of the unlit texture; y: diffuser scale s; z: radiance of an unlit white; w: level of this pass
     blend: vec4f,
-    // x: last level, or below 0 if lobes are not widened; y: (λ σf)² of level 0; zw: unused
+    // x: last level, or below 0 if lobes are not widened; y: (λ σf)² of level 0; z: 1 under skies or maps; w: 1 if light is
+    // diffracted, 0 for the body alone
     widening: vec4f,
     // x: number of single directions; y: of discs; z: of polygons; w: unused
     counts: vec4f,
-    // xyz: direction to the light; w: irradiance
+    // xyz: direction to the light; w: unused
     directions: array<vec4f, 4>,
     // xyz: to the middle of the disc; w: angular radius in radians
     discs: array<vec4f, 4>,
-    // x: irradiance of the disc of this index; y: radiance of the polygon; z: number of its corners; w: unused
-    powers: array<vec4f, 4>,
+    // rgb: irradiance of four single directions, of four discs, radiance of four polygons; w: number of a polygon's corners
+    powers: array<vec4f, 12>,
     // xyz: corner; eight for each polygon
     corners: array<vec4f, 32>,
 }
 @group(0) @binding(20) var<uniform> shade: Shade;
 @group(0) @binding(21) var body_colour: texture_2d<f32>;
 @group(0) @binding(22) var body_sampler: sampler;
+
+struct Whites {
+    // rgb: radiance of a white diffuser under skies and maps, by its normal: 45 rows of 90. Rows count theta from +y, the first and
+    // the last at the poles; columns count phi from +x towards +z, the first at -180°
+    texels: array<vec4f, 4050>,
+}
+@group(0) @binding(23) var<uniform> whites: Whites;
+
+const FIRST_DISC: i32 = 4;
+const FIRST_POLYGON: i32 = 8;
 
 // The colour of a body: its lit colour, plus the diffraction.
 @fragment
@@ -52,26 +63,46 @@ fn body(place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
 }
 
 // Radiance of a white body: (1 - R) times irradiance over π, summed over the lights. R is the Fresnel reflectance at the half
-// vector between the viewer and the middle of the light.
-fn diffuse(place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> f32 {
+// vector between the viewer and the middle of the light; for skies and maps, between the viewer and the normal.
+fn diffuse(place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
     let wr = in_frame(mesh_params.eye.xyz - place, normal, tangent, uv);
     if (!(wr.z > 0.0)) {
-        return 0.0;
+        return vec3f(0.0);
     }
-    var irradiance = 0.0;
+    var irradiance = vec3f(0.0);
     for (var i = 0; i < i32(shade.counts.x); i++) {
         let wi = in_frame(shade.directions[i].xyz, normal, tangent, uv);
-        irradiance += shade.directions[i].w * transmitted(wi, wr) * max(wi.z, 0.0);
+        irradiance += transmitted(wi, wr) * max(wi.z, 0.0) * shade.powers[i].rgb;
     }
     for (var i = 0; i < i32(shade.counts.y); i++) {
         // a disc across the horizon counts whole or not at all
         let wi = in_frame(shade.discs[i].xyz, normal, tangent, uv);
-        irradiance += shade.powers[i].x * transmitted(wi, wr) * max(wi.z, 0.0);
+        irradiance += transmitted(wi, wr) * max(wi.z, 0.0) * shade.powers[FIRST_DISC + i].rgb;
     }
     for (var i = 0; i < i32(shade.counts.z); i++) {
-        irradiance += shade.powers[i].y * polygon_share(i, wr, normal, tangent, uv);
+        irradiance += polygon_share(i, wr, normal, tangent, uv) * shade.powers[FIRST_POLYGON + i].rgb;
     }
-    return irradiance / 3.1415927;
+    var white = irradiance / 3.1415927;
+    if (shade.widening.z > 0.5) {
+        white += transmitted(vec3f(0.0, 0.0, 1.0), wr) * white_under_surroundings(unit(normal, 1e-8));
+    }
+    return white;
+}
+
+// Radiance of a white diffuser under skies and maps, by its normal in the world, bilinear.
+fn white_under_surroundings(normal: vec3f) -> vec3f {
+    let row = clamp(atan2(length(normal.xz), normal.y) / 3.1415927, 0.0, 1.0) * 44.0;
+    let column = (atan2(normal.z, normal.x) / 3.1415927 + 1.0) * 45.0;
+    let top = floor(row);
+    let left = floor(column);
+    let above = white_line(i32(top), i32(left), column - left);
+    let below = white_line(min(i32(top) + 1, 44), i32(left), column - left);
+    return mix(above, below, row - top);
+}
+
+fn white_line(row: i32, left: i32, share: f32) -> vec3f {
+    let first = whites.texels[90 * row + left % 90].rgb;
+    return mix(first, whites.texels[90 * row + (left + 1) % 90].rgb, share);
 }
 
 // 1 - R for light from a direction. Below a metal there is no body, and below other matter R is that of normal incidence.
@@ -85,7 +116,7 @@ fn transmitted(wi: vec3f, wr: vec3f) -> f32 {
 // 1 - R times the integral of the cosine over the part of a polygon above the horizon: half the sum over its edges (Lambert
 // 1760; Arvo 1995). Where the polygon is cut, the horizon is an edge.
 fn polygon_share(index: i32, wr: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> f32 {
-    let count = i32(shade.powers[index].z);
+    let count = i32(shade.powers[FIRST_POLYGON + index].w);
     var start = corner(index, count - 1, normal, tangent, uv);
     var middle = vec3f(0.0);
     var sum = 0.0;
@@ -135,31 +166,41 @@ fn corner(index: i32, number: i32, normal: vec3f, tangent: vec4f, uv: vec2f) -> 
 // (1 - w_d) times the radiance that is diffracted, summed over the lights; if lobes are widened, the share of this pass's level.
 fn glints(place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
     let wr = in_frame(mesh_params.eye.xyz - place, normal, tangent, uv);
+    if (shade.widening.w < 0.5) {
+        return vec3f(0.0);
+    }
     var sum = vec3f(0.0);
     for (var i = 0; i < i32(shade.counts.x); i++) {
         let wi = in_frame(shade.directions[i].xyz, normal, tangent, uv);
         let share = level_share(wi.xy + wr.xy);
         if (wi.z > 0.0 && wr.z > 0.0 && share > 0.0) {
-            sum += share * shade.blend.y / 3.1415927 * shade.directions[i].w * diffraction(wi, wr);
+            sum += share * shade.blend.y / 3.1415927 * shade.powers[i].rgb * diffraction(wi, wr);
         }
     }
     // the functions take away what is below the horizon
     for (var i = 0; i < i32(shade.counts.y); i++) {
         let axis = in_frame(shade.discs[i].xyz, normal, tangent, uv);
-        sum += shade.powers[i].x * diffraction_disc(axis, shade.discs[i].w, wr);
+        sum += shade.powers[FIRST_DISC + i].rgb * diffraction_disc(axis, shade.discs[i].w, wr);
     }
     for (var i = 0; i < i32(shade.counts.z); i++) {
         // a fan of quadrilaterals; the last one may be a triangle
-        let last = i32(shade.powers[i].z) - 1;
+        let radiance = shade.powers[FIRST_POLYGON + i].rgb;
+        let last = i32(shade.powers[FIRST_POLYGON + i].w) - 1;
         let a = corner(i, 0, normal, tangent, uv);
         for (var k = 1; k < last; k += 2) {
             let b = corner(i, k, normal, tangent, uv);
             let c = corner(i, k + 1, normal, tangent, uv);
             let d = corner(i, min(k + 2, last), normal, tangent, uv);
-            sum += shade.powers[i].y * diffraction_rectangle(a, b, c, d, wr);
+            sum += radiance * diffraction_rectangle(a, b, c, d, wr);
         }
     }
-    return (1.0 - shade.blend.x) * sum;
+    return (1.0 - shade.blend.x) * (sum + glints_of_surroundings(normal, tangent, uv, wr));
+}
+
+// What is diffracted of skies and maps. No variant has a function for them yet, so that they are refused before
+// (scene/lights.rs, `refused`).
+fn glints_of_surroundings(normal: vec3f, tangent: vec4f, uv: vec2f, wr: vec3f) -> vec3f {
+    return vec3f(0.0);
 }
 
 // Clamps to the range of 16-bit floats.
@@ -183,7 +224,7 @@ fn level_share(path: vec2f) -> f32 {
 struct Parts {
     // rgb: diffracted radiance
     @location(0) glints: vec4f,
-    // x: radiance of a white body
+    // rgb: radiance of a white body
     @location(1) diffuse: vec4f,
 }
 
@@ -197,7 +238,7 @@ fn scene_parts(
 ) -> Parts {
     let diffracted = glints(place, normal, tangent, uv);
     let white = diffuse(place, normal, tangent, uv);
-    return Parts(vec4f(diffracted, 1.0), vec4f(white, 0.0, 0.0, 1.0));
+    return Parts(vec4f(diffracted, 1.0), vec4f(white, 1.0));
 }
 
 struct Used {

@@ -17,6 +17,7 @@ use rayon::prelude::*;
 use crate::drivers::Prepared;
 use crate::drivers::gpu::Gpu;
 use crate::scene::lights::{irradiance, middle};
+use crate::scene::surroundings::Surroundings;
 use crate::scene::{Mesh, raster};
 
 use super::{axes, directions, lit_parts, relative_radiance};
@@ -106,14 +107,18 @@ pub fn truth_under(
         &|twin, pixel| lit(twin, frames[pixel.index], pixel.used.wr).to_array(),
     )?;
     let matter = prepared.form.matter();
+    let around = Surroundings::new(lights);
     let white = |pixel: &Pixel| {
         let wr = in_frame(map, eye - pixel.at.place, &pixel.at);
         let to_frame = frame(&pixel.at);
-        lights.iter().map(|light| reflected(matter, light, to_frame, wr)).sum::<f64>()
+        let each = lights.iter().map(|light| reflected(matter, light, to_frame, wr));
+        each.sum::<DVec3>() + reflected_around(matter, around.as_ref(), to_frame, wr)
     };
-    let whites: Vec<f64> = scene.pixels.iter().map(white).collect();
-    let most = whites.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let apart = |(pixel, white): (&Pixel, &f64)| (f64::from(drawn[pixel.index].1) - white).abs();
+    let whites: Vec<DVec3> = scene.pixels.iter().map(white).collect();
+    let most = whites.iter().map(|white| white.max_element()).fold(f64::MIN_POSITIVE, f64::max);
+    let apart = |(pixel, white): (&Pixel, &DVec3)| {
+        (drawn[pixel.index].1.as_dvec3() - *white).abs().max_element()
+    };
     let apart = scene.pixels.iter().zip(&whites).map(apart).collect();
     Ok(Truth { body: Some(sorted_p95(apart).0 / most), ..compared })
 }
@@ -144,16 +149,36 @@ fn diffracted(twin: &Twin<'_>, scale: f64, light: &Light, to_frame: DMat3, wr: D
     calls.sum()
 }
 
-/// Radiance of a white body of this matter under a light of the world.
-fn reflected(matter: &Matter, light: &Light, to_frame: DMat3, wr: DVec3) -> f64 {
+/// Radiance of a white body of this matter under a light of the world that is no sky and no map.
+fn reflected(matter: &Matter, light: &Light, to_frame: DMat3, wr: DVec3) -> DVec3 {
     if wr.z <= 0.0 {
-        return 0.0;
+        return DVec3::ZERO;
     }
-    let half = (to_frame * middle(light) + wr).normalize_or_zero();
-    let reflected = || matter.reflectances(REFERENCE_NM, half.dot(wr))[0];
-    let share = matter.body_share().unwrap_or_else(|| 1.0 - reflected());
     let normal = to_frame.transpose() * DVec3::Z;
-    share * irradiance(light, normal) / std::f64::consts::PI
+    let share = transmitted(matter, to_frame * middle(light), wr);
+    share / std::f64::consts::PI * irradiance(light, normal)
+}
+
+/// The same under all skies and maps, whose light counts as coming along the normal.
+fn reflected_around(
+    matter: &Matter,
+    around: Option<&Surroundings>,
+    to_frame: DMat3,
+    wr: DVec3,
+) -> DVec3 {
+    match around {
+        Some(around) if wr.z > 0.0 => {
+            transmitted(matter, DVec3::Z, wr) * around.white(to_frame.transpose() * DVec3::Z)
+        }
+        _ => DVec3::ZERO,
+    }
+}
+
+/// The share of light that reaches the body.
+fn transmitted(matter: &Matter, wi: DVec3, wr: DVec3) -> f64 {
+    let half = (wi + wr).normalize_or_zero();
+    let reflected = || matter.reflectances(REFERENCE_NM, half.dot(wr))[0];
+    matter.body_share().unwrap_or_else(|| 1.0 - reflected())
 }
 
 /// A scene as a driver and as the rasteriser see it.
