@@ -16,7 +16,7 @@ use diffraction_shaders::runner::{Exact, Placement, Runner, TwinRunner, rounded}
 use diffraction_shaders::surface::HeightField;
 use diffraction_shaders::tables::Table;
 use diffraction_shaders::tables::orders::{EfficiencyAxes, efficiencies_table};
-use diffraction_shaders::variant::{Arguments, Form};
+use diffraction_shaders::variant::Form;
 use glam::DVec3;
 
 const CD: &str =

@@ -125,7 +125,7 @@ impl<'a> Prepared<'a> {
     }
 
     /// Its tables, without the spectrum.
-    fn tables(&self) -> impl Iterator<Item = &Table> {
+    pub fn tables(&self) -> impl Iterator<Item = &Table> {
         [&self.terms, &self.coefficients, &self.streaks].into_iter().filter(|table| table.width > 0)
     }
 
@@ -289,8 +289,8 @@ impl<D: Driver> Runner for DriverRunner<'_, D> {
     }
 }
 
-/// Surroundings of one black texel, for calls that ask for none: the shader has the texture all the same.
-fn dark() -> (Table, f64) {
+/// Surroundings of one black texel and their factor, for calls that ask for none: the shader has the texture all the same.
+pub fn dark() -> (Table, f64) {
     let texels = vec![0.0; 4];
     let binding = ENVIRONMENT;
     let format = TexelFormat::Rgba16Float;

@@ -10,10 +10,11 @@ mod truth;
 
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::field::reference::Directions;
-use diffraction_shaders::light::Light;
+use diffraction_shaders::light::{Filtered, Light};
 use diffraction_shaders::optics::{REFERENCE_NM, window_sigma_um};
 use diffraction_shaders::plan::Coherence;
 use diffraction_shaders::runner::Placement;
+use diffraction_shaders::tables::{Table, environment_table};
 use diffraction_shaders::variant::mesh::{MeshParams, OrientationMap};
 use diffraction_shaders::variant::{FUNCTIONS, Form};
 use glam::{DMat3, DMat4, DVec3, Vec3};
@@ -22,10 +23,10 @@ use crate::drivers::gpu::{
     Colours, Gpu, MeshBuffers, MeshPass, MeshPipeline, MeshProgram, Targets, Texture,
     TextureFormat, TextureLayout,
 };
-use crate::drivers::{Prepared, table_texture};
+use crate::drivers::{Prepared, dark, table_texture};
 use crate::scene::Mesh;
 use crate::scene::lights::{MAX_LIGHTS, refused};
-use crate::scene::surroundings::{Surroundings, TABLE, surrounds};
+use crate::scene::surroundings::{Surroundings, TABLE, filtered, surrounds};
 
 pub use truth::{Truth, truth, truth_under};
 
@@ -37,6 +38,14 @@ const SCHLICK: &str = "
 fn body_reflectance(cos_half: f32) -> f32 {
     let amplitude = (REFRACTIVE_INDEX - 1.0) / (REFRACTIVE_INDEX + 1.0);
     return amplitude * amplitude * fresnel_ratio(cos_half);
+}
+";
+
+/// The surroundings of a fragment. The map has the frame of a file of lights: theta counts from the world's y, phi from x towards z.
+const AROUND: &str = "
+fn environment_radiance(direction: vec3f, spread: f32) -> vec3f {
+    let world = vec3f(dot(direction, world_x), dot(direction, world_y), dot(direction, world_z));
+    return MAP_FACTOR * map_radiance(world.xzy, spread);
 }
 ";
 
@@ -102,16 +111,20 @@ pub struct Drawing<'a> {
     lobe: f64,
     variant: String,
     form: Form,
+    /// Whether it has surroundings.
+    is_around: bool,
 }
 
 impl<'a> Drawing<'a> {
     /// Computes the tables and compiles the passes. `widen`: lobes are widened by the footprint of pixels. Only an ensemble allows
-    /// that: half the coherence length doubles the width of a lobe.
+    /// that: half the coherence length doubles the width of a lobe. `around`: the skies and maps of all pictures, see
+    /// [`filtered`].
     pub fn new(
         gpu: &'a Gpu,
         placement: Placement<'a>,
         mesh: Mesh,
         widen: bool,
+        around: Option<&Filtered>,
     ) -> Result<Drawing<'a>> {
         let variant = placement.variant;
         let ensemble = variant.optics.coherence == Coherence::Ensemble;
@@ -132,11 +145,12 @@ impl<'a> Drawing<'a> {
                 let cause = "has no radiance scale, so it cannot be blended with a body";
                 Error::new(&variant.name, cause)
             })?;
-            levels.push((pass(gpu, &prepared, &mesh, level > 0)?, scale));
+            levels.push((pass(gpu, &prepared, around, &mesh, level > 0)?, scale));
         }
         let sigma = 1.0 / (std::f64::consts::TAU * window_sigma_um(&variant.optics, REFERENCE_NM));
         let lobe = (sigma * REFERENCE_NM * 1e-3).powi(2);
-        Ok(Drawing { gpu, mesh, buffers, levels, lobe, variant: variant.name.clone(), form })
+        let (variant, is_around) = (variant.name.clone(), around.is_some());
+        Ok(Drawing { gpu, mesh, buffers, levels, lobe, variant, form, is_around })
     }
 
     /// The drawn mesh.
@@ -149,6 +163,10 @@ impl<'a> Drawing<'a> {
         match look.diffracts {
             true => check(&self.mesh.name, &self.variant, &self.form, &look.lights)?,
             false => check_counts(&self.mesh.name, &look.lights)?,
+        }
+        if look.diffracts && !self.is_around && look.lights.iter().any(surrounds) {
+            let cause = "was prepared without the skies and maps of its lights";
+            return Err(Error::new(&self.mesh.name, cause));
         }
         let has_size = |light: &&Light| !matches!(light.white().0, Light::Direction { .. });
         if self.levels.len() > 1
@@ -269,7 +287,8 @@ pub fn relative_radiance(
     size: [u32; 2],
 ) -> Result<Vec<[f32; 4]>> {
     let module = prepared.module(prepared.spectrum.width)?;
-    let tables = textures(prepared, &mesh.orientation);
+    let around = around_table(prepared, None);
+    let tables = textures(prepared, around.as_ref(), &mesh.orientation);
     let stage = Stage { wgsl: module.text(), entry: "mesh", pictures: 1, textures: tables };
     let pictures = single(gpu, prepared, mesh, params, size, stage, None)?;
     Ok(pictures.into_iter().flatten().collect())
@@ -289,8 +308,10 @@ pub fn lit_parts(
     check(&mesh.name, &variant.name, &prepared.form, lights)?;
     let scale = prepared.form.diffuser_scale(&variant.optics).unwrap_or_default();
     let shade = shade_numbers(&Look::lit_by(lights.to_vec()), scale, [0.0, -1.0, 0.0]);
-    let textures = textures(prepared, &mesh.orientation);
-    let stage = Stage { wgsl: &text(prepared)?, entry: "scene_parts", pictures: 2, textures };
+    let around = around_table(prepared, filtered(lights).as_ref());
+    let textures = textures(prepared, around.as_ref(), &mesh.orientation);
+    let wgsl = &text(prepared, around.as_ref())?;
+    let stage = Stage { wgsl, entry: "scene_parts", pictures: 2, textures };
     let whites = whites(lights);
     let blocks = [bytemuck::cast_slice(&shade), bytemuck::cast_slice(&whites)];
     let pictures = single(gpu, prepared, mesh, params, size, stage, Some(blocks))?;
@@ -344,7 +365,8 @@ fn frames(
     entry: &str,
 ) -> Result<Vec<Vec<[f32; 4]>>> {
     let textures = vec![orientation_texture(&mesh.orientation)];
-    let stage = Stage { wgsl: &text(prepared)?, entry, pictures: 2, textures };
+    let around = around_table(prepared, None);
+    let stage = Stage { wgsl: &text(prepared, around.as_ref())?, entry, pictures: 2, textures };
     single(gpu, prepared, mesh, params, size, stage, None)
 }
 
@@ -392,7 +414,7 @@ fn single(
 }
 
 /// The shader of a variant with the harness's shading appended, and the functions that the variant does not have.
-fn text(prepared: &Prepared<'_>) -> Result<String> {
+fn text(prepared: &Prepared<'_>, around: Option<&(Table, f64)>) -> Result<String> {
     let module = prepared.module(prepared.spectrum.width)?;
     let known = prepared.form.functions();
     let is_absent = |light| !known.iter().any(|function| function.light() == light);
@@ -409,18 +431,29 @@ fn text(prepared: &Prepared<'_>) -> Result<String> {
         false => "fn body_reflectance(cos_half: f32) -> f32 { return 0.0; }",
     };
     let body = format!("const BODY_SHARE: f32 = {share:?};\n{reflectance}\n");
-    Ok(format!("{}\n{SHADE}{body}{absent}", module.text()))
+    let around = around.map_or_else(String::new, |(_, factor)| {
+        format!("const MAP_FACTOR: f32 = {:?};\n{AROUND}", *factor as f32)
+    });
+    let own = module.text().replace("fn environment_radiance(", "fn map_radiance(");
+    Ok(format!("{own}\n{SHADE}{around}{body}{absent}"))
 }
 
 /// The pass of a level. The first one draws the body, too; the others add to it.
-fn pass(gpu: &Gpu, prepared: &Prepared<'_>, mesh: &Mesh, add: bool) -> Result<MeshPipeline> {
+fn pass(
+    gpu: &Gpu,
+    prepared: &Prepared<'_>,
+    around: Option<&Filtered>,
+    mesh: &Mesh,
+    add: bool,
+) -> Result<MeshPipeline> {
+    let around = around_table(prepared, around);
     let colours = Colours { map: &mesh.colour, binding: BODY_COLOUR, sampler: BODY_SAMPLER };
     let program = MeshProgram {
         name: &mesh.name,
-        wgsl: &text(prepared)?,
+        wgsl: &text(prepared, around.as_ref())?,
         vertex_entry: "mesh_vert",
         fragment_entry: if add { "scene_level" } else { "scene_skin" },
-        textures: textures(prepared, &mesh.orientation),
+        textures: textures(prepared, around.as_ref(), &mesh.orientation),
         colours: (!add).then_some(colours),
         uniforms: [
             (MESH_PARAMS, 4 * PARAMS_NUMBERS),
@@ -433,10 +466,20 @@ fn pass(gpu: &Gpu, prepared: &Prepared<'_>, mesh: &Mesh, add: bool) -> Result<Me
     gpu.mesh_program(&program, PICTURE)
 }
 
-/// The tables of a variant and the orientation map.
-fn textures(prepared: &Prepared<'_>, map: &OrientationMap) -> Vec<Texture<'static>> {
-    let tables = [&prepared.terms, &prepared.spectrum, &prepared.coefficients];
-    let tables = tables.into_iter().filter(|table| table.width > 0);
+/// The surroundings as a shader reads them, with the factor by which they were divided. `None` if the variant has no function for
+/// them.
+fn around_table(prepared: &Prepared<'_>, around: Option<&Filtered>) -> Option<(Table, f64)> {
+    (prepared.streaks.width > 0).then(|| around.map_or_else(dark, environment_table))
+}
+
+/// The tables of a variant, its surroundings, and the orientation map.
+fn textures(
+    prepared: &Prepared<'_>,
+    around: Option<&(Table, f64)>,
+    map: &OrientationMap,
+) -> Vec<Texture<'static>> {
+    let spectrum = Some(&prepared.spectrum).filter(|table| table.width > 0);
+    let tables = prepared.tables().chain(spectrum).chain(around.map(|(table, _)| table));
     let tables = tables.map(|table| table_texture(table, table.binding));
     tables.chain([orientation_texture(map)]).collect()
 }

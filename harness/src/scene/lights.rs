@@ -8,7 +8,7 @@ use diffraction_shaders::runner::missing;
 use diffraction_shaders::variant::Form;
 use glam::DVec3;
 
-use super::surroundings::{Surroundings, luminance, turned};
+use super::surroundings::{Surroundings, luminance, surrounds, turned};
 
 /// Maximum number of lights of each kind in a picture.
 pub const MAX_LIGHTS: usize = 4;
@@ -40,15 +40,9 @@ pub fn refused(subject: &str, name: &str, form: &Form, light: &Light) -> Option<
     let kind = light.kind();
     let alone = "--no-diffraction draws the body and what is behind it alone";
     match light.white() {
-        (Light::Sky { .. } | Light::Environment(_), _) => {
-            let cause = format!(
-                "a light of kind {kind:?} is not supported yet by scene for what a relief diffracts"
-            );
-            Some(Error::new(subject, cause).remedy(format!(
-                "use directions, discs and polygons; {alone}; eval and render compute surfaces under skies"
-            )))
-        }
-        (_, colour) if colour != DVec3::ONE => {
+        (Light::Direction { .. } | Light::Disc { .. } | Light::Polygon { .. }, colour)
+            if colour != DVec3::ONE =>
+        {
             let cause = format!(
                 "a light of kind {kind:?} has the colour [{:.3}, {:.3}, {:.3}], but the functions of the variant {name} are those of a white light",
                 colour.x, colour.y, colour.z
@@ -59,10 +53,11 @@ pub fn refused(subject: &str, name: &str, form: &Form, light: &Light) -> Option<
         }
         (Light::Direction { .. }, _) => None,
         (light, _) => missing(name, form, light).map(|_| {
+            let function = if surrounds(light) { "environment" } else { kind };
             let cause =
                 format!("the variant {name} has no function for a light of kind \"{kind}\"");
             Error::new(subject, cause).remedy(format!(
-                "use a variant with mode = \"orders\" and \"{kind}\" in its lights"
+                "use a variant with mode = \"orders\" and {function:?} in its lights; {alone}"
             ))
         }),
     }

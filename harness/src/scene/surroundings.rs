@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use diffraction_shaders::light::{Emitter, Environment, Light};
+use diffraction_shaders::light::{Emitter, Environment, Filtered, Light};
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::variant::mesh::MeshParams;
 use glam::{DVec3, DVec4};
@@ -19,6 +19,12 @@ const ROWS: usize = 256;
 /// Whether a light surrounds a scene: a sky or a map.
 pub fn surrounds(light: &Light) -> bool {
     matches!(light.white().0, Light::Sky { .. } | Light::Environment(_))
+}
+
+/// All skies and maps among lights in levels of blur, in the frame of the file of lights. `None` if there are none.
+pub fn filtered(lights: &[Light]) -> Option<Filtered> {
+    let found = lights.iter().filter_map(Light::filtered);
+    found.reduce(|sum, next| sum.plus(&next))
 }
 
 /// From the frame of a file of lights to the world, and back: theta counts from `+y`, phi from `+x` towards `+z`. It mirrors.

@@ -112,7 +112,7 @@ fn star(direction: DVec3) -> Light {
 fn picture(gpu: &Gpu, mesh: &Mesh, light: DVec3, orbit: Orbit, widen: bool) -> Hdr {
     let (height, variant) = (height(), variant(Coherence::Ensemble));
     let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
-    let drawing = Drawing::new(gpu, placement, mesh.clone(), widen).unwrap();
+    let drawing = Drawing::new(gpu, placement, mesh.clone(), widen, None).unwrap();
     let look = Look::lit_by(vec![star(light)]);
     let params = orbit.params(mesh, SIZE, light).unwrap();
     drawing.draw(&params, &look, SIZE).unwrap()
@@ -178,8 +178,8 @@ fn widened_lobes_keep_the_light() {
         let variance = sums.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / sums.len() as f64;
         [mean, variance.sqrt()]
     };
-    let [points, widened] =
-        [false, true].map(|widen| Drawing::new(&gpu, placement, mesh.clone(), widen).unwrap());
+    let [points, widened] = [false, true]
+        .map(|widen| Drawing::new(&gpu, placement, mesh.clone(), widen, None).unwrap());
     // the sphere is 18 and 6 pixels wide
     for (zoom, bias) in [(0.63, 0.1), (0.21, 0.15)] {
         let [exact, _] = light(&points, zoom, 2, 16);
@@ -274,6 +274,6 @@ fn amplitudes_have_no_wider_lobe() {
     let Some(gpu) = gpu() else { return };
     let (height, variant) = (height(), variant(Coherence::Single));
     let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
-    let error = Drawing::new(&gpu, placement, sphere(12), true).err().unwrap().to_string();
+    let error = Drawing::new(&gpu, placement, sphere(12), true, None).err().unwrap().to_string();
     assert!(error.contains("coherence = \"ensemble\""), "{error}");
 }

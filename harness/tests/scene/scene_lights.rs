@@ -134,7 +134,7 @@ fn units_are_those_of_the_file() {
     let (height, variant) = (crossed(), orders());
     let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     let mesh = Mesh { colour: ColourMap::plain([255; 3]), ..sphere(96) };
-    let drawing = Drawing::new(&gpu, placement, mesh.clone(), false).unwrap();
+    let drawing = Drawing::new(&gpu, placement, mesh.clone(), false, None).unwrap();
     let softbox = window(DVec3::Z, 0.5, 4);
     let facing = facing(&softbox);
     let lights = [
@@ -169,7 +169,7 @@ fn what_a_picture_cannot_show_is_refused() {
     let refused = |variant: &Variant, widen: bool, lights: Vec<Light>| {
         let placement = Placement { height: &height, rotate_deg: 0.0, variant };
         let mesh = sphere(12);
-        let drawing = Drawing::new(&gpu, placement, mesh.clone(), widen).unwrap();
+        let drawing = Drawing::new(&gpu, placement, mesh.clone(), widen, None).unwrap();
         let params = Orbit::around(&mesh, 1.0).params(&mesh, [8, 8], DVec3::Z).unwrap();
         drawing.draw(&params, &Look::lit_by(lights), [8, 8]).unwrap_err().to_string()
     };

@@ -106,7 +106,7 @@ fn a_body_is_lit_by_the_whole_map() {
     let (height, variant) = (crossed(), orders());
     let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     let mesh = Mesh { colour: ColourMap::plain([255; 3]), ..sphere(96) };
-    let drawing = Drawing::new(&gpu, placement, mesh.clone(), false).unwrap();
+    let drawing = Drawing::new(&gpu, placement, mesh.clone(), false, None).unwrap();
     let orbit = Orbit { azimuth_deg: 35.0, elevation_deg: 20.0, ..Orbit::around(&mesh, 1.5) };
     let view = orbit.params(&mesh, SIZE, DVec3::Y).unwrap();
     let seen = raster::visible(&mesh, &view, SIZE).unwrap();
@@ -176,7 +176,7 @@ fn what_a_relief_cannot_diffract_is_refused() {
     let (height, variant) = (crossed(), orders());
     let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     let mesh = sphere(12);
-    let drawing = Drawing::new(&gpu, placement, mesh, false).unwrap();
+    let drawing = Drawing::new(&gpu, placement, mesh, false, None).unwrap();
     let map = Light::Environment(environment(Studio::Window.panorama(32), 0.0));
     let sun = Light::Disc { cap: Cap { axis: DVec3::Y, radius_rad: 0.01 }, irradiance: 1.0 };
     let red = sun.clone().coloured(DVec3::new(1.0, 0.5, 0.2));

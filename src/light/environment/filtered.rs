@@ -68,6 +68,17 @@ impl Filtered {
         Filtered { levels }
     }
 
+    /// The sum of two.
+    #[must_use]
+    pub fn plus(mut self, other: &Filtered) -> Filtered {
+        for (level, other) in self.levels.iter_mut().zip(&other.levels) {
+            for (texel, other) in level.texels.iter_mut().zip(&other.texels) {
+                *texel = std::array::from_fn(|c| texel[c] + other[c]);
+            }
+        }
+        self
+    }
+
     /// All levels with their frames, `[row][column]`, [`WIDTH`] × [`HEIGHT`] texels.
     pub fn picture(&self) -> Vec<[f32; 3]> {
         let mut texels = vec![[0.0; 3]; WIDTH * HEIGHT];

@@ -25,7 +25,7 @@ use crate::process::watched::{Place, child::enter};
 use crate::results::Part;
 use crate::scene::drawing::{Drawing, Hdr, Truth, truth, truth_under};
 use crate::scene::lights::middle;
-use crate::scene::surroundings::add_behind;
+use crate::scene::surroundings::{add_behind, filtered};
 use crate::scene::tone_map::{display, exr, reduced, stacked, strip};
 use crate::scene::{Mesh, Orbit, PRINTED_LIGHTS, PRINTED_ZOOMS, Snake, read, snake, sphere};
 use diffraction_shaders::encode::{Picture, animation};
@@ -177,6 +177,7 @@ fn sweep(
         check(&Prepared::new(placement)?, gpu)?;
     }
     let widen = args.filter == Filter::Footprint;
+    let around = filtered(&lights);
     let bar = progress::bar(shots.len(), &format!("drawing {}", skin.spec.name));
     let (mut pictures, mut times) = (Vec::new(), Vec::new());
     let mut drawing = None;
@@ -186,7 +187,7 @@ fn sweep(
             let mut mesh = mesh.clone();
             turn(&mut mesh, turned);
             angle = turned;
-            drawing = Some(Drawing::new(gpu, placement, mesh, widen)?);
+            drawing = Some(Drawing::new(gpu, placement, mesh, widen, around.as_ref())?);
         }
         let Some(drawing) = &drawing else { bail!("the sweep has no picture") };
         if mesh.holds(orbit.eye()) {

@@ -197,10 +197,20 @@ fn glints(place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
     return (1.0 - shade.blend.x) * (sum + glints_of_surroundings(normal, tangent, uv, wr));
 }
 
-// What is diffracted of skies and maps. No variant has a function for them yet, so that they are refused before
-// (scene/lights.rs, `refused`).
+// The axes of the world in the frame of the fragment, for `environment_radiance`.
+var<private> world_x: vec3f;
+var<private> world_y: vec3f;
+var<private> world_z: vec3f;
+
+// What is diffracted of skies and maps.
 fn glints_of_surroundings(normal: vec3f, tangent: vec4f, uv: vec2f, wr: vec3f) -> vec3f {
-    return vec3f(0.0);
+    if (shade.widening.z == 0.0) {
+        return vec3f(0.0);
+    }
+    world_x = in_frame(vec3f(1.0, 0.0, 0.0), normal, tangent, uv);
+    world_y = in_frame(vec3f(0.0, 1.0, 0.0), normal, tangent, uv);
+    world_z = in_frame(vec3f(0.0, 0.0, 1.0), normal, tangent, uv);
+    return diffraction_environment(wr);
 }
 
 // Clamps to the range of 16-bit floats.

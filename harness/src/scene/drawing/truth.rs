@@ -2,7 +2,7 @@
 
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::field::reference::Directions;
-use diffraction_shaders::light::Light;
+use diffraction_shaders::light::{self, Filtered, Light};
 use diffraction_shaders::optics::colour::from_rgb;
 use diffraction_shaders::optics::colour_difference::{ColourDifference, colour_difference};
 use diffraction_shaders::optics::{Matter, REFERENCE_NM};
@@ -10,14 +10,14 @@ use diffraction_shaders::tables::Table;
 use diffraction_shaders::variant::mesh::{
     MeshParams, MeshVertex, Vertex, in_frame, mesh as shaded,
 };
-use diffraction_shaders::variant::{Arguments, Twin};
+use diffraction_shaders::variant::{Arguments, Around, Twin};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use crate::drivers::Prepared;
 use crate::drivers::gpu::Gpu;
 use crate::scene::lights::{irradiance, middle};
-use crate::scene::surroundings::Surroundings;
+use crate::scene::surroundings::{Surroundings, filtered, surrounds, turned};
 use crate::scene::{Mesh, raster};
 
 use super::{axes, directions, lit_parts, relative_radiance};
@@ -90,18 +90,26 @@ pub fn truth_under(
     let scene = Scene::new(gpu, prepared, mesh, params, size)?;
     let optics = &prepared.placement.variant.optics;
     let scale = prepared.form.diffuser_scale(optics).unwrap_or_default();
-    let (eye, map) = (scene.params.eye, &scene.mesh.orientation);
+    let (eye, turns) = (scene.params.eye, &scene.mesh.orientation);
     let frame = |at: &MeshVertex| {
-        let [x, y, z] = DVec3::AXES.map(|axis| in_frame(map, axis, at));
+        let [x, y, z] = DVec3::AXES.map(|axis| in_frame(turns, axis, at));
         DMat3::from_cols(x, y, z)
     };
+    let map = filtered(lights);
     let lit = |twin: &Twin<'_>, frame: DMat3, wr: DVec3| {
-        lights.iter().map(|light| diffracted(twin, scale, light, frame, wr)).sum::<DVec3>()
+        let around = map.as_ref().map(|map| InFrame { map, to_frame: frame });
+        let seen = around.as_ref().map(|around| around as &dyn light::Surroundings);
+        let twin = &Twin { surroundings: seen, ..*twin };
+        let each = lights.iter().filter(|light| !surrounds(light));
+        let each = each.map(|light| diffracted(twin, scale, light, frame, wr));
+        let call = Arguments::Environment { around: Around::Host, wr };
+        let all_round = seen.and_then(|_| twin.evaluate(call)).unwrap_or_default();
+        each.sum::<DVec3>() + DVec3::from(all_round)
     };
     let compared = scene.compared(
         &|pixel| drawn[pixel.index].0,
         &|twin, pixel| {
-            let wr = in_frame(map, eye - pixel.at.place, &pixel.at);
+            let wr = in_frame(turns, eye - pixel.at.place, &pixel.at);
             lit(twin, frame(&pixel.at), wr).to_array()
         },
         &|twin, pixel| lit(twin, frames[pixel.index], pixel.used.wr).to_array(),
@@ -109,7 +117,7 @@ pub fn truth_under(
     let matter = prepared.form.matter();
     let around = Surroundings::new(lights);
     let white = |pixel: &Pixel| {
-        let wr = in_frame(map, eye - pixel.at.place, &pixel.at);
+        let wr = in_frame(turns, eye - pixel.at.place, &pixel.at);
         let to_frame = frame(&pixel.at);
         let each = lights.iter().map(|light| reflected(matter, light, to_frame, wr));
         each.sum::<DVec3>() + reflected_around(matter, around.as_ref(), to_frame, wr)
@@ -123,7 +131,19 @@ pub fn truth_under(
     Ok(Truth { body: Some(sorted_p95(apart).0 / most), ..compared })
 }
 
-/// Tristimulus values of the radiance that a light of the world diffracts.
+/// A map in the frame of a file of lights, seen from the frame of a pixel.
+struct InFrame<'a> {
+    map: &'a Filtered,
+    to_frame: DMat3,
+}
+
+impl light::Surroundings for InFrame<'_> {
+    fn seen(&self, direction: DVec3, spread_rad: f64) -> DVec3 {
+        self.map.seen(turned(self.to_frame.transpose() * direction), spread_rad)
+    }
+}
+
+/// Tristimulus values of the radiance that a light of the world diffracts, other than a sky or a map.
 fn diffracted(twin: &Twin<'_>, scale: f64, light: &Light, to_frame: DMat3, wr: DVec3) -> DVec3 {
     if let Light::Direction { direction, irradiance } = light {
         let wi = to_frame * *direction;
@@ -185,7 +205,7 @@ fn transmitted(matter: &Matter, wi: DVec3, wr: DVec3) -> f64 {
 struct Scene<'a> {
     prepared: &'a Prepared<'a>,
     /// The tables as the driver got them.
-    tables: [Table; 3],
+    tables: [Table; 4],
     /// The mesh with its numbers rounded as the driver got them.
     mesh: Mesh,
     params: MeshParams,
@@ -223,7 +243,8 @@ impl<'a> Scene<'a> {
             let cause = "is not visible in any pixel, so nothing can be compared";
             return Err(Error::new(&mesh.name, cause));
         }
-        let tables = [&prepared.terms, &prepared.spectrum, &prepared.coefficients];
+        let tables =
+            [&prepared.terms, &prepared.spectrum, &prepared.coefficients, &prepared.streaks];
         let tables = tables.map(|table| table.clone().rounded());
         Ok(Scene { prepared, tables, mesh, params, pixels, edges })
     }
