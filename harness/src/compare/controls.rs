@@ -190,7 +190,7 @@ pub const LAMP_CONTROLS: [Control; 6] = [
         spoil: |p, _| {
             let right = "return gain(wi, wr) / max";
             let wrong = "return select(gain(wi, wr), 0.0, all(order == vec2i(0, 0))) / max";
-            replace(p, "lamps", right, wrong);
+            replace(p, "arrivals", right, wrong);
         },
     },
     Control {
@@ -216,7 +216,7 @@ pub const MATTER_CONTROLS: [Control; 4] = [
         around: false,
         spoil: |p, _| {
             let right = "* reflected * efficiency";
-            replace(p, "lamps", right, "* (1.0 + 1e-9 * reflected) * efficiency");
+            replace(p, "arrivals", right, "* (1.0 + 1e-9 * reflected) * efficiency");
         },
     },
     Control {

@@ -46,6 +46,7 @@ static const int ENVIRONMENT_ROWS = int(512);
 static const float FIRST_SPREAD = 0.009203885;
 static const int LOBE_COLUMNS = int(360);
 static const int LOBE_ROWS = int(19);
+static const float LONG_CPUM = 1.0;
 static const int MINOR_COUNT = int(1);
 static const int MOMENT_COLUMNS = int(401);
 static const int NODE_BINS = int(1);
@@ -1120,60 +1121,64 @@ float3 streak(int2 order_7, float3 wr_15)
 {
     float3 xyz_4 = (0.0).xxx;
     float first_um = (float)0;
-    int cell_2 = int(0);
+    int cell_2 = (int)0;
 
-    const float2 _e8 = order_frequency(order_7);
-    const float2 _e9 = propagating(_e8, wr_15);
-    float pace_3 = length(_e8);
-    const float4 _e13 = streak_light(int(0), int(1));
-    first_um = _e13.w;
+    const float2 _e7 = order_frequency(order_7);
+    const float2 _e8 = propagating(_e7, wr_15);
+    float pace_3 = length(_e7);
+    bool is_long = (pace_3 > LONG_CPUM);
+    int first_3 = (is_long ? int(9) : int(0));
+    int end_1 = asint(asuint(first_3) + asuint((is_long ? int(16) : STREAK_CELLS)));
+    const float4 _e20 = streak_light(first_3, int(1));
+    first_um = _e20.w;
+    cell_2 = first_3;
     bool loop_init_8 = true;
     while(true) {
         if (!loop_init_8) {
-            int _e82 = cell_2;
-            cell_2 = asint(asuint(_e82) + asuint(int(1)));
+            int _e88 = cell_2;
+            cell_2 = asint(asuint(_e88) + asuint(int(1)));
         }
         loop_init_8 = false;
-        int _e15 = cell_2;
-        if ((_e15 < STREAK_CELLS)) {
+        int _e22 = cell_2;
+        if ((_e22 < end_1)) {
         } else {
             break;
         }
         {
-            int _e18 = cell_2;
-            const float4 _e22 = streak_light(asint(asuint(_e18) + asuint(int(1))), int(1));
-            float last_um = _e22.w;
-            float _e24 = first_um;
-            float low_3 = max(_e24, _e9.x);
-            float high_2 = min(last_um, _e9.y);
+            int _e24 = cell_2;
+            const float4 _e28 = streak_light(asint(asuint(_e24) + asuint(int(1))), int(1));
+            float last_um = _e28.w;
+            float _e30 = first_um;
+            float low_3 = max(_e30, _e8.x);
+            float high_2 = min(last_um, _e8.y);
             if ((low_3 < high_2)) {
-                float _e30 = first_um;
-                float part_3 = ((high_2 - low_3) / (last_um - _e30));
-                int _e34 = cell_2;
-                const float4 _e36 = streak_light(_e34, int(0));
-                float inner_2 = clamp(_e36.w, lerp(low_3, high_2, 0.3), lerp(low_3, high_2, 0.7));
-                float lambda_um_5 = ((part_3 < 0.999) ? inner_2 : _e36.w);
-                const float _e47 = order_share(order_7, _e8, lambda_um_5, wr_15);
-                float share_3 = (part_3 * _e47);
+                float _e36 = first_um;
+                float part_3 = ((high_2 - low_3) / (last_um - _e36));
+                int _e40 = cell_2;
+                const float4 _e42 = streak_light(_e40, int(0));
+                float inner_2 = clamp(_e42.w, lerp(low_3, high_2, 0.3), lerp(low_3, high_2, 0.7));
+                float lambda_um_5 = ((part_3 < 0.999) ? inner_2 : _e42.w);
+                const float _e53 = order_share(order_7, _e7, lambda_um_5, wr_15);
+                float share_3 = (part_3 * _e53);
                 if ((share_3 > 1e-6)) {
-                    const float3 _e51 = arrival(_e8, lambda_um_5, wr_15);
-                    int _e52 = cell_2;
-                    const float4 _e54 = streak_light(_e52, int(2));
-                    float spread_1 = (((part_3 * _e54.w) * pace_3) * rsqrt(max(_e51.z, 0.0001)));
-                    const float3 _e63 = from_surface(_e51);
-                    const float3 _e64 = environment_radiance(_e63, spread_1);
-                    float3 light_1 = (share_3 * _e64);
-                    int _e66 = cell_2;
-                    const float4 _e68 = streak_light(_e66, int(1));
-                    float3 _e69 = xyz_4;
-                    xyz_4 = (_e69 + (((light_1.x * _e36.xyz) + (light_1.y * _e68.xyz)) + (light_1.z * _e54.xyz)));
+                    const float3 _e57 = arrival(_e7, lambda_um_5, wr_15);
+                    int _e58 = cell_2;
+                    const float4 _e60 = streak_light(_e58, int(2));
+                    float spread_1 = (((part_3 * _e60.w) * pace_3) * rsqrt(max(_e57.z, 0.0001)));
+                    const float3 _e69 = from_surface(_e57);
+                    const float3 _e70 = environment_radiance(_e69, spread_1);
+                    float3 light_1 = (share_3 * _e70);
+                    int _e72 = cell_2;
+                    const float4 _e74 = streak_light(_e72, int(1));
+                    float3 _e75 = xyz_4;
+                    xyz_4 = (_e75 + (((light_1.x * _e42.xyz) + (light_1.y * _e74.xyz)) + (light_1.z * _e60.xyz)));
                 }
             }
             first_um = last_um;
         }
     }
-    float3 _e85 = xyz_4;
-    return _e85;
+    float3 _e91 = xyz_4;
+    return _e91;
 }
 
 float3 tristimulus_environment(float3 wr_16)
@@ -1404,27 +1409,27 @@ float4 probe(FragmentInput_probe fragmentinput_probe) : SV_Target0
     int column_8 = naga_f2i32(_e1.x);
     float _e7 = params.size.y;
     int row_9 = naga_f2i32(((_e7 - 1.0) - _e1.y));
-    float4 first_3 = directions.Load(int3(int2(column_8, asint(asuint(int(5)) * asuint(row_9))), int(0)));
+    float4 first_4 = directions.Load(int3(int2(column_8, asint(asuint(int(5)) * asuint(row_9))), int(0)));
     float4 viewer = directions.Load(int3(int2(column_8, asint(asuint(asint(asuint(int(5)) * asuint(row_9))) + asuint(int(1)))), int(0)));
-    if ((first_3.w == 1.0)) {
-        const float3 _e33 = tristimulus_disc(first_3.xyz, viewer.w, viewer.xyz);
+    if ((first_4.w == 1.0)) {
+        const float3 _e33 = tristimulus_disc(first_4.xyz, viewer.w, viewer.xyz);
         return float4(_e33, 1.0);
     }
-    if ((first_3.w == 2.0)) {
+    if ((first_4.w == 2.0)) {
         float4 _e46 = directions.Load(int3(int2(column_8, asint(asuint(asint(asuint(int(5)) * asuint(row_9))) + asuint(int(2)))), int(0)));
         float3 second_1 = _e46.xyz;
         float4 _e55 = directions.Load(int3(int2(column_8, asint(asuint(asint(asuint(int(5)) * asuint(row_9))) + asuint(int(3)))), int(0)));
         float3 third_1 = _e55.xyz;
         float4 _e64 = directions.Load(int3(int2(column_8, asint(asuint(asint(asuint(int(5)) * asuint(row_9))) + asuint(int(4)))), int(0)));
         float3 fourth = _e64.xyz;
-        const float3 _e68 = tristimulus_rectangle(first_3.xyz, second_1, third_1, fourth, viewer.xyz);
+        const float3 _e68 = tristimulus_rectangle(first_4.xyz, second_1, third_1, fourth, viewer.xyz);
         return float4(_e68, 1.0);
     }
-    if ((first_3.w == 3.0)) {
+    if ((first_4.w == 3.0)) {
         const float3 _e75 = tristimulus_environment(viewer.xyz);
         return float4(_e75, 1.0);
     }
-    const float3 _e80 = tristimulus(first_3.xyz, viewer.xyz);
+    const float3 _e80 = tristimulus(first_4.xyz, viewer.xyz);
     return float4(_e80, 1.0);
 }
 

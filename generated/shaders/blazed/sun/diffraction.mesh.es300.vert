@@ -38,6 +38,7 @@ const int ENVIRONMENT_ROWS = 512;
 const float FIRST_SPREAD = 0.009203885;
 const int LOBE_COLUMNS = 360;
 const int LOBE_ROWS = 19;
+const float LONG_CPUM = 1.0;
 const int MINOR_COUNT = 1;
 const int MOMENT_COLUMNS = 401;
 const int NODE_BINS = 1;

@@ -29,6 +29,7 @@ const int ENVIRONMENT_ROWS = 512;
 const float FIRST_SPREAD = 0.009203885;
 const int LOBE_COLUMNS = 360;
 const int LOBE_ROWS = 19;
+const float LONG_CPUM = 1.0;
 const int MATTER_CELLS = 1;
 const int MATTER_COLUMNS = 360;
 const float MATTER_COSINE = 0.7790805;
@@ -1082,58 +1083,62 @@ vec3 streak(ivec2 order_7, vec3 wr_17) {
     vec3 xyz_4 = vec3(0.0);
     float first_um = 0.0;
     int cell_2 = 0;
-    vec2 _e8 = order_frequency(order_7);
-    vec2 _e9 = propagating(_e8, wr_17);
-    float pace_3 = length(_e8);
-    vec4 _e13 = streak_light(0, 1);
-    first_um = _e13.w;
+    vec2 _e7 = order_frequency(order_7);
+    vec2 _e8 = propagating(_e7, wr_17);
+    float pace_3 = length(_e7);
+    bool is_long = (pace_3 > LONG_CPUM);
+    int first_4 = (is_long ? 9 : 0);
+    int end_1 = (first_4 + (is_long ? 16 : STREAK_CELLS));
+    vec4 _e20 = streak_light(first_4, 1);
+    first_um = _e20.w;
+    cell_2 = first_4;
     bool loop_init_8 = true;
     while(true) {
         if (!loop_init_8) {
-            int _e82 = cell_2;
-            cell_2 = (_e82 + 1);
+            int _e88 = cell_2;
+            cell_2 = (_e88 + 1);
         }
         loop_init_8 = false;
-        int _e15 = cell_2;
-        if ((_e15 < STREAK_CELLS)) {
+        int _e22 = cell_2;
+        if ((_e22 < end_1)) {
         } else {
             break;
         }
         {
-            int _e18 = cell_2;
-            vec4 _e22 = streak_light((_e18 + 1), 1);
-            float last_um = _e22.w;
-            float _e24 = first_um;
-            float low_3 = max(_e24, _e9.x);
-            float high_2 = min(last_um, _e9.y);
+            int _e24 = cell_2;
+            vec4 _e28 = streak_light((_e24 + 1), 1);
+            float last_um = _e28.w;
+            float _e30 = first_um;
+            float low_3 = max(_e30, _e8.x);
+            float high_2 = min(last_um, _e8.y);
             if ((low_3 < high_2)) {
-                float _e30 = first_um;
-                float part_4 = ((high_2 - low_3) / (last_um - _e30));
-                int _e34 = cell_2;
-                vec4 _e36 = streak_light(_e34, 0);
-                float inner_2 = clamp(_e36.w, mix(low_3, high_2, 0.3), mix(low_3, high_2, 0.7));
-                float lambda_um_10 = ((part_4 < 0.999) ? inner_2 : _e36.w);
-                float _e47 = order_share(order_7, _e8, lambda_um_10, wr_17);
-                float share_6 = (part_4 * _e47);
+                float _e36 = first_um;
+                float part_4 = ((high_2 - low_3) / (last_um - _e36));
+                int _e40 = cell_2;
+                vec4 _e42 = streak_light(_e40, 0);
+                float inner_2 = clamp(_e42.w, mix(low_3, high_2, 0.3), mix(low_3, high_2, 0.7));
+                float lambda_um_10 = ((part_4 < 0.999) ? inner_2 : _e42.w);
+                float _e53 = order_share(order_7, _e7, lambda_um_10, wr_17);
+                float share_6 = (part_4 * _e53);
                 if ((share_6 > 1e-6)) {
-                    vec3 _e51 = arrival(_e8, lambda_um_10, wr_17);
-                    int _e52 = cell_2;
-                    vec4 _e54 = streak_light(_e52, 2);
-                    float spread_1 = (((part_4 * _e54.w) * pace_3) * inversesqrt(max(_e51.z, 0.0001)));
-                    vec3 _e63 = from_surface(_e51);
-                    vec3 _e64 = environment_radiance(_e63, spread_1);
-                    vec3 light_2 = (share_6 * _e64);
-                    int _e66 = cell_2;
-                    vec4 _e68 = streak_light(_e66, 1);
-                    vec3 _e69 = xyz_4;
-                    xyz_4 = (_e69 + (((light_2.x * _e36.xyz) + (light_2.y * _e68.xyz)) + (light_2.z * _e54.xyz)));
+                    vec3 _e57 = arrival(_e7, lambda_um_10, wr_17);
+                    int _e58 = cell_2;
+                    vec4 _e60 = streak_light(_e58, 2);
+                    float spread_1 = (((part_4 * _e60.w) * pace_3) * inversesqrt(max(_e57.z, 0.0001)));
+                    vec3 _e69 = from_surface(_e57);
+                    vec3 _e70 = environment_radiance(_e69, spread_1);
+                    vec3 light_2 = (share_6 * _e70);
+                    int _e72 = cell_2;
+                    vec4 _e74 = streak_light(_e72, 1);
+                    vec3 _e75 = xyz_4;
+                    xyz_4 = (_e75 + (((light_2.x * _e42.xyz) + (light_2.y * _e74.xyz)) + (light_2.z * _e60.xyz)));
                 }
             }
             first_um = last_um;
         }
     }
-    vec3 _e85 = xyz_4;
-    return _e85;
+    vec3 _e91 = xyz_4;
+    return _e91;
 }
 
 vec3 tristimulus_environment(vec3 wr_18) {
@@ -1209,30 +1214,30 @@ void main() {
     int column_8 = int(_e1.x);
     float _e7 = _group_0_binding_0_fs.size.y;
     int row_10 = int(((_e7 - 1.0) - _e1.y));
-    vec4 first_4 = texelFetch(_group_0_binding_3_fs, ivec2(column_8, (5 * row_10)), 0);
+    vec4 first_5 = texelFetch(_group_0_binding_3_fs, ivec2(column_8, (5 * row_10)), 0);
     vec4 viewer_1 = texelFetch(_group_0_binding_3_fs, ivec2(column_8, ((5 * row_10) + 1)), 0);
-    if ((first_4.w == 1.0)) {
-        vec3 _e33 = tristimulus_disc(first_4.xyz, viewer_1.w, viewer_1.xyz);
+    if ((first_5.w == 1.0)) {
+        vec3 _e33 = tristimulus_disc(first_5.xyz, viewer_1.w, viewer_1.xyz);
         _fs2p_location0 = vec4(_e33, 1.0);
         return;
     }
-    if ((first_4.w == 2.0)) {
+    if ((first_5.w == 2.0)) {
         vec4 _e46 = texelFetch(_group_0_binding_3_fs, ivec2(column_8, ((5 * row_10) + 2)), 0);
         vec3 second_1 = _e46.xyz;
         vec4 _e55 = texelFetch(_group_0_binding_3_fs, ivec2(column_8, ((5 * row_10) + 3)), 0);
         vec3 third_1 = _e55.xyz;
         vec4 _e64 = texelFetch(_group_0_binding_3_fs, ivec2(column_8, ((5 * row_10) + 4)), 0);
         vec3 fourth = _e64.xyz;
-        vec3 _e68 = tristimulus_rectangle(first_4.xyz, second_1, third_1, fourth, viewer_1.xyz);
+        vec3 _e68 = tristimulus_rectangle(first_5.xyz, second_1, third_1, fourth, viewer_1.xyz);
         _fs2p_location0 = vec4(_e68, 1.0);
         return;
     }
-    if ((first_4.w == 3.0)) {
+    if ((first_5.w == 3.0)) {
         vec3 _e75 = tristimulus_environment(viewer_1.xyz);
         _fs2p_location0 = vec4(_e75, 1.0);
         return;
     }
-    vec3 _e80 = tristimulus(first_4.xyz, viewer_1.xyz);
+    vec3 _e80 = tristimulus(first_5.xyz, viewer_1.xyz);
     _fs2p_location0 = vec4(_e80, 1.0);
     return;
 }

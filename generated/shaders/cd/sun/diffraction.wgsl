@@ -19,6 +19,7 @@ const ENVIRONMENT_ROWS: i32 = 512; // number of rows of the two finest levels of
 const FIRST_SPREAD: f32 = 0.009203885; // blur of the second level, radians: 1.5 times the angle between its rows
 const LOBE_COLUMNS: i32 = 360; // number of columns of the table of narrow lobes
 const LOBE_ROWS: i32 = 19; // number of widths in the table of narrow lobes
+const LONG_CPUM: f32 = 1.0; // frequency of an order, cycles per µm, above which it has twice as many wavelengths
 const MATTER_CELLS: i32 = 1; // number of cells of the cosine
 const MATTER_COLUMNS: i32 = 360; // number of columns of the material
 const MATTER_COSINE: f32 = 0.7790805; // least cosine between half vector and viewer
@@ -783,9 +784,9 @@ fn environment_level(level: i32, place: vec2f) -> vec3f {
 // divided into cells of wavelengths. Each asks for the radiance at one wavelength, blurred over the cell's part of the
 // streak, and weighs it with the light of the cells around that wavelength.
 
-// Column: cell, from short wavelengths to long ones. Row: red, green, blue light. Channels: X, Y, Z of that light about the
-// wavelength of the cell; the wavelength in µm; in row 1 the lower edge of the cell, in row 2 the spread of its wavelengths.
-// A last column has the upper edge of the last cell.
+// Columns: cells from short wavelengths to long ones, then the upper edge of the last; after that the same with twice as
+// many cells. Row: red, green, blue light. Channels: X, Y, Z of that light about the wavelength of the cell; then in row 0
+// the wavelength in µm, in row 1 the lower edge of the cell, in row 2 the spread of its wavelengths.
 @group(0) @binding(6) var streaks: texture_2d<f32>;
 
 // X, Y, Z of the radiance under the surroundings, relative to a white of radiance 1.
@@ -826,9 +827,13 @@ fn streak(order: vec2i, wr: vec3f) -> vec3f {
     let frequency = order_frequency(order);
     let range = propagating(frequency, wr);
     let pace = length(frequency);
+    // long streaks have the finer cells
+    let is_long = pace > LONG_CPUM;
+    let first = select(0, STREAK_CELLS + 1, is_long);
+    let end = first + select(STREAK_CELLS, 2 * STREAK_CELLS, is_long);
     var xyz = vec3f(0.0);
-    var first_um = streak_light(0, 1).w;
-    for (var cell = 0; cell < STREAK_CELLS; cell++) {
+    var first_um = streak_light(first, 1).w;
+    for (var cell = first; cell < end; cell++) {
         let last_um = streak_light(cell + 1, 1).w;
         let low = max(first_um, range.x);
         let high = min(last_um, range.y);

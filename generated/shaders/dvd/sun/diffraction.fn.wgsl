@@ -23,6 +23,7 @@ const COVER_INDEX: f32 = 1.59509; // refractive index of the cover at 550 nm, re
 const EFFICIENCY_COLUMNS: i32 = 15; // number of columns of the table of efficiencies
 const LOBE_COLUMNS: i32 = 360; // number of columns of the table of narrow lobes
 const LOBE_ROWS: i32 = 19; // number of widths in the table of narrow lobes
+const LONG_CPUM: f32 = 1.0; // frequency of an order, cycles per µm, above which it has twice as many wavelengths
 const MATTER_CELLS: i32 = 1; // number of cells of the cosine
 const MATTER_COLUMNS: i32 = 360; // number of columns of the material
 const MATTER_COSINE: f32 = 0.7790805; // least cosine between half vector and viewer
@@ -746,9 +747,13 @@ fn streak(order: vec2i, wr: vec3f, efficiencies: texture_2d<f32>, spectrum: text
     let frequency = order_frequency(order);
     let range = propagating(frequency, wr);
     let pace = length(frequency);
+    // long streaks have the finer cells
+    let is_long = pace > LONG_CPUM;
+    let first = select(0, STREAK_CELLS + 1, is_long);
+    let end = first + select(STREAK_CELLS, 2 * STREAK_CELLS, is_long);
     var xyz = vec3f(0.0);
-    var first_um = streak_light(0, 1, streaks).w;
-    for (var cell = 0; cell < STREAK_CELLS; cell++) {
+    var first_um = streak_light(first, 1, streaks).w;
+    for (var cell = first; cell < end; cell++) {
         let last_um = streak_light(cell + 1, 1, streaks).w;
         let low = max(first_um, range.x);
         let high = min(last_um, range.y);

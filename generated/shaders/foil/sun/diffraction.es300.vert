@@ -29,6 +29,7 @@ const int ENVIRONMENT_ROWS = 512;
 const float FIRST_SPREAD = 0.009203885;
 const int LOBE_COLUMNS = 360;
 const int LOBE_ROWS = 19;
+const float LONG_CPUM = 1.0;
 const int MATTER_CELLS = 1;
 const int MATTER_COLUMNS = 360;
 const float MATTER_COSINE = 0.74535596;
