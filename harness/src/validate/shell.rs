@@ -58,6 +58,7 @@ fn shells(language: &str, text: &str) -> Result<Vec<(String, String)>, String> {
     if let Some(word) = forbidden.iter().find(|word| text.contains(**word)) {
         return Err(format!("a function form must not contain `{word}`"));
     }
+    let text = &format!("{text}{}", host(language, text));
     match language {
         "wgsl" => Ok(vec![(format!("{NAME}.wgsl"), wgsl(text)?)]),
         "glsl" => {
@@ -82,6 +83,24 @@ fn shells(language: &str, text: &str) -> Result<Vec<(String, String)>, String> {
             let main =
                 format!("float4 main() : SV_Target0 {{\n    return float4({sum}, 1.0);\n}}\n");
             Ok(vec![(format!("{NAME}.hlsl"), format!("{text}\n{main}"))])
+        }
+    }
+}
+
+/// What a host defines, if a text calls it: surroundings that are brighter above.
+fn host(language: &str, text: &str) -> &'static str {
+    if !text.contains("environment_radiance(") {
+        return "";
+    }
+    match language {
+        "wgsl" => {
+            "fn environment_radiance(direction: vec3f, spread: f32) -> vec3f {\n    return vec3f(1.0 + direction.z + spread);\n}\n"
+        }
+        "glsl" => {
+            "vec3 environment_radiance(vec3 direction, float spread) {\n    return vec3(1.0 + direction.z + spread);\n}\n"
+        }
+        _ => {
+            "float3 environment_radiance(float3 direction, float spread) {\n    float all = 1.0 + direction.z + spread;\n    return float3(all, all, all);\n}\n"
         }
     }
 }

@@ -36,6 +36,16 @@ struct Expected {
     tolerance: f64,
 }
 
+/// The function whose probes have surroundings.
+const AROUND: &str = "diffraction_environment";
+
+/// Whether a probe is evaluated: of those among surroundings, the ones under a sky of radiance 1 everywhere, which is one texel.
+fn is_evaluated(probe: &Value) -> bool {
+    let sky = &probe["sky"];
+    let is_white = sky["constant"] == serde_json::json!([1.0, 1.0, 1.0]);
+    probe["function"] != AROUND || is_white && sky["lobes"].as_array().is_some_and(Vec::is_empty)
+}
+
 /// The arguments of a probe as rows of texels, as the template `probe` reads them.
 fn arguments(probe: &Value) -> Vec<[f64; 4]> {
     let row = |value: &Value, w: f64| {
@@ -48,6 +58,7 @@ fn arguments(probe: &Value) -> Vec<[f64; 4]> {
         Some("diffraction_disc") => {
             vec![row(&probe["axis"], 1.0), row(&probe["wr"], number(&probe["radius"]))]
         }
+        Some(AROUND) => vec![row(&probe["wr"], 3.0), row(&probe["wr"], 0.0)],
         Some(_) => {
             let corners = [0, 1, 2, 3].map(|i| &probe["corners"][i]);
             let others = corners[1..].iter().map(|corner| row(corner, 0.0));
@@ -65,7 +76,9 @@ impl Job {
         if all("probes").next().is_none() {
             return Err("probe.json: has no probes".to_owned());
         }
-        let probes: Vec<&Value> = all("probes").chain(all("lights")).collect();
+        let probes: Vec<&Value> =
+            all("probes").chain(all("lights")).filter(|probe| is_evaluated(probe)).collect();
+        let has_around = probes.iter().any(|probe| probe["function"] == AROUND);
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         let targets = manifest["targets"]["msl"].as_array().map_or(&[][..], Vec::as_slice);
         let target = targets.iter().find(|target| target["file"] == *name);
@@ -121,6 +134,12 @@ impl Job {
         let directions = folder.join("directions");
         floats(&directions, texels)?;
         texture(0, 4, [count, height as u64, 1], bindings.number("directions")?, &directions);
+        if has_around {
+            // a sky of radiance 1
+            let sky = folder.join("environment");
+            floats(&sky, [1.0; 4])?;
+            texture(0, 4, [1, 1, 1], bindings.number("environment")?, &sky);
+        }
         let mesh_block = Block::of(&manifest, "mesh_params");
         if mesh.is_some() {
             // a map of one texel: the frame is not turned further
