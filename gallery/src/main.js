@@ -17,7 +17,7 @@ const LIGHT_NAMES = Object.fromEntries(Object.entries(LIGHTS).map(([name, { word
 const $ = (id) => document.getElementById(id);
 const asked = new URLSearchParams(location.search);
 const state = {
-  body: "snake", azimuth: 0.1, elevation: 0.2, distance: 4, light: FIRST_LIGHT.clone(), stops: numberAsked("stops") ?? 0.5,
+  body: "snake", azimuth: radiansAsked("azimuth") ?? 0.1, elevation: radiansAsked("elevation") ?? 0.2, distance: 4, light: FIRST_LIGHT.clone(), stops: numberAsked("stops") ?? 0.5,
   ratio: numberAsked("ratio") ?? 0,
   sizes: { diameter: numberAsked("diameter") ?? 12, width: numberAsked("width") ?? 40, height: numberAsked("height") ?? 20 },
 };
@@ -225,6 +225,12 @@ function unique(values) {
 function numberAsked(name) {
   const number = Number.parseFloat(asked.get(name));
   return Number.isFinite(number) ? number : null;
+}
+
+/** Degrees of the address in radians. */
+function radiansAsked(name) {
+  const degrees = numberAsked(name);
+  return degrees === null ? null : (degrees * Math.PI) / 180;
 }
 
 function fail(error) {
