@@ -4,7 +4,7 @@ import { facts, short } from "./facts.js";
 import { LIGHTS, lightsOf } from "./lights.js";
 import { listVariants, loadVariant, openPackage } from "./package.js";
 import { lightPad, orbit } from "./pointers.js";
-import { probePackage, probeVariant } from "./probe.js";
+import { probePackage, probeStudio, probeVariant } from "./probe.js";
 import { createStage, FIRST_LIGHT } from "./stage.js";
 import * as webgl2 from "./webgl2.js";
 import * as webgpu from "./webgpu.js";
@@ -37,6 +37,8 @@ window.gallery = {
   ready: start(),
   idle: () => queue.then(() => stage.idle()),
   probe: () => queue.then(() => probePackage(files, engine, APIS[$("api").value].target)),
+  /** XYZ in the studio of the variant that is shown, towards unit vectors in a frame whose normal is up. */
+  probeStudio: (viewers) => queue.then(() => probeStudio(files, engine, APIS[$("api").value].target, here(), viewers)),
   /** Milliseconds from the page's beginning to its first picture. */
   firstPicture: () => firstPicture,
   /** What it does, or did last. */

@@ -52,6 +52,15 @@ export async function probeVariant(files, engine, target, place) {
   return { surface: place.surface, variant: place.variant, count: probes.length, functions, worst: greatest, controls };
 }
 
+/** XYZ in the studio of a variant that has the function, towards unit vectors to viewers in a tangent frame whose normal is up. */
+export async function probeStudio(files, engine, target, place, viewers) {
+  const variant = await loadVariant(files, place, target);
+  const all = viewers.map((wr) => ({ calls: AROUND, vectors: [], wr }));
+  while (all.length % BLOCK) all.push(all[0]);
+  const pixels = await engine.probe(variant, all, true);
+  return viewers.map((_, i) => [...pixels.subarray(4 * i, 4 * i + 3)]);
+}
+
 /** A probe under a flipped bitangent. */
 function mirrored(probe) {
   return { ...turned(probe), vectors: probe.vectors.map(flip), wr: flip(probe.wr) };

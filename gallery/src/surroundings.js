@@ -29,6 +29,9 @@ const KEY = SOFTBOXES[0].middle;
  */
 export const ALPHA_OF_SPREAD = 0.6;
 
+/** Roughness of the studio behind the bodies: its cube is coarser than a screen. */
+export const ROUGHNESS_BEHIND = 0.12;
+
 /** Angle about the vertical from +x towards +z at which the first softbox stands. */
 export const KEY_AZIMUTH = Math.atan2(KEY.y, KEY.x);
 

@@ -4,7 +4,7 @@ import {
   RawShaderMaterial, Scene, Vector3, WebGLRenderer, WebGLRenderTarget,
 } from "three";
 import { AROUND, CALLS, functionsOf, lightUniforms, tristimulus } from "./lights.js";
-import { ALPHA_OF_SPREAD, prefiltered } from "./surroundings.js";
+import { ALPHA_OF_SPREAD, prefiltered, ROUGHNESS_BEHIND } from "./surroundings.js";
 import { probeArguments, SKY_LOBES, SKY_ROW, textures } from "./tables.js";
 
 export const target = "glsl-es300";
@@ -55,7 +55,6 @@ const NO_HOST = "vec3 environment_radiance(vec3 direction, float spread) { retur
 
 /** Surroundings of a probe. */
 const SKY = `
-vec4 argument(int row) { return texelFetch(engine_arguments, ivec2(int(gl_FragCoord.x), row), 0); }
 vec3 environment_radiance(vec3 direction, float spread) {
     vec4 constant = argument(${SKY_ROW});
     vec3 sum = constant.rgb;
@@ -165,13 +164,14 @@ void main() {
 
 const BEHIND = `${CUBE}${SHOWN}
 in vec3 v_to;
-void main() { colour = vec4(shown(around(normalize(v_to), 0.0)), 1.0); }`;
+void main() { colour = vec4(shown(around(normalize(v_to), ${ROUGHNESS_BEHIND})), 1.0); }`;
 
-const probeText = (functions) => `
+const probeText = (functions, isStudio) => `
 uniform sampler2D engine_arguments;
 layout(location = 0) out vec4 colour;
-${SKY}
-void main() {
+vec4 argument(int row) { return texelFetch(engine_arguments, ivec2(int(gl_FragCoord.x), row), 0); }
+${isStudio ? HOST : SKY}
+void main() {${isStudio ? "\n    engine_frame = mat3(1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0);" : ""}
     int which = int(argument(0).w);
     bool is_xyz = gl_FragCoord.y < 1.0;
     vec3 a = argument(0).xyz, b = argument(2).xyz, c = argument(3).xyz, d = argument(4).xyz, wr = argument(1).xyz;
@@ -191,20 +191,19 @@ export async function open(canvas, onLost) {
   canvas.addEventListener("webglcontextlost", () => onLost("The context of WebGL2 was lost"));
   const unmasked = gl.getExtension("WEBGL_debug_renderer_info");
   let studio;
+  const made = () => (studio ??= prefiltered(new PMREMGenerator(renderer)));
   return {
     renderer,
     driver: gl.getParameter(unmasked?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER),
     /** A material for bodies that calls a function of the variant, with one for what is `behind`, `set(uniforms)` and `dispose()`. */
-    material: (variant, calls) => {
-      if (calls === AROUND) studio ??= prefiltered(new PMREMGenerator(renderer));
-      return bodyMaterial(variant, calls, studio);
-    },
+    material: (variant, calls) => bodyMaterial(variant, calls, calls === AROUND ? made() : null),
     /** Draws, and returns when the picture is done. */
     draw: async (scene, camera) => {
       renderer.render(scene, camera);
       await done(gl);
     },
-    probe: (variant, probes) => probe(renderer, variant, probes),
+    /** XYZ and RGB of probes, under their skies or, all of them, in the studio: with the normal up and the tangent along x. */
+    probe: (variant, probes, isStudio) => probe(renderer, variant, probes, isStudio ? made() : null),
     dispose: () => renderer.dispose(),
   };
 }
@@ -227,8 +226,7 @@ function bodyMaterial(variant, calls, studio) {
     exposure: { value: 1 },
     is_map: { value: false },
     samples: { value: 1 },
-    surroundings: { value: studio?.texture },
-    last_level: { value: studio?.lastLevel },
+    ...(studio && studioUniforms(studio)),
   };
   const material = raw(VERTEX, variant.text + fragment(variant, calls), bound, uniforms);
   const behind = calls === AROUND ? raw(BEHIND_VERTEX, BEHIND, {}, uniforms) : null;
@@ -247,11 +245,16 @@ function bodyMaterial(variant, calls, studio) {
   };
 }
 
+function studioUniforms({ texture, lastLevel }) {
+  return { surroundings: { value: texture }, last_level: { value: lastLevel } };
+}
+
 /** A row of XYZ and one of RGB for probes. */
-async function probe(renderer, variant, probes) {
+async function probe(renderer, variant, probes, studio) {
   if (!renderer.extensions.has("EXT_color_buffer_float")) throw new Error("no 32-bit float targets");
   const bound = { ...textures(variant.tables), engine_arguments: probeArguments(probes) };
-  const material = raw(CORNERS, variant.text + probeText(functionsOf(variant)), bound, {});
+  const uniforms = studio ? { ...studioUniforms(studio), turn: { value: new Vector3(1, 0, 0) } } : {};
+  const material = raw(CORNERS, variant.text + probeText(functionsOf(variant), studio !== null), bound, uniforms);
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]), 3));
   const mesh = new Mesh(geometry, material);

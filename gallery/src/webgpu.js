@@ -3,7 +3,7 @@ import { FloatType, LinearSRGBColorSpace, NearestFilter, NoBlending, NoToneMappi
 import { attribute, cubeTexture, positionGeometry, sampler, screenCoordinate, texture, uniform, varying, wgsl, wgslFn } from "three/tsl";
 import { NodeMaterial, PMREMGenerator, QuadMesh, WebGPURenderer } from "three/webgpu";
 import { AROUND, CALLS, functionsOf, lightUniforms, tristimulus } from "./lights.js";
-import { ALPHA_OF_SPREAD, prefiltered } from "./surroundings.js";
+import { ALPHA_OF_SPREAD, prefiltered, ROUGHNESS_BEHIND } from "./surroundings.js";
 import { probeArguments, SKY_LOBES, SKY_ROW, textures } from "./tables.js";
 
 export const target = "wgsl";
@@ -55,9 +55,10 @@ const SHOWN = `fn engine_shown(radiance: vec3f, exposure: f32) -> vec3f {
     return select(high, low, linear <= vec3f(0.0031308));
 }`;
 
-const BEHIND = `fn behind(to: vec3f, turn: vec3f, exposure: f32, surroundings: texture_cube<f32>) -> vec4f {
+const BEHIND = `fn behind(to: vec3f, turn: vec3f, exposure: f32, last_level: f32, surroundings: texture_cube<f32>) -> vec4f {
     engine_turn = turn;
-    return vec4f(engine_shown(engine_around(normalize(to), 0.0), exposure), 1.0);
+    engine_last_level = last_level;
+    return vec4f(engine_shown(engine_around(normalize(to), ${ROUGHNESS_BEHIND}), exposure), 1.0);
 }`;
 
 // world space is the bodies' own; the same in GLSL is in webgl2.js
@@ -127,8 +128,14 @@ const shade = (calls) => (parameters, tables) => `fn shade(place: vec3f, normal:
     return vec4f(cover * engine_shown(sum.rgb / sum.a, exposure), cover);
 }`;
 
-const probeText = (functions) => (parameters, tables) => `fn engine_probe(place: vec2f, engine_arguments: texture_2d<f32>${parameters}) -> vec4f {
-    let column = i32(place.x);
+const probeText = (functions, isStudio) => (parameters, tables) => `fn engine_probe(place: vec2f, engine_arguments: texture_2d<f32>${isStudio ? ", last_level: f32, surroundings: texture_cube<f32>" : ""}${parameters}) -> vec4f {
+    let column = i32(place.x);${isStudio ? `
+    engine_turn = vec3f(1.0, 0.0, 0.0);
+    engine_last_level = last_level;
+    engine_frame = mat3x3f(1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0);` : `
+    for (var i = 0; i < ${1 + 2 * SKY_LOBES}; i++) {
+        engine_sky[i] = textureLoad(engine_arguments, vec2i(column, ${SKY_ROW} + i), 0);
+    }`}
     let first = textureLoad(engine_arguments, vec2i(column, 0), 0);
     let viewer = textureLoad(engine_arguments, vec2i(column, 1), 0);
     let a = first.xyz;
@@ -138,9 +145,6 @@ const probeText = (functions) => (parameters, tables) => `fn engine_probe(place:
     let radius = viewer.w;
     let wr = viewer.xyz;
     let is_xyz = place.y < 1.0;
-    for (var i = 0; i < ${1 + 2 * SKY_LOBES}; i++) {
-        engine_sky[i] = textureLoad(engine_arguments, vec2i(column, ${SKY_ROW} + i), 0);
-    }
     let which = i32(first.w);${functions.map((name) => `
     if (which == ${Object.keys(CALLS).indexOf(name)}) {
         if (is_xyz) { return vec4f(${tristimulus(name)}(${CALLS[name]}${tables(name)}), 1.0); }
@@ -172,20 +176,18 @@ export async function open(canvas, onLost) {
     if (reason !== "destroyed") onLost(`The device of WebGPU was lost: ${message.replace(/\.$/, "")}`);
   };
   let studio;
+  const made = () => (studio ??= prefiltered(new PMREMGenerator(renderer)));
   const { vendor, architecture, description } = adapter.info;
   return {
     renderer,
     driver: [vendor, architecture, description].filter(Boolean).join(" "),
-    material: (variant, calls) => {
-      if (calls === AROUND) studio ??= prefiltered(new PMREMGenerator(renderer));
-      return bodyMaterial(variant, calls, studio);
-    },
+    material: (variant, calls) => bodyMaterial(variant, calls, calls === AROUND ? made() : null),
     draw: async (scene, camera) => {
       if (isLost) return;
       renderer.render(scene, camera);
       await Promise.race([device.queue.onSubmittedWorkDone(), lost]);
     },
-    probe: (variant, probes) => probe(renderer, variant, probes),
+    probe: (variant, probes, isStudio) => probe(renderer, variant, probes, isStudio ? made() : null),
     dispose: () => renderer.dispose(),
   };
 }
@@ -235,16 +237,15 @@ function bodyMaterial(variant, calls, studio) {
   };
   const material = new NodeMaterial();
   material.blending = NoBlending;
-  const around = [wgsl(AROUND_STATE), wgslFn(AROUND_TEXT)];
-  const host = calls === AROUND ? [...around, wgslFn(HOST)] : variant.signature(AROUND) ? [wgslFn(NO_HOST)] : [];
+  const host = calls === AROUND ? [...aroundText(), wgslFn(HOST)] : variant.signature(AROUND) ? [wgslFn(NO_HOST)] : [];
   let behind = null;
-  if (calls === AROUND) {
-    const surroundings = () => cubeTexture(studio.texture).setName("engine_surroundings");
-    Object.assign(inputs, { surroundings: surroundings(), last_level: uniform(studio.lastLevel) });
+  if (studio) {
+    Object.assign(inputs, studioInputs(studio));
     behind = new NodeMaterial();
     behind.blending = NoBlending;
     const { turn, exposure } = knobs;
-    behind.fragmentNode = wgslFn(BEHIND, [...around, wgslFn(SHOWN)])({ to: varying(positionGeometry), turn, exposure, surroundings: surroundings() });
+    const seen = { to: varying(positionGeometry), turn, exposure, ...studioInputs(studio) };
+    behind.fragmentNode = wgslFn(BEHIND, [...aroundText(), wgslFn(SHOWN)])(seen);
   }
   material.fragmentNode = shell(variant, [calls], bound, shade(calls), inputs, [...host, wgslFn(SHOWN)]);
   const set = (values) => {
@@ -262,15 +263,25 @@ function bodyMaterial(variant, calls, studio) {
   };
 }
 
+function aroundText() {
+  return [wgsl(AROUND_STATE), wgslFn(AROUND_TEXT)];
+}
+
+function studioInputs({ texture, lastLevel }) {
+  return { surroundings: cubeTexture(texture).setName("engine_surroundings"), last_level: uniform(lastLevel) };
+}
+
 /** A row of XYZ and one of RGB for probes. */
-async function probe(renderer, variant, probes) {
+async function probe(renderer, variant, probes, studio) {
   const bound = { ...textures(variant.tables), engine_arguments: probeArguments(probes) };
   const material = new NodeMaterial();
   material.blending = NoBlending;
   const inputs = { place: screenCoordinate.xy, engine_arguments: texture(bound.engine_arguments) };
   const functions = functionsOf(variant);
-  const host = [wgsl(SKY_STATE), ...(functions.includes(AROUND) ? [wgslFn(SKY)] : [])];
-  material.fragmentNode = shell(variant, functions, bound, probeText(functions), inputs, host);
+  if (studio) Object.assign(inputs, studioInputs(studio));
+  const sky = () => [wgsl(SKY_STATE), ...(functions.includes(AROUND) ? [wgslFn(SKY)] : [])];
+  const host = studio ? [...aroundText(), wgslFn(HOST)] : sky();
+  material.fragmentNode = shell(variant, functions, bound, probeText(functions, studio !== null), inputs, host);
   const options = { type: FloatType, minFilter: NearestFilter, magFilter: NearestFilter, depthBuffer: false };
   const picture = new RenderTarget(probes.length, 2, options);
   renderer.setRenderTarget(picture);
