@@ -24,10 +24,10 @@ const SOFTBOXES = [
 const KEY = SOFTBOXES[0].middle;
 
 /**
- * What shares of the surroundings' spread are to the roughness of three.js. Its cubes are filtered by the lobe of GGX that a mirror
- * in the normal has, alpha = roughness², which is nearest to a Gaussian of standard deviation `spread` where alpha is this times it.
+ * The cube's levels are filtered by the lobe of GGX about the normal, alpha = roughness². The blur of an edge by it is nearest to that
+ * by a Gaussian of standard deviation `spread` where alpha is so many times the spread: docs/integrating.md.
  */
-export const ALPHA_OF_SPREAD = 0.6;
+export const ALPHA_OF_SPREAD = 0.5;
 
 /** Roughness of the studio behind the bodies: its cube is coarser than a screen. */
 export const ROUGHNESS_BEHIND = 0.12;

@@ -128,7 +128,15 @@ const LIGHT_ACTS = {
   "sizes of another light": { before: ["lamp", { width: 40, height: 20 }], after: ["lamp", { width: 70, height: 50 }] },
   "softbox as large as the lamp": { before: ["lamp", { diameter: 12.5 }], after: ["softbox", { width: 11, height: 11 }] },
   "lamp as small as the sun": { before: ["sun"], after: ["lamp", { diameter: 0.5 }] },
+  "studio for a direction": { before: ["direction"], after: ["studio"] },
+  "sun for the studio": { before: ["studio"], after: ["sun"] },
 };
+
+/** Unit vectors in a tangent frame, all over the hemisphere down to 75° from the normal. */
+const VIEWERS = Array.from({ length: 64 }, (_, i) => {
+  const [z, phi] = [1 - ((i + 0.5) / 64) * (1 - Math.cos((75 * Math.PI) / 180)), 2.399963 * i];
+  return [Math.sqrt(1 - z * z) * Math.cos(phi), Math.sqrt(1 - z * z) * Math.sin(phi), z];
+});
 
 /** Chooses a light and its sizes. */
 async function shine(at, [light, sizes = {}]) {
@@ -186,6 +194,16 @@ async function run() {
   }
   before = await shine(at, ["sun"]);
   pictures.sun = before.png;
+  step("another side of the studio");
+  before = await shine(at, ["studio"]);
+  press(at, at.$("pad"), "ArrowLeft", 6);
+  const turned = await picture(at);
+  changes["another side of the studio"] = difference(before, turned);
+  pictures.studio = turned.png;
+  press(at, at.$("pad"), "ArrowRight", 6);
+  await shine(at, ["sun"]);
+  step("the studio towards some viewers");
+  const studio = await gallery.probeStudio(VIEWERS);
   step("the probes of all variants");
   const probes = await gallery.probe();
   step("the button of the probes");
@@ -199,7 +217,7 @@ async function run() {
   const message = at.$("message").hidden ? null : at.$("message").textContent;
   return {
     driver: gallery.driver(), first_picture_ms: gallery.firstPicture(), changes, variants, probes, lights: chosen, light: first,
-    message, errors: at.errors, checked, pictures,
+    studio: { viewers: VIEWERS, xyz: studio }, message, errors: at.errors, checked, pictures,
   };
 }
 

@@ -113,14 +113,14 @@ fn the_gallery_passes_the_probes_and_reacts() {
         assert_eq!(driven.console, Vec::<String>::new(), "{api}");
         assert_eq!((&found["message"], &found["errors"]), (&Value::Null, &json!([])), "{api}");
         assert!(
-            found["checked"].as_str().unwrap().contains("96 probes within tolerance"),
+            found["checked"].as_str().unwrap().contains("112 probes within tolerance"),
             "{found}"
         );
         check(api, &found["probes"]);
         // a variant is under what it has functions for, and first under the sun
         for (variant, lights) in found["lights"].as_object().unwrap() {
             let wanted = match variant.as_str() {
-                LAMPS => json!(["sun", "lamp", "softbox", "direction"]),
+                LAMPS => json!(["sun", "lamp", "softbox", "studio", "direction"]),
                 _ => json!(["direction"]),
             };
             assert_eq!(*lights, wanted, "{api}: {variant}");
@@ -130,7 +130,7 @@ fn the_gallery_passes_the_probes_and_reacts() {
             (2, &json!("sun"))
         );
         let changes = found["changes"].as_object().unwrap();
-        assert!(changes.len() >= 23, "{api}: {changes:?}");
+        assert!(changes.len() >= 26, "{api}: {changes:?}");
         for (what, change) in changes {
             let change = change.as_f64().unwrap();
             match what.as_str() {
