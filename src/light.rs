@@ -201,6 +201,11 @@ impl Light {
         if colour == DVec3::ONE { self } else { Light::Coloured { light: Box::new(self), colour } }
     }
 
+    /// Whether it comes from all around: a sky or a map.
+    pub fn is_all_round(&self) -> bool {
+        matches!(self.white().0, Light::Sky { .. } | Light::Environment(_))
+    }
+
     /// Its radiance over all directions in levels of blur, if it comes from all around.
     pub fn filtered(&self) -> Option<Filtered> {
         let (light, colour) = self.white();

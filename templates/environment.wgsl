@@ -4,9 +4,9 @@
 // divided into cells of wavelengths. Each asks for the radiance at one wavelength, blurred over the cell's part of the
 // streak, and weighs it with the light of the cells around that wavelength.
 
-// Column: cell, from short wavelengths to long ones. Row: red, green, blue light. Channels: X, Y, Z of that light about the
-// wavelength of the cell; the wavelength in µm; in row 1 the lower edge of the cell, in row 2 the spread of its wavelengths.
-// A last column has the upper edge of the last cell.
+// Columns: cells from short wavelengths to long ones, then the upper edge of the last; after that the same with twice as
+// many cells. Row: red, green, blue light. Channels: X, Y, Z of that light about the wavelength of the cell; then in row 0
+// the wavelength in µm, in row 1 the lower edge of the cell, in row 2 the spread of its wavelengths.
 @group(0) @binding(6) var streaks: texture_2d<f32>;
 
 // X, Y, Z of the radiance under the surroundings, relative to a white of radiance 1.
@@ -47,9 +47,13 @@ fn streak(order: vec2i, wr: vec3f) -> vec3f {
     let frequency = order_frequency(order);
     let range = propagating(frequency, wr);
     let pace = length(frequency);
+    // long streaks have the finer cells
+    let is_long = pace > LONG_CPUM;
+    let first = select(0, STREAK_CELLS + 1, is_long);
+    let end = first + select(STREAK_CELLS, 2 * STREAK_CELLS, is_long);
     var xyz = vec3f(0.0);
-    var first_um = streak_light(0, 1).w;
-    for (var cell = 0; cell < STREAK_CELLS; cell++) {
+    var first_um = streak_light(first, 1).w;
+    for (var cell = first; cell < end; cell++) {
         let last_um = streak_light(cell + 1, 1).w;
         let low = max(first_um, range.x);
         let high = min(last_um, range.y);

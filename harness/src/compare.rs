@@ -30,7 +30,9 @@ use crate::drivers::Prepared;
 use crate::drivers::routes::Route;
 use crate::results::{Energy, Gap, Lit, Record};
 
-pub use controls::{CONTROLS, LAMP_CONTROLS, MATTER_CONTROLS, SURFACE as CONTROL_SURFACE};
+pub use controls::{
+    AROUND_CONTROLS, CONTROLS, LAMP_CONTROLS, MATTER_CONTROLS, SURFACE as CONTROL_SURFACE,
+};
 pub use pictures::{AMPLIFIED, difference, mean_flip};
 
 /// Failures in a row after which a route is dropped.
@@ -159,7 +161,13 @@ pub fn run(request: &Job<'_>, sink: &mut dyn Sink) -> Result<()> {
             request.surfaces.iter().filter_map(|surface| variant.on(surface)?.ok())
         });
         let with_matter = placed.into_iter().any(|variant| !variant.optics.is_plain());
-        *failures = controls::run(route.as_ref(), [with_lamps, with_matter], sink)?;
+        let has_around = |light: &Shine<'_>| match light {
+            Shine::Lights(_, lights) => lights.all.iter().any(|light| light.is_all_round()),
+            _ => false,
+        };
+        let with_around = request.lights.iter().any(has_around);
+        let with = [with_lamps, with_matter, with_around];
+        *failures = controls::run(route.as_ref(), with, sink)?;
         sink.step();
     }
     for spec in request.surfaces {

@@ -256,8 +256,7 @@ fn streaks() -> Words {
         "Z".to_owned(),
         "row 0: wavelength of the cell, µm; row 1: its lower edge, µm; row 2: standard deviation to blur over, µm of wavelength".to_owned(),
     ];
-    let column =
-        "cell, from short wavelengths to long ones; the last has the upper edge of the last cell";
+    let column = "cells from short wavelengths to long ones, then the upper edge of the last; after that the same with twice as many cells";
     let row = "red, green, blue light";
     (channels.to_vec(), BTreeMap::from([("column", column.to_owned()), ("row", row.to_owned())]))
 }

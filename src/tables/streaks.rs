@@ -11,14 +11,25 @@ use super::{STREAKS, Table, TexelFormat};
 const STEP_NM: f64 = 0.25;
 
 /// Part of the standard deviation of a cell's wavelengths that the surroundings are blurred over. The light between two
-/// wavelengths is shared by both, so that less blur suffices (0.5 against 1: 5.0 against 7.8 on a DVD with 8 cells).
-const BLUR: f64 = 0.5;
+/// wavelengths is shared by both, so that less blur suffices.
+const BLUR: f64 = 0.85;
 
-/// The table of streaks, 2-D. Columns: cells from short wavelengths to long ones, of equal shares of `∫ sqrt(X + Y + Z) dλ`.
+/// Frequency in cycles per µm above which an order has twice as many cells: its streak is longer.
+pub const LONG_CPUM: f64 = 1.0;
+
+/// The table of streaks, 2-D. Columns: first `cells` cells and the upper edge of the last, then the same with twice as many for
+/// orders above [`LONG_CPUM`]. Cells go from short wavelengths to long ones, with equal shares of `∫ sqrt(X + Y + Z) dλ`.
 /// Rows: red, green, blue light. Channels: X, Y, Z of that light, shared between the wavelengths of neighbouring cells by
 /// linear interpolation; then in row 0 the mean wavelength of the cell in µm, in row 1 its lower edge in µm, in row 2 the
-/// standard deviation to blur over, in µm of wavelength. The last column has the upper edge of the last cell.
+/// standard deviation to blur over, in µm of wavelength.
 pub fn streaks_table(spectrum: &Spectrum, range_nm: [f64; 2], cells: u32) -> Table {
+    let sets = [cells, 2 * cells].map(|cells| rows(spectrum, range_nm, cells));
+    let texels = (0..3).flat_map(|row| sets.iter().flat_map(move |set| set[row].clone()));
+    Table { texels: texels.flatten().collect(), ..streaks_shape(cells) }
+}
+
+/// The rows of one number of cells.
+fn rows(spectrum: &Spectrum, range_nm: [f64; 2], cells: u32) -> [Vec<[f64; 4]>; 3] {
     let count = ((range_nm[1] - range_nm[0]) / STEP_NM).ceil().max(1.0) as usize;
     let step_nm = (range_nm[1] - range_nm[0]) / count as f64;
     let samples: Vec<(f64, DVec3)> = (0..count)
@@ -68,17 +79,14 @@ pub fn streaks_table(spectrum: &Spectrum, range_nm: [f64; 2], cells: u32) -> Tab
             light[high][row] += part * share * *xyz;
         }
     }
-    let mut texels = Vec::new();
-    for row in 0..3 {
-        for cell in 0..=cells as usize {
-            let last = cell == cells as usize;
-            let xyz = if last { DVec3::ZERO } else { light[cell][row] };
-            let (mean, deviation) = if last { (edges[cell], 0.0) } else { means[cell] };
-            let fourth = [mean, edges[cell], BLUR * deviation][row] * 1e-3;
-            texels.extend(xyz.extend(fourth).to_array());
-        }
-    }
-    Table { texels, ..streaks_shape(cells) }
+    let texel = |row: usize, cell: usize| {
+        let last = cell == cells as usize;
+        let xyz = if last { DVec3::ZERO } else { light[cell][row] };
+        let (mean, deviation) = if last { (edges[cell], 0.0) } else { means[cell] };
+        let fourth = [mean, edges[cell], BLUR * deviation][row] * 1e-3;
+        xyz.extend(fourth).to_array()
+    };
+    [0, 1, 2].map(|row| (0..=cells as usize).map(|cell| texel(row, cell)).collect())
 }
 
 /// The table of streaks without its texels.
@@ -87,7 +95,7 @@ pub(super) fn streaks_shape(cells: u32) -> Table {
         name: "streaks",
         binding: STREAKS,
         format: TexelFormat::Rgba32Float,
-        width: cells as usize + 1,
+        width: 3 * cells as usize + 2,
         height: 3,
         layers: 0,
         filtered: false,
@@ -105,21 +113,23 @@ mod tests {
         let spectrum = Spectrum::new(&Optics::standard().illuminant).unwrap();
         for cells in [2, 3, 8, 64] {
             let table = streaks_table(&spectrum, [380.0, 780.0], cells);
-            let texel = |cell: u32, row: usize, channel: usize| {
-                table.texels[4 * (row * table.width + cell as usize) + channel]
-            };
-            for (channel, white) in spectrum.white().into_iter().enumerate() {
-                let sum: f64 = (0..cells)
-                    .flat_map(|cell| [0, 1, 2].map(|row| texel(cell, row, channel)))
-                    .sum();
-                assert!((sum - white).abs() < 1e-4 * white, "{cells} {channel}: {sum} {white}");
+            for (first, cells) in [(0, cells), (cells + 1, 2 * cells)] {
+                let texel = |cell: u32, row: usize, channel: usize| {
+                    table.texels[4 * (row * table.width + (first + cell) as usize) + channel]
+                };
+                for (channel, white) in spectrum.white().into_iter().enumerate() {
+                    let sum: f64 = (0..cells)
+                        .flat_map(|cell| [0, 1, 2].map(|row| texel(cell, row, channel)))
+                        .sum();
+                    assert!((sum - white).abs() < 1e-4 * white, "{cells} {channel}: {sum} {white}");
+                }
+                for cell in 0..cells {
+                    let [mean, low, high] =
+                        [texel(cell, 0, 3), texel(cell, 1, 3), texel(cell + 1, 1, 3)];
+                    assert!(low < mean && mean < high, "{cells} {cell}: {low} {mean} {high}");
+                }
+                assert_eq!((texel(0, 1, 3), texel(cells, 1, 3)), (0.38, 0.78));
             }
-            for cell in 0..cells {
-                let [mean, low, high] =
-                    [texel(cell, 0, 3), texel(cell, 1, 3), texel(cell + 1, 1, 3)];
-                assert!(low < mean && mean < high, "{cells} {cell}: {low} {mean} {high}");
-            }
-            assert_eq!((texel(0, 1, 3), texel(cells, 1, 3)), (0.38, 0.78));
         }
     }
 }

@@ -5,11 +5,12 @@
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::sync::Arc;
 
 use diffraction_shaders::error::Result;
 use diffraction_shaders::field::comparison_directions::{on_orders, under_lights};
 use diffraction_shaders::field::reference::Directions;
-use diffraction_shaders::light::{Cap, Light, Lights, Polygon};
+use diffraction_shaders::light::{Cap, Environment, Light, Lights, Polygon, Studio};
 use diffraction_shaders::optics::REFERENCE_NM;
 use diffraction_shaders::optics::brdf_map::view_directions;
 use diffraction_shaders::optics::colour_difference::{auto_exposure, colour_difference};
@@ -41,7 +42,7 @@ const DRAWN: usize = 512;
 pub const SURFACE: &str = "blazed-control";
 
 /// What the right shader of a control depends on.
-type Kind = (Mode, bool, bool);
+type Kind = (Mode, bool, bool, bool);
 
 /// A fault: its name, the mode of the variant, and how the shader is spoilt. `mean` is the mean colour of the right map.
 pub struct Control {
@@ -53,6 +54,8 @@ pub struct Control {
     pub filtered: bool,
     /// Whether its surface is a metal under a cover.
     pub matter: bool,
+    /// Whether it is among surroundings in place of lamps.
+    pub around: bool,
     spoil: fn(&mut Prepared<'_>, [f64; 3]),
 }
 
@@ -65,9 +68,9 @@ impl Control {
         rights: &mut BTreeMap<Kind, Right>,
     ) -> Result<results::Control> {
         let mut prepared = Prepared::new(placement)?;
-        let right = match rights.entry((self.mode, self.filtered, self.matter)) {
+        let right = match rights.entry((self.mode, self.filtered, self.matter, self.around)) {
             Entry::Occupied(known) => known.into_mut(),
-            Entry::Vacant(place) => place.insert(Right::new(&prepared, route)?),
+            Entry::Vacant(place) => place.insert(Right::new(&prepared, route, self.around)?),
         };
         (self.spoil)(&mut prepared, right.mean());
         let Right { truth, allowed, max_abs } = right;
@@ -89,6 +92,49 @@ impl Control {
     }
 }
 
+/// Controls of surroundings.
+pub const AROUND_CONTROLS: [Control; 4] = [
+    Control {
+        name: "surroundings not blurred",
+        mode: Mode::Orders,
+        filtered: false,
+        matter: false,
+        around: true,
+        spoil: |p, _| {
+            let right = "from_surface(wi), spread)";
+            replace(p, "environment", right, "from_surface(wi), 0.0)");
+        },
+    },
+    Control {
+        name: "surroundings mirrored",
+        mode: Mode::Orders,
+        filtered: false,
+        matter: false,
+        around: true,
+        spoil: |p, _| replace(p, "surroundings", "atan2(direction.y,", "atan2(-direction.y,"),
+    },
+    Control {
+        name: "red and blue light exchanged",
+        mode: Mode::Orders,
+        filtered: false,
+        matter: false,
+        around: true,
+        spoil: |p, _| {
+            let right = "xyz += light.x * red.xyz + light.y * green.xyz + light.z * blue.xyz;";
+            let wrong = "xyz += light.z * red.xyz + light.y * green.xyz + light.x * blue.xyz;";
+            replace(p, "environment", right, wrong);
+        },
+    },
+    Control {
+        name: "cells of other streaks",
+        mode: Mode::Orders,
+        filtered: false,
+        matter: false,
+        around: true,
+        spoil: |p, _| replace(p, "environment", "pace > LONG_CPUM", "pace < LONG_CPUM"),
+    },
+];
+
 /// Controls of lights with a size.
 pub const LAMP_CONTROLS: [Control; 6] = [
     Control {
@@ -96,6 +142,7 @@ pub const LAMP_CONTROLS: [Control; 6] = [
         mode: Mode::Orders,
         filtered: false,
         matter: false,
+        around: false,
         spoil: |p, _| {
             let right = "start_um, end_um, wr)";
             replace(p, "lamps", right, "end_um, start_um, wr)");
@@ -106,6 +153,7 @@ pub const LAMP_CONTROLS: [Control; 6] = [
         mode: Mode::Orders,
         filtered: false,
         matter: false,
+        around: false,
         spoil: |p, _| {
             let right = "min(min(nearest.x, nearest.y), min(nearest.z, nearest.w))";
             replace(p, "rectangle", right, "nearest.x");
@@ -116,6 +164,7 @@ pub const LAMP_CONTROLS: [Control; 6] = [
         mode: Mode::Orders,
         filtered: false,
         matter: false,
+        around: false,
         spoil: |p, _| {
             let right = "select(-1.0, 1.0, dot(turning, centre) > 0.0)";
             replace(p, "rectangle", right, "-1.0 + 1e-9 * dot(turning, centre)");
@@ -126,6 +175,7 @@ pub const LAMP_CONTROLS: [Control; 6] = [
         mode: Mode::Orders,
         filtered: false,
         matter: false,
+        around: false,
         spoil: |p, _| {
             let right = "(3.1415927 * sine_squared)";
             replace(p, "disc", right, "(1.0 + 1e-9 * sine_squared)");
@@ -136,6 +186,7 @@ pub const LAMP_CONTROLS: [Control; 6] = [
         mode: Mode::Orders,
         filtered: false,
         matter: false,
+        around: false,
         spoil: |p, _| {
             let right = "return gain(wi, wr) / max";
             let wrong = "return select(gain(wi, wr), 0.0, all(order == vec2i(0, 0))) / max";
@@ -147,6 +198,7 @@ pub const LAMP_CONTROLS: [Control; 6] = [
         mode: Mode::Orders,
         filtered: false,
         matter: false,
+        around: false,
         spoil: |p, _| {
             let right = "vec4f(mean - square, linear - 3.0 * cube, 2.0 * square, 4.0 * cube)";
             replace(p, "lamps", right, "vec4f(mean, 1e-9 * (linear + square + cube), 0.0, 0.0)");
@@ -161,6 +213,7 @@ pub const MATTER_CONTROLS: [Control; 4] = [
         mode: Mode::Orders,
         filtered: false,
         matter: true,
+        around: false,
         spoil: |p, _| {
             let right = "* reflected * efficiency";
             replace(p, "lamps", right, "* (1.0 + 1e-9 * reflected) * efficiency");
@@ -171,6 +224,7 @@ pub const MATTER_CONTROLS: [Control; 4] = [
         mode: Mode::Orders,
         filtered: false,
         matter: true,
+        around: false,
         spoil: |p, _| {
             let right = "-COVER_INDEX * (inside(wi).z + inside(wr).z)";
             replace(p, "gain", right, "-(wi.z + wr.z)");
@@ -181,6 +235,7 @@ pub const MATTER_CONTROLS: [Control; 4] = [
         mode: Mode::Orders,
         filtered: false,
         matter: true,
+        around: false,
         spoil: |p, _| {
             let right = "crossed(wi, light, wr, viewer) * wi.z / light.z";
             replace(
@@ -196,6 +251,7 @@ pub const MATTER_CONTROLS: [Control; 4] = [
         mode: Mode::Orders,
         filtered: false,
         matter: true,
+        around: false,
         spoil: |p, _| {
             let right = "crossed(wi, light, wr, viewer) * wi.z / light.z";
             replace(p, "gain", right, "crossed(wi, light, wr, viewer)");
@@ -210,6 +266,7 @@ pub const CONTROLS: [Control; 10] = [
         mode: Mode::Full,
         filtered: false,
         matter: false,
+        around: false,
         spoil: |p, _| p.spectrum.texels.chunks_mut(4).for_each(|texel| texel[..3].fill(0.0)),
     },
     Control {
@@ -217,6 +274,7 @@ pub const CONTROLS: [Control; 10] = [
         mode: Mode::Full,
         filtered: false,
         matter: false,
+        around: false,
         // of all constants, the mean colour is the hardest to catch
         spoil: |p, [x, y, z]| {
             // the tables must still be read, or the driver would not know their names
@@ -230,6 +288,7 @@ pub const CONTROLS: [Control; 10] = [
         mode: Mode::Full,
         filtered: false,
         matter: false,
+        around: false,
         spoil: |p, _| {
             let mirrored = "return path * vec3f(-1.0, 1.0, 1.0);";
             replace(p, "gain", "return path;", mirrored);
@@ -240,6 +299,7 @@ pub const CONTROLS: [Control; 10] = [
         mode: Mode::Full,
         filtered: false,
         matter: false,
+        around: false,
         spoil: |p, _| drop_largest(&mut p.terms),
     },
     Control {
@@ -247,6 +307,7 @@ pub const CONTROLS: [Control; 10] = [
         mode: Mode::Full,
         filtered: false,
         matter: false,
+        around: false,
         spoil: |p, _| forget_scale(p),
     },
     Control {
@@ -254,6 +315,7 @@ pub const CONTROLS: [Control; 10] = [
         mode: Mode::Pq,
         filtered: false,
         matter: false,
+        around: false,
         spoil: |p, _| {
             replace(p, "pq", "a.x * b.y + a.y * b.x", "a.x * b.x + a.y * b.y");
         },
@@ -263,6 +325,7 @@ pub const CONTROLS: [Control; 10] = [
         mode: Mode::Adaptive,
         filtered: false,
         matter: false,
+        around: false,
         // weights per wavenumber, λ² times too small; 550 nm keeps its own
         spoil: |p, _| {
             let (width, mut rows) = (p.spectrum.width, p.spectrum.texels.chunks_mut(4));
@@ -279,6 +342,7 @@ pub const CONTROLS: [Control; 10] = [
         mode: Mode::Adaptive,
         filtered: true,
         matter: false,
+        around: false,
         spoil: |p, _| replace(p, "prefiltered", "place / size", "floor(place + 0.5) / size"),
     },
     Control {
@@ -286,6 +350,7 @@ pub const CONTROLS: [Control; 10] = [
         mode: Mode::Baked,
         filtered: false,
         matter: false,
+        around: false,
         spoil: |p, _| {
             let share = "min(path.z * path.z / max(4.0 - squared, 1e-6), 1.0)";
             replace(p, "baked", share, "0.5");
@@ -296,16 +361,18 @@ pub const CONTROLS: [Control; 10] = [
         mode: Mode::Baked,
         filtered: false,
         matter: false,
+        around: false,
         spoil: |p, _| replace(p, "baked", "uv.x < 0.0", "uv.x > 0.0"),
     },
 ];
 
 /// Runs all controls by a route and returns how many failed to run. A driver that fails [`PATIENCE`] times is dropped.
 ///
-/// `with_lamps`, `with_matter`: whether those of lights with a size and of metals under a cover are run, too.
+/// `with_lamps`, `with_matter`, `with_around`: whether those of lights with a size, of metals under a cover and of surroundings are
+/// run, too.
 pub(super) fn run(
     route: &dyn Route,
-    [with_lamps, with_matter]: [bool; 2],
+    [with_lamps, with_matter, with_around]: [bool; 3],
     sink: &mut dyn Sink,
 ) -> Result<u32> {
     let height = surface()?;
@@ -313,7 +380,8 @@ pub(super) fn run(
     let mut failures = 0;
     let lamps = if with_lamps { &LAMP_CONTROLS[..] } else { &[] };
     let matter = if with_matter { &MATTER_CONTROLS[..] } else { &[] };
-    for control in CONTROLS.iter().chain(lamps).chain(matter) {
+    let around = if with_around { &AROUND_CONTROLS[..] } else { &[] };
+    for control in CONTROLS.iter().chain(lamps).chain(matter).chain(around) {
         if failures == PATIENCE || sink.has_control(&route.name(), control.name) {
             continue;
         }
@@ -345,12 +413,12 @@ struct Right {
 }
 
 impl Right {
-    fn new(prepared: &Prepared<'_>, route: &dyn Route) -> Result<Right> {
+    fn new(prepared: &Prepared<'_>, route: &dyn Route, around: bool) -> Result<Right> {
         let Placement { height, variant, .. } = prepared.placement;
         let map = view_directions(SIZE);
         let count = map.len();
         let (query, allowed) = if variant.mode == Mode::Orders {
-            let lights = lamps();
+            let lights = if around { studio() } else { lamps() };
             let views = under_lights(height, &variant.optics, 0.0, &lights, SIZE);
             let views = views.into_iter().map(rounded).collect();
             let allowed = tolerance_under(&prepared.form, &lights, Part::Arithmetic);
@@ -402,6 +470,13 @@ fn lamps() -> Lights {
         Polygon::new(&corners).ok().map(|polygon| Light::Polygon { polygon, radiance: 1e3 }),
     );
     Lights { all, notes: Vec::new() }
+}
+
+/// The surroundings of controls: softboxes that no turn and no mirror brings back.
+fn studio() -> Lights {
+    let panorama = Arc::new(Studio::Softboxes.panorama(512));
+    let environment = Environment { panorama, scale: 1.0, rotate_deg: 40.0 };
+    Lights { all: vec![Light::Environment(environment)], notes: Vec::new() }
 }
 
 /// The surface of the controls.
@@ -496,7 +571,9 @@ mod tests {
     #[test]
     fn every_control_changes_what_is_prepared() {
         let height = surface().expect("valid");
-        for control in CONTROLS.iter().chain(&LAMP_CONTROLS).chain(&MATTER_CONTROLS) {
+        for control in
+            CONTROLS.iter().chain(&LAMP_CONTROLS).chain(&MATTER_CONTROLS).chain(&AROUND_CONTROLS)
+        {
             let variant = variant(control);
             let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
             let right = Prepared::new(placement).expect("resolves");

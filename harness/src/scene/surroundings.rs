@@ -18,7 +18,7 @@ const ROWS: usize = 256;
 
 /// Whether a light surrounds a scene: a sky or a map.
 pub fn surrounds(light: &Light) -> bool {
-    matches!(light.white().0, Light::Sky { .. } | Light::Environment(_))
+    light.is_all_round()
 }
 
 /// All skies and maps among lights in levels of blur, in the frame of the file of lights. `None` if there are none.

@@ -5,16 +5,17 @@ use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use diffraction_harness::compare::{
-    CONTROLS, Job, LAMP_CONTROLS, MATTER_CONTROLS, Shine, Sink, Unit, run, steps,
+    AROUND_CONTROLS, CONTROLS, Job, LAMP_CONTROLS, MATTER_CONTROLS, Shine, Sink, Unit, run, steps,
 };
 use diffraction_harness::drivers::Prepared;
 use diffraction_harness::drivers::routes::{self, Route};
 use diffraction_harness::results::{Compare, Control, Energy, Gap, Lit, Part, Record};
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::field::reference::Directions;
-use diffraction_shaders::light::{Cap, Light, Lights, Polygon};
+use diffraction_shaders::light::{Cap, Environment, Light, Lights, Polygon, Studio};
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::Plan;
 use diffraction_shaders::runner::{Progress, Runner, TwinRunner};
@@ -483,12 +484,20 @@ terms = [19]
         ],
     };
     let plan = Plan::parse(PLAN, Path::new("plan.toml")).unwrap();
-    let compared = |plan: &Plan, routes: &[Box<dyn Route>]| {
+    let around = Lights {
+        notes: Vec::new(),
+        all: vec![Light::Environment(Environment {
+            panorama: Arc::new(Studio::Softboxes.panorama(512)),
+            scale: 1.0,
+            rotate_deg: 0.0,
+        })],
+    };
+    let compared_under = |plan: &Plan, routes: &[Box<dyn Route>], lights: &Lights| {
         let request = Job {
             surfaces: &plan.surfaces,
             variants: &plan.variants,
             routes,
-            lights: &[Shine::Lights("lamps.toml 1234", &lights)],
+            lights: &[Shine::Lights("lamps.toml 1234", lights)],
             size: 24,
             exposure: None,
             subset: 2,
@@ -498,6 +507,7 @@ terms = [19]
         run(&request, &mut kept).unwrap();
         kept
     };
+    let compared = |plan: &Plan, routes: &[Box<dyn Route>]| compared_under(plan, routes, &lights);
     let mut open = Vec::new();
     for found in routes::open(&["vulkan:llvmpipe".to_owned()]).unwrap() {
         open.extend(tools::found(found.route));
@@ -519,6 +529,16 @@ terms = [19]
     assert!(gaps.iter().any(|gap| gap.reason.contains("no function for a light")), "{gaps:#?}");
     let sky: Vec<&Energy> = right.energies();
     assert!(sky.len() == 1 && (0.02..0.2).contains(&sky[0].white_sky[0][1]), "{sky:?}");
+
+    // surroundings, which bring controls of their own
+    let right = compared_under(&plan, &open, &around);
+    let compares = right.compares();
+    assert!(compares.len() >= 4 && compares.iter().all(|c| c.pass), "{compares:#?}");
+    let total = compares.iter().find(|c| c.part == Part::Total && c.route == "twin").unwrap();
+    assert!(total.lit > 0.2 && total.de2000.p95 > 0.1 && total.de2000.p95 < 6.0, "{total:?}");
+    let controls: Vec<&Control> = right.controls();
+    assert_eq!(controls.len(), CONTROLS.len() + LAMP_CONTROLS.len() + AROUND_CONTROLS.len());
+    assert!(controls.iter().all(|control| control.caught), "{controls:#?}");
 
     // a metal under a cover, which brings controls of its own
     let own = "pixels = 60 }\noptics = { material = \"gold\", cover_index = \"polycarbonate\" }\n";

@@ -1,6 +1,6 @@
 //! Levels of a panorama for whole shaders, see `templates/surroundings.wgsl`.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -129,41 +129,43 @@ impl Panorama {
         Panorama { width: 2 * rows, height: rows, texels: texels.collect() }
     }
 
-    /// Blurred to a standard deviation on each axis, with another number of rows.
+    /// Blurred to a standard deviation on each axis, with as many rows or half as many. The weights of a row are the same for all
+    /// its columns.
     fn blurred(&self, rows: usize, sigma_rad: f64) -> Panorama {
-        let own = self.height;
-        let pixel_rad = PI / own as f64;
-        let reach_rad = REACH * sigma_rad;
-        let centres: Vec<DVec3> =
-            (0..own * self.width).map(|i| middle(own, i / self.width, i % self.width)).collect();
-        let seen = |direction: DVec3| {
-            let theta = direction.truncate().length().atan2(direction.z);
-            let phi = direction.y.atan2(direction.x);
+        let (own, width) = (self.height, self.width);
+        let (pixel_rad, ratio) = (PI / own as f64, own / rows);
+        let reach_rad = (REACH * sigma_rad).min(PI);
+        let line = |row: usize| {
+            let theta = (row as f64 + 0.5) / rows as f64 * PI;
             let first = ((theta - reach_rad) / pixel_rad).floor().max(0.0) as usize;
             let last = (((theta + reach_rad) / pixel_rad).ceil() as usize).min(own - 1);
-            let (mut sum, mut total) = (DVec3::ZERO, 0.0);
-            for row in first..=last {
-                let other = (row as f64 + 0.5) * pixel_rad;
+            let (mut sums, mut total) = (vec![DVec3::ZERO; 2 * rows], 0.0);
+            for from in first..=last {
+                let other = (from as f64 + 0.5) * pixel_rad;
                 // half the angle about the axis within which the row is near enough
-                let sines = theta.sin() * other.sin();
-                let cosine =
-                    (reach_rad.min(PI).cos() - theta.cos() * other.cos()) / sines.max(1e-12);
-                let half_rad = if reach_rad >= PI { PI } else { cosine.clamp(-1.0, 1.0).acos() };
-                let half = ((half_rad / pixel_rad).ceil() as usize + 1).min(self.width / 2);
-                let middle = ((phi + PI) / TAU * self.width as f64).floor() as usize;
-                let count = (2 * half + 1).min(self.width);
-                for step in 0..count {
-                    let column = (middle + self.width + step - count / 2) % self.width;
-                    let at = row * self.width + column;
-                    let apart = 0.5 * direction.distance_squared(centres[at]);
-                    let weight = other.sin() * (-apart / (sigma_rad * sigma_rad)).exp();
-                    sum += weight * DVec3::from(self.texels[at].map(f64::from));
+                let sines = (theta.sin() * other.sin()).max(1e-12);
+                let cosine = (reach_rad.cos() - theta.cos() * other.cos()) / sines;
+                let half_rad = if cosine <= -1.0 { PI } else { cosine.min(1.0).acos() };
+                let half = (half_rad / pixel_rad).ceil() as usize + ratio;
+                let steps = (2 * half + ratio).min(width);
+                let texels = &self.texels[from * width..(from + 1) * width];
+                for step in 0..steps {
+                    let offset = step as f64 - (steps / 2) as f64;
+                    let turn = (offset + 0.5 - 0.5 * ratio as f64) * pixel_rad;
+                    let cosine = theta.cos() * other.cos() + sines * turn.cos();
+                    let weight = other.sin() * ((cosine - 1.0) / (sigma_rad * sigma_rad)).exp();
                     total += weight;
+                    for (column, sum) in sums.iter_mut().enumerate() {
+                        let at = (column * ratio + width + step - steps / 2) % width;
+                        *sum += weight * DVec3::from(texels[at].map(f64::from));
+                    }
                 }
             }
-            sum / total.max(f64::MIN_POSITIVE)
+            sums.into_iter()
+                .map(move |sum| (sum / total.max(f64::MIN_POSITIVE)).as_vec3().to_array())
         };
-        Panorama::drawn(rows, &seen)
+        let texels = (0..rows).into_par_iter().flat_map_iter(line).collect();
+        Panorama { width: 2 * rows, height: rows, texels }
     }
 }
 

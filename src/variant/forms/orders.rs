@@ -9,7 +9,7 @@ use crate::optics::spectrum::Spectrum;
 use crate::plan::{Auto, LightFunction, Variant};
 use crate::surface::HeightField;
 use crate::tables::orders::{EfficiencyAxes, moment_columns};
-use crate::tables::streaks::streaks_table;
+use crate::tables::streaks::{LONG_CPUM, streaks_table};
 use crate::tables::{EfficienciesSpec, MomentsSpec, SettingsSpec, StreaksSpec, TableSpec};
 use crate::variant::judge::Light;
 use crate::variant::tolerance::{Promise, is_visible};
@@ -81,10 +81,11 @@ impl Orders {
             (true, Auto::Value(nodes)) => nodes,
             (true, Auto::Auto) => nodes_for(variant.environment_error),
         };
-        if orders * nodes as usize > MAX_CELLS {
+        if 2 * orders * nodes as usize > MAX_CELLS {
             let cause = format!(
-                "{orders} orders with {nodes} wavelengths each are {} look-ups under surroundings, above {MAX_CELLS}",
-                orders * nodes as usize
+                "{orders} orders with up to {} wavelengths each are {} look-ups under surroundings, above {MAX_CELLS}",
+                2 * nodes,
+                2 * orders * nodes as usize
             );
             let remedy = "use fewer nodes, or lights without \"environment\"";
             return fail(cause).map_err(|error| error.remedy(remedy));
@@ -94,7 +95,7 @@ impl Orders {
             _ => {
                 let spectrum = Spectrum::new(&sum.illuminant)?;
                 let table = streaks_table(&spectrum, sum.range_nm, nodes);
-                (0..=i64::from(nodes)).map(|cell| table.load(cell, 1, 0)[3]).collect()
+                (0..table.width as i64).map(|column| table.load(column, 1, 0)[3]).collect()
             }
         };
         let cost = Cost::default();
@@ -144,10 +145,18 @@ impl Orders {
                 let frequency = arrivals::order_frequency(self, order);
                 let [low, high] = arrivals::propagating(self, frequency, wr);
                 let meets = |cell: &&[f64]| cell[0].max(low) < cell[1].min(high);
-                count += self.edges_um.windows(2).filter(meets).count() as u64;
+                let (first, cells) = self.streak_cells(frequency);
+                let cells = self.edges_um.windows(2).skip(first as usize).take(cells as usize);
+                count += cells.filter(meets).count() as u64;
             }
         }
         count
+    }
+
+    /// First column and number of the cells of an order in the table of streaks.
+    pub fn streak_cells(&self, frequency: DVec2) -> (i64, i64) {
+        let cells = i64::from(self.nodes);
+        if frequency.length() > LONG_CPUM { (cells + 1, 2 * cells) } else { (0, cells) }
     }
 
     fn has(&self, light: LightFunction) -> bool {
@@ -169,6 +178,9 @@ impl Computation for Orders {
         into.flag("LAMPS", self.has_lamps());
         into.flag("ENVIRONMENT", environment);
         into.flag("SIZED", self.has_lamps() || environment);
+        let long =
+            "frequency of an order, cycles per µm, above which it has twice as many wavelengths";
+        into.number("LONG_CPUM", LONG_CPUM, long);
         into.count("STREAK_CELLS", self.nodes as usize, "number of wavelengths per order");
         let rows = "number of rows of the two finest levels of the surroundings";
         into.count("ENVIRONMENT_ROWS", filtered::ROWS, rows);

@@ -56,8 +56,9 @@ fn streak(
     let mut xyz = DVec3::ZERO;
     let frequency = order_frequency(form, order);
     let range = propagating(form, frequency, wr);
-    let mut first_um = streak_light(twin, 0, 1).w;
-    for cell in 0..i64::from(form.nodes) {
+    let (first, count) = form.streak_cells(frequency);
+    let mut first_um = streak_light(twin, first, 1).w;
+    for cell in first..first + count {
         let last_um = streak_light(twin, cell + 1, 1).w;
         let (low, high) = (first_um.max(range[0]), last_um.min(range[1]));
         if low < high {

@@ -14,6 +14,10 @@ static const float BROADEST = 4.0;
 static const int CANDIDATE_COUNT = int(190);
 static const float COHERENCE_UM = 107.062;
 static const int EFFICIENCY_COLUMNS = int(25);
+static const int ENVIRONMENT_HEIGHT = int(1550);
+static const int ENVIRONMENT_LEVELS = int(9);
+static const int ENVIRONMENT_ROWS = int(512);
+static const float FIRST_SPREAD = 0.009203885;
 static const int LOBE_COLUMNS = int(360);
 static const int LOBE_ROWS = int(19);
 static const int MINOR_COUNT = int(1);
@@ -32,12 +36,14 @@ static const float PATCH_WIDTH_UM = 2.5;
 static const float REACH_SIGMAS = 4.0;
 static const float REFERENCE_UM = 0.55;
 static const float REFRACTIVE_INDEX = 1.5;
+static const int STREAK_CELLS = int(8);
 static const float WAVELENGTH_MAX_UM = 0.78;
 static const float WAVELENGTH_MIN_UM = 0.38;
 
 Texture2D<float4> efficiencies;
 Texture2D<float4> spectrum;
 Texture2D<float4> moments;
+Texture2D<float4> streaks;
 
 float fresnel_ratio(float cos_half)
 {
@@ -99,10 +105,10 @@ float efficiency(int2 order, float turns)
         return 0.0;
     }
     float place_1 = (clamp((-0.19 * turns), 0.0, 1.0) * 25.0);
-    int column_5 = min(naga_f2i32(place_1), int(24));
-    int row_6 = asint(asuint(asint(asuint(asint(asuint(asint(asuint(order.y) + asuint(reach_3.y))) * asuint(asint(asuint(asint(asuint(int(2)) * asuint(reach_3.x))) + asuint(int(1)))))) + asuint(order.x))) + asuint(reach_3.x));
-    float4 edges = efficiencies.Load(int3(int2(column_5, row_6), int(0)));
-    float part_1 = (place_1 - float(column_5));
+    int column_6 = min(naga_f2i32(place_1), int(24));
+    int row_8 = asint(asuint(asint(asuint(asint(asuint(asint(asuint(order.y) + asuint(reach_3.y))) * asuint(asint(asuint(asint(asuint(int(2)) * asuint(reach_3.x))) + asuint(int(1)))))) + asuint(order.x))) + asuint(reach_3.x));
+    float4 edges = efficiencies.Load(int3(int2(column_6, row_8), int(0)));
+    float part_1 = (place_1 - float(column_6));
     float rise = (edges.z - edges.x);
     float bend = (((3.0 * rise) - (2.0 * edges.y)) - edges.w);
     return (edges.x + (part_1 * (edges.y + (part_1 * (bend + (part_1 * ((edges.y + edges.w) - (2.0 * rise))))))));
@@ -180,12 +186,12 @@ float4 lobe_light(float wavenumber_1, int node_1, int row_1, int side, float2 ra
     const float _e18 = window_width(range_3.y);
     const float _e20 = window_width(range_3.x);
     float high = (range_3.y + ((margin * _e18) / _e20));
-    float column_6 = (clamp(((wavenumber_1 - low) / (high - low)), 0.0, 1.0) * 359.0);
+    float column_7 = (clamp(((wavenumber_1 - low) / (high - low)), 0.0, 1.0) * 359.0);
     int line_ = asint(asuint(asint(asuint(int(2)) + asuint(row_1))) + asuint(asint(asuint(side) * asuint(LOBE_ROWS))));
-    int index_1 = min(naga_f2i32(column_6), int(358));
+    int index_1 = min(naga_f2i32(column_7), int(358));
     float4 before = spectrum.Load(int3(int2(index_1, line_), int(0)));
     float4 after = spectrum.Load(int3(int2(asint(asuint(index_1) + asuint(int(1))), line_), int(0)));
-    return lerp(before, after, (column_6 - float(index_1)));
+    return lerp(before, after, (column_7 - float(index_1)));
 }
 
 int naga_div(int lhs, int rhs) {
@@ -342,36 +348,72 @@ float3 in_surface(float3 direction)
     return direction;
 }
 
+float normal_reflectance()
+{
+    return 0.040000003;
+}
+
+float2 order_frequency(int2 order_1)
+{
+    return (float2(order_1) / float2(2.5, 0.1));
+}
+
+float3 polar(float2 frequency)
+{
+    float size = max(length(frequency), 1e-9);
+    return float3((frequency / (size).xx), size);
+}
+
+float3 arrival(float2 frequency_1, float lambda_um, float3 wr_4)
+{
+    float2 shift = (lambda_um * frequency_1);
+    float squared_4 = ((wr_4.z * wr_4.z) - dot(shift, ((2.0 * wr_4.xy) + shift)));
+    return float3((-(wr_4.xy) - shift), sqrt(max(0.0, squared_4)));
+}
+
+float2 propagating(float2 frequency_2, float3 wr_5)
+{
+    const float3 _e2 = polar(frequency_2);
+    float start_1 = -(dot(wr_5.xy, _e2.xy));
+    float across = ((wr_5.y * _e2.x) - (wr_5.x * _e2.y));
+    float half_ = sqrt(max(0.0, (1.0 - (across * across))));
+    float low_1 = max(WAVELENGTH_MIN_UM, ((start_1 - half_) / _e2.z));
+    return float2(low_1, min(WAVELENGTH_MAX_UM, ((start_1 + half_) / _e2.z)));
+}
+
+float order_share(int2 order_2, float2 frequency_3, float lambda_um_1, float3 wr_6)
+{
+    const float3 _e4 = arrival(frequency_3, lambda_um_1, wr_6);
+    const float _e5 = gain(_e4, wr_6);
+    const float _e11 = efficiency(order_2, (-((_e4.z + wr_6.z)) / lambda_um_1));
+    return ((_e5 / max(_e4.z, 1e-6)) * _e11);
+}
+
 float disc_chord_squared(float radius)
 {
-    float half_ = (0.5 * clamp(radius, 0.0001, 1.5707963));
-    float squared_4 = (half_ * half_);
-    float inner = (1.0 - ((squared_4 / 42.0) * (1.0 - (squared_4 / 72.0))));
-    float sine = (half_ * (1.0 - ((squared_4 / 6.0) * (1.0 - ((squared_4 / 20.0) * inner)))));
+    float half_1 = (0.5 * clamp(radius, 0.0001, 1.5707963));
+    float squared_5 = (half_1 * half_1);
+    float inner = (1.0 - ((squared_5 / 42.0) * (1.0 - (squared_5 / 72.0))));
+    float sine = (half_1 * (1.0 - ((squared_5 / 6.0) * (1.0 - ((squared_5 / 20.0) * inner)))));
     return ((4.0 * sine) * sine);
 }
 
 float3 edge_normal(float3 start, float3 end, float side_2, float3 centre)
 {
     float3 normal = (side_2 * cross(start, end));
-    float squared_5 = dot(normal, normal);
-    if ((squared_5 < 1e-12)) {
+    float squared_6 = dot(normal, normal);
+    if ((squared_6 < 1e-12)) {
         return centre;
     }
-    return (normal * rsqrt(squared_5));
-}
-
-float normal_reflectance()
-{
-    return 0.040000003;
+    return (normal * rsqrt(squared_6));
 }
 
 int2 orders_between(float offset_1, float reach, float2 ends, float size_um, int limit)
 {
-    float2 low_1 = (((size_um * (-(offset_1) - reach))).xx / ends);
+    float2 low_2 = (((size_um * (-(offset_1) - reach))).xx / ends);
     float2 high_1 = (((size_um * (-(offset_1) + reach))).xx / ends);
     float most = float(limit);
-    float first_1 = clamp(ceil(min(low_1.x, low_1.y)), -(most), (most + 1.0));
+    float first_1 = clamp(ceil(min(low_2.x, low_2.y)), -(most), (most + 1.0));
     float last_1 = clamp(floor(max(high_1.x, high_1.y)), (-(most) - 1.0), most);
     return int2(naga_f2i32(first_1), naga_f2i32(last_1));
 }
@@ -404,39 +446,11 @@ int2 order_columns(int row_2, float2 offset_3, float reach_2)
     return _e44;
 }
 
-float2 order_frequency(int2 order_1)
+float2 crossings(float2 frequency_4, float3 wr_7, float3 axis, float chord_squared)
 {
-    return (float2(order_1) / float2(2.5, 0.1));
-}
-
-float3 polar(float2 frequency)
-{
-    float size = max(length(frequency), 1e-9);
-    return float3((frequency / (size).xx), size);
-}
-
-float3 arrival(float2 frequency_1, float lambda_um, float3 wr_4)
-{
-    float2 shift = (lambda_um * frequency_1);
-    float squared_6 = ((wr_4.z * wr_4.z) - dot(shift, ((2.0 * wr_4.xy) + shift)));
-    return float3((-(wr_4.xy) - shift), sqrt(max(0.0, squared_6)));
-}
-
-float2 propagating(float2 frequency_2, float3 wr_5)
-{
-    const float3 _e2 = polar(frequency_2);
-    float start_1 = -(dot(wr_5.xy, _e2.xy));
-    float across = ((wr_5.y * _e2.x) - (wr_5.x * _e2.y));
-    float half_1 = sqrt(max(0.0, (1.0 - (across * across))));
-    float low_2 = max(WAVELENGTH_MIN_UM, ((start_1 - half_1) / _e2.z));
-    return float2(low_2, min(WAVELENGTH_MAX_UM, ((start_1 + half_1) / _e2.z)));
-}
-
-float2 crossings(float2 frequency_3, float3 wr_6, float3 axis, float chord_squared)
-{
-    const float3 _e4 = polar(frequency_3);
+    const float3 _e4 = polar(frequency_4);
     float2 across_1 = float2(-(_e4.y), _e4.x);
-    float2 start_2 = -(float2(dot(wr_6.xy, _e4.xy), dot(wr_6.xy, across_1)));
+    float2 start_2 = -(float2(dot(wr_7.xy, _e4.xy), dot(wr_7.xy, across_1)));
     float2 lamp = float2(dot(axis.xy, _e4.xy), dot(axis.xy, across_1));
     float apart = (start_2.y - lamp.y);
     float sine_squared = (chord_squared * (1.0 - (0.25 * chord_squared)));
@@ -458,23 +472,23 @@ bool within(float3 direction_1, float3 axis_1, float chord_squared_1)
     return (dot(chord, chord) < chord_squared_1);
 }
 
-int panel_count(float2 frequency_4, float from_um, float to_um, float3 wr_7)
+int panel_count(float2 frequency_5, float from_um, float to_um, float3 wr_8)
 {
-    const float3 _e4 = arrival(frequency_4, from_um, wr_7);
-    const float3 _e5 = arrival(frequency_4, to_um, wr_7);
+    const float3 _e4 = arrival(frequency_5, from_um, wr_8);
+    const float3 _e5 = arrival(frequency_5, to_um, wr_8);
     float middle_um = (0.5 * (from_um + to_um));
-    const float3 _e9 = arrival(frequency_4, middle_um, wr_7);
-    float turns_1 = (2.0 * abs((((_e4.z + wr_7.z) / from_um) - ((_e9.z + wr_7.z) / middle_um))));
+    const float3 _e9 = arrival(frequency_5, middle_um, wr_8);
+    float turns_1 = (2.0 * abs((((_e4.z + wr_8.z) / from_um) - ((_e9.z + wr_8.z) / middle_um))));
     float columns_2 = (4.75 * turns_1);
     float needed = max((columns_2 / PANEL_COLUMNS), (distance(_e4, _e5) / PANEL_ARC));
     return asint(asuint(min(naga_f2i32(needed), int(10))) + asuint(int(1)));
 }
 
-float wavelength_between(float2 frequency_5, float from_um_1, float to_um_1, float part, float3 wr_8)
+float wavelength_between(float2 frequency_6, float from_um_1, float to_um_1, float part, float3 wr_9)
 {
     bool local_1 = (bool)0;
 
-    const float3 _e6 = polar(frequency_5);
+    const float3 _e6 = polar(frequency_6);
     if ((_e6.x == 0.0)) {
         local_1 = (_e6.y == 0.0);
     } else {
@@ -484,21 +498,13 @@ float wavelength_between(float2 frequency_5, float from_um_1, float to_um_1, flo
     if (_e14) {
         return (1.0 / lerp((1.0 / from_um_1), (1.0 / to_um_1), part));
     }
-    float start_3 = -(dot(wr_8.xy, _e6.xy));
-    float across_2 = ((wr_8.y * _e6.x) - (wr_8.x * _e6.y));
+    float start_3 = -(dot(wr_9.xy, _e6.xy));
+    float across_2 = ((wr_9.y * _e6.x) - (wr_9.x * _e6.y));
     float half_2 = sqrt(max(1e-12, (1.0 - (across_2 * across_2))));
     float2 ends_4 = (((start_3).xx - (float2(from_um_1, to_um_1) * _e6.z)) / (half_2).xx);
     float2 angles = asin(clamp(ends_4, (-1.0).xx, (1.0).xx));
     float place_3 = (start_3 - (half_2 * sin(lerp(angles.x, angles.y, part))));
     return clamp((place_3 / _e6.z), from_um_1, to_um_1);
-}
-
-float order_share(int2 order_2, float2 frequency_6, float lambda_um_1, float3 wr_9)
-{
-    const float3 _e4 = arrival(frequency_6, lambda_um_1, wr_9);
-    const float _e5 = gain(_e4, wr_9);
-    const float _e11 = efficiency(order_2, (-((_e4.z + wr_9.z)) / lambda_um_1));
-    return ((_e5 / max(_e4.z, 1e-6)) * _e11);
 }
 
 float moment_place(float lambda_um_2)
@@ -968,28 +974,220 @@ float3 tristimulus_rectangle(float3 a, float3 b, float3 c, float3 d, float3 wr_1
     return (_e206 * _e207);
 }
 
-float3 to_rgb(float3 xyz_4)
-{
-    return float3(dot(float3(3.2406, -1.5372, -0.4986), xyz_4), dot(float3(-0.9689, 1.8758, 0.0415), xyz_4), dot(float3(0.0557, -0.204, 1.057), xyz_4));
+float3 ZeroValuefloat3() {
+    return (float3)0;
 }
 
-float3 diffraction(float3 wi_4, float3 wr_14)
+// Radiance of the surroundings: the host defines it.
+float3 environment_radiance(float3 direction_2, float spread);
+
+float4 streak_light(int cell, int row_6)
 {
-    const float3 _e2 = tristimulus(wi_4, wr_14);
+    float4 _e5 = streaks.Load(int3(int2(cell, row_6), int(0)));
+    return _e5;
+}
+
+float3 from_surface(float3 direction_3)
+{
+    return direction_3;
+}
+
+float3 mirror_image(float3 wr_14)
+{
+    float3 red = (0.0).xxx;
+    float3 green = (0.0).xxx;
+    float3 blue = (0.0).xxx;
+    int cell_1 = int(0);
+
+    bool loop_init_7 = true;
+    while(true) {
+        if (!loop_init_7) {
+            int _e43 = cell_1;
+            cell_1 = asint(asuint(_e43) + asuint(int(1)));
+        }
+        loop_init_7 = false;
+        int _e12 = cell_1;
+        if ((_e12 < STREAK_CELLS)) {
+        } else {
+            break;
+        }
+        {
+            int _e15 = cell_1;
+            const float4 _e17 = streak_light(_e15, int(0));
+            const float _e24 = order_share(int2(int(0), int(0)), (0.0).xx, _e17.w, wr_14);
+            float3 _e25 = red;
+            red = (_e25 + (_e24 * _e17.xyz));
+            float3 _e29 = green;
+            int _e30 = cell_1;
+            const float4 _e32 = streak_light(_e30, int(1));
+            green = (_e29 + (_e24 * _e32.xyz));
+            float3 _e36 = blue;
+            int _e37 = cell_1;
+            const float4 _e39 = streak_light(_e37, int(2));
+            blue = (_e36 + (_e24 * _e39.xyz));
+        }
+    }
+    const float3 _e50 = from_surface(float3(-(wr_14.xy), wr_14.z));
+    const float3 _e52 = environment_radiance(_e50, 0.0);
+    float3 _e53 = red;
+    float3 _e54 = green;
+    float3 _e55 = blue;
+    return (((_e52.x * _e53) + (_e52.y * _e54)) + (_e52.z * _e55));
+}
+
+float3 streak(int2 order_7, float3 wr_15)
+{
+    float3 xyz_4 = (0.0).xxx;
+    float first_um = (float)0;
+    int cell_2 = int(0);
+
+    const float2 _e8 = order_frequency(order_7);
+    const float2 _e9 = propagating(_e8, wr_15);
+    float pace_3 = length(_e8);
+    const float4 _e13 = streak_light(int(0), int(1));
+    first_um = _e13.w;
+    bool loop_init_8 = true;
+    while(true) {
+        if (!loop_init_8) {
+            int _e82 = cell_2;
+            cell_2 = asint(asuint(_e82) + asuint(int(1)));
+        }
+        loop_init_8 = false;
+        int _e15 = cell_2;
+        if ((_e15 < STREAK_CELLS)) {
+        } else {
+            break;
+        }
+        {
+            int _e18 = cell_2;
+            const float4 _e22 = streak_light(asint(asuint(_e18) + asuint(int(1))), int(1));
+            float last_um = _e22.w;
+            float _e24 = first_um;
+            float low_3 = max(_e24, _e9.x);
+            float high_2 = min(last_um, _e9.y);
+            if ((low_3 < high_2)) {
+                float _e30 = first_um;
+                float part_3 = ((high_2 - low_3) / (last_um - _e30));
+                int _e34 = cell_2;
+                const float4 _e36 = streak_light(_e34, int(0));
+                float inner_2 = clamp(_e36.w, lerp(low_3, high_2, 0.3), lerp(low_3, high_2, 0.7));
+                float lambda_um_5 = ((part_3 < 0.999) ? inner_2 : _e36.w);
+                const float _e47 = order_share(order_7, _e8, lambda_um_5, wr_15);
+                float share_2 = (part_3 * _e47);
+                if ((share_2 > 1e-6)) {
+                    const float3 _e51 = arrival(_e8, lambda_um_5, wr_15);
+                    int _e52 = cell_2;
+                    const float4 _e54 = streak_light(_e52, int(2));
+                    float spread_1 = (((part_3 * _e54.w) * pace_3) * rsqrt(max(_e51.z, 0.0001)));
+                    const float3 _e63 = from_surface(_e51);
+                    const float3 _e64 = environment_radiance(_e63, spread_1);
+                    float3 light_1 = (share_2 * _e64);
+                    int _e66 = cell_2;
+                    const float4 _e68 = streak_light(_e66, int(1));
+                    float3 _e69 = xyz_4;
+                    xyz_4 = (_e69 + (((light_1.x * _e36.xyz) + (light_1.y * _e68.xyz)) + (light_1.z * _e54.xyz)));
+                }
+            }
+            first_um = last_um;
+        }
+    }
+    float3 _e85 = xyz_4;
+    return _e85;
+}
+
+float3 tristimulus_environment(float3 wr_16)
+{
+    float3 xyz_5 = (float3)0;
+    int row_7 = int(-1);
+    int column_5 = (int)0;
+    bool local_13 = (bool)0;
+
+    if (!((wr_16.z > 1e-6))) {
+        return (0.0).xxx;
+    }
+    const float3 _e12 = in_surface(wr_16);
+    const float3 _e13 = mirror_image(_e12);
+    xyz_5 = _e13;
+    bool loop_init_9 = true;
+    while(true) {
+        if (!loop_init_9) {
+            int _e39 = row_7;
+            row_7 = asint(asuint(_e39) + asuint(int(1)));
+        }
+        loop_init_9 = false;
+        int _e14 = row_7;
+        if ((_e14 <= ORDER_REACH_Y)) {
+        } else {
+            break;
+        }
+        {
+            column_5 = int(-13);
+            bool loop_init_10 = true;
+            while(true) {
+                if (!loop_init_10) {
+                    int _e36 = column_5;
+                    column_5 = asint(asuint(_e36) + asuint(int(1)));
+                }
+                loop_init_10 = false;
+                int _e18 = column_5;
+                if ((_e18 <= ORDER_REACH_X)) {
+                } else {
+                    break;
+                }
+                {
+                    int _e21 = row_7;
+                    if (!((_e21 != int(0)))) {
+                        int _e25 = column_5;
+                        local_13 = (_e25 != int(0));
+                    } else {
+                        local_13 = true;
+                    }
+                    bool _e29 = local_13;
+                    if (_e29) {
+                        float3 _e30 = xyz_5;
+                        int _e31 = column_5;
+                        int _e32 = row_7;
+                        const float3 _e34 = streak(int2(_e31, _e32), _e12);
+                        xyz_5 = (_e30 + _e34);
+                    }
+                }
+            }
+        }
+    }
+    const float _e42 = normal_reflectance();
+    float3 _e43 = xyz_5;
+    return (_e42 * _e43);
+}
+
+float3 to_rgb(float3 xyz_6)
+{
+    return float3(dot(float3(3.2406, -1.5372, -0.4986), xyz_6), dot(float3(-0.9689, 1.8758, 0.0415), xyz_6), dot(float3(0.0557, -0.204, 1.057), xyz_6));
+}
+
+float3 diffraction(float3 wi_4, float3 wr_17)
+{
+    const float3 _e2 = tristimulus(wi_4, wr_17);
     const float3 _e3 = to_rgb(_e2);
     return _e3;
 }
 
-float3 diffraction_disc(float3 axis_3, float radius_2, float3 wr_15)
+float3 diffraction_disc(float3 axis_3, float radius_2, float3 wr_18)
 {
-    const float3 _e3 = tristimulus_disc(axis_3, radius_2, wr_15);
+    const float3 _e3 = tristimulus_disc(axis_3, radius_2, wr_18);
     const float3 _e4 = to_rgb(_e3);
     return _e4;
 }
 
-float3 diffraction_rectangle(float3 a_1, float3 b_1, float3 c_1, float3 d_1, float3 wr_16)
+float3 diffraction_rectangle(float3 a_1, float3 b_1, float3 c_1, float3 d_1, float3 wr_19)
 {
-    const float3 _e5 = tristimulus_rectangle(a_1, b_1, c_1, d_1, wr_16);
+    const float3 _e5 = tristimulus_rectangle(a_1, b_1, c_1, d_1, wr_19);
     const float3 _e6 = to_rgb(_e5);
     return _e6;
+}
+
+float3 diffraction_environment(float3 wr_20)
+{
+    const float3 _e1 = tristimulus_environment(wr_20);
+    const float3 _e2 = to_rgb(_e1);
+    return _e2;
 }

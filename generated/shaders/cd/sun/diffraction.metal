@@ -45,6 +45,10 @@ constant int CANDIDATE_COUNT = 190;
 constant float COHERENCE_UM = 107.062;
 constant float COVER_INDEX = 1.59509;
 constant int EFFICIENCY_COLUMNS = 17;
+constant int ENVIRONMENT_HEIGHT = 1550;
+constant int ENVIRONMENT_LEVELS = 9;
+constant int ENVIRONMENT_ROWS = 512;
+constant float FIRST_SPREAD = 0.009203885;
 constant int LOBE_COLUMNS = 360;
 constant int LOBE_ROWS = 19;
 constant int MATTER_CELLS = 1;
@@ -70,6 +74,7 @@ constant float PATCH_WIDTH_UM = 1.6;
 constant float PHASE_MIN_UM = 0.23257379;
 constant float REACH_SIGMAS = 4.0;
 constant float REFERENCE_UM = 0.55;
+constant int STREAK_CELLS = 8;
 constant float WAVELENGTH_MAX_UM = 0.78;
 constant float WAVELENGTH_MIN_UM = 0.38;
 
@@ -185,10 +190,10 @@ float reflectance_between(
     metal::texture2d<float, metal::access::sample> spectrum
 ) {
     float share = metal::clamp((cos_half - MATTER_COSINE) / 0.22091949, 0.0, 1.0);
-    float place_5 = share * 1.0;
-    int cell = metal::min(naga_f2i32(place_5), 0);
-    float part_1 = place_5 - static_cast<float>(cell);
-    metal::float4 _e18 = matter_texel(lambda_um_2, as_type<int>(as_type<uint>(first) + as_type<uint>(cell)), spectrum);
+    float place_6 = share * 1.0;
+    int cell_3 = metal::min(naga_f2i32(place_6), 0);
+    float part_1 = place_6 - static_cast<float>(cell_3);
+    metal::float4 _e18 = matter_texel(lambda_um_2, as_type<int>(as_type<uint>(first) + as_type<uint>(cell_3)), spectrum);
     return _e18.x + (part_1 * (_e18.y + (part_1 * (_e18.z + (part_1 * _e18.w)))));
 }
 
@@ -224,11 +229,11 @@ float efficiency(
         return 0.0;
     }
     float share_1 = metal::clamp(-0.116286896 * turns, 0.0, 1.0);
-    float place_6 = share_1 * 17.0;
-    int column_5 = metal::min(naga_f2i32(place_6), 16);
-    int row_7 = as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(order.y) + as_type<uint>(reach_3.y))) * as_type<uint>(as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(2) * as_type<uint>(reach_3.x))) + as_type<uint>(1))))) + as_type<uint>(order.x))) + as_type<uint>(reach_3.x));
-    metal::float4 edges = efficiencies.read(metal::uint2(metal::int2(column_5, row_7)), 0);
-    float part_2 = place_6 - static_cast<float>(column_5);
+    float place_7 = share_1 * 17.0;
+    int column_6 = metal::min(naga_f2i32(place_7), 16);
+    int row_9 = as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(order.y) + as_type<uint>(reach_3.y))) * as_type<uint>(as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(2) * as_type<uint>(reach_3.x))) + as_type<uint>(1))))) + as_type<uint>(order.x))) + as_type<uint>(reach_3.x));
+    metal::float4 edges = efficiencies.read(metal::uint2(metal::int2(column_6, row_9)), 0);
+    float part_2 = place_7 - static_cast<float>(column_6);
     float rise = edges.z - edges.x;
     float bend = ((3.0 * rise) - (2.0 * edges.y)) - edges.w;
     return edges.x + (part_2 * (edges.y + (part_2 * (bend + (part_2 * ((edges.y + edges.w) - (2.0 * rise)))))));
@@ -324,12 +329,12 @@ metal::float4 lobe_light(
     float _e18 = window_width(range_3.y);
     float _e20 = window_width(range_3.x);
     float high = range_3.y + ((margin * _e18) / _e20);
-    float column_6 = metal::clamp((wavenumber_1 - low) / (high - low), 0.0, 1.0) * 359.0;
+    float column_7 = metal::clamp((wavenumber_1 - low) / (high - low), 0.0, 1.0) * 359.0;
     int line = as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(2) + as_type<uint>(row_2))) + as_type<uint>(as_type<int>(as_type<uint>(side) * as_type<uint>(LOBE_ROWS))));
-    int index_3 = metal::min(naga_f2i32(column_6), 358);
+    int index_3 = metal::min(naga_f2i32(column_7), 358);
     metal::float4 before_1 = spectrum.read(metal::uint2(metal::int2(index_3, line)), 0);
     metal::float4 after_1 = spectrum.read(metal::uint2(metal::int2(as_type<int>(as_type<uint>(index_3) + as_type<uint>(1)), line)), 0);
-    return metal::mix(before_1, after_1, column_6 - static_cast<float>(index_3));
+    return metal::mix(before_1, after_1, column_7 - static_cast<float>(index_3));
 }
 
 float window_share(
@@ -440,14 +445,14 @@ metal::float3 corridor(
                     int _e160 = index_1;
                     bin = metal::float2(major, lowest + static_cast<float>(as_type<int>(as_type<uint>(_e160) - as_type<uint>(as_type<int>(as_type<uint>(line_1) * as_type<uint>(MINOR_COUNT))))));
                     metal::float2 _e167 = bin;
-                    metal::float2 place_7 = _e167 * pitch;
-                    float _e169 = lobe_centre(place_7, uv_6, nearness_1);
+                    metal::float2 place_8 = _e167 * pitch;
+                    float _e169 = lobe_centre(place_8, uv_6, nearness_1);
                     wavenumber_2 = broad ? _e136 : _e169;
                     float _e171 = wavenumber_2;
                     float _e172 = window_width(_e171);
                     metal::float2 _e173 = lobe_sharpness(_e172, squared_2, pace_2);
                     float _e174 = wavenumber_2;
-                    float _e177 = window_exponent((_e174 * uv_6) - place_7, uv_6, _e173);
+                    float _e177 = window_exponent((_e174 * uv_6) - place_8, uv_6, _e173);
                     exponent_1 = _e177;
                     int _e178 = index_1;
                     index_1 = as_type<int>(as_type<uint>(_e178) + as_type<uint>(1));
@@ -508,13 +513,74 @@ metal::float3 in_surface(
     return direction_1;
 }
 
+float normal_reflectance(
+    metal::texture2d<float, metal::access::sample> spectrum
+) {
+    metal::float4 _e5 = spectrum.read(metal::uint2(metal::int2(0, 40)), 0);
+    return _e5.y;
+}
+
+metal::float2 order_frequency(
+    metal::int2 order_1
+) {
+    return static_cast<metal::float2>(order_1) / metal::float2(1.6, 0.064);
+}
+
+metal::float3 polar(
+    metal::float2 frequency
+) {
+    float size_1 = metal::max(metal::length(frequency), 0.000000001);
+    return metal::float3(frequency / metal::float2(size_1), size_1);
+}
+
+metal::float3 arrival(
+    metal::float2 frequency_1,
+    float lambda_um_5,
+    metal::float3 wr_6
+) {
+    metal::float2 shift = lambda_um_5 * frequency_1;
+    float squared_3 = (wr_6.z * wr_6.z) - metal::dot(shift, (2.0 * wr_6.xy) + shift);
+    return metal::float3(-(wr_6.xy) - shift, metal::sqrt(metal::max(0.0, squared_3)));
+}
+
+metal::float2 propagating(
+    metal::float2 frequency_2,
+    metal::float3 wr_7
+) {
+    metal::float3 _e2 = polar(frequency_2);
+    float start_1 = -(metal::dot(wr_7.xy, _e2.xy));
+    float across = (wr_7.y * _e2.x) - (wr_7.x * _e2.y);
+    float half_ = metal::sqrt(metal::max(0.0, 1.0 - (across * across)));
+    float low_1 = metal::max(WAVELENGTH_MIN_UM, (start_1 - half_) / _e2.z);
+    return metal::float2(low_1, metal::min(WAVELENGTH_MAX_UM, (start_1 + half_) / _e2.z));
+}
+
+float order_share(
+    metal::int2 order_2,
+    metal::float2 frequency_3,
+    float lambda_um_6,
+    metal::float3 wr_8,
+    metal::texture2d<float, metal::access::sample> spectrum,
+    metal::texture2d<float, metal::access::sample> efficiencies
+) {
+    metal::float3 _e4 = arrival(frequency_3, lambda_um_6, wr_8);
+    float _e5 = depth(_e4, wr_8);
+    float _e6 = dispersed(_e5, lambda_um_6, spectrum);
+    float turns_2 = _e6 / lambda_um_6;
+    metal::float2 _e8 = facing_of(_e4, wr_8);
+    float _e9 = reflectance(lambda_um_6, _e8, spectrum);
+    float _e10 = gain(_e4, wr_8);
+    float _e11 = efficiency(order_2, turns_2, efficiencies);
+    return ((_e10 / metal::max(_e4.z, 0.000001)) * _e9) * _e11;
+}
+
 float disc_chord_squared(
     float radius
 ) {
-    float half_ = 0.5 * metal::clamp(radius, 0.0001, 1.5707963);
-    float squared_3 = half_ * half_;
-    float inner = 1.0 - ((squared_3 / 42.0) * (1.0 - (squared_3 / 72.0)));
-    float sine = half_ * (1.0 - ((squared_3 / 6.0) * (1.0 - ((squared_3 / 20.0) * inner))));
+    float half_1 = 0.5 * metal::clamp(radius, 0.0001, 1.5707963);
+    float squared_4 = half_1 * half_1;
+    float inner = 1.0 - ((squared_4 / 42.0) * (1.0 - (squared_4 / 72.0)));
+    float sine = half_1 * (1.0 - ((squared_4 / 6.0) * (1.0 - ((squared_4 / 20.0) * inner))));
     return (4.0 * sine) * sine;
 }
 
@@ -525,18 +591,11 @@ metal::float3 edge_normal(
     metal::float3 centre
 ) {
     metal::float3 normal_4 = side_2 * metal::cross(start, end);
-    float squared_4 = metal::dot(normal_4, normal_4);
-    if (squared_4 < 0.000000000001) {
+    float squared_5 = metal::dot(normal_4, normal_4);
+    if (squared_5 < 0.000000000001) {
         return centre;
     }
-    return normal_4 * metal::rsqrt(squared_4);
-}
-
-float normal_reflectance(
-    metal::texture2d<float, metal::access::sample> spectrum
-) {
-    metal::float4 _e5 = spectrum.read(metal::uint2(metal::int2(0, 40)), 0);
-    return _e5.y;
+    return normal_4 * metal::rsqrt(squared_5);
 }
 
 metal::int2 orders_between(
@@ -546,10 +605,10 @@ metal::int2 orders_between(
     float size_um,
     int limit
 ) {
-    metal::float2 low_1 = metal::float2(size_um * (-(offset_1) - reach)) / ends;
+    metal::float2 low_2 = metal::float2(size_um * (-(offset_1) - reach)) / ends;
     metal::float2 high_1 = metal::float2(size_um * (-(offset_1) + reach)) / ends;
     float most = static_cast<float>(limit);
-    float first_2 = metal::clamp(metal::ceil(metal::min(low_1.x, low_1.y)), -(most), most + 1.0);
+    float first_2 = metal::clamp(metal::ceil(metal::min(low_2.x, low_2.y)), -(most), most + 1.0);
     float last_1 = metal::clamp(metal::floor(metal::max(high_1.x, high_1.y)), -(most) - 1.0, most);
     return metal::int2(naga_f2i32(first_2), naga_f2i32(last_1));
 }
@@ -586,50 +645,15 @@ metal::int2 order_columns(
     return _e44;
 }
 
-metal::float2 order_frequency(
-    metal::int2 order_1
-) {
-    return static_cast<metal::float2>(order_1) / metal::float2(1.6, 0.064);
-}
-
-metal::float3 polar(
-    metal::float2 frequency
-) {
-    float size_1 = metal::max(metal::length(frequency), 0.000000001);
-    return metal::float3(frequency / metal::float2(size_1), size_1);
-}
-
-metal::float3 arrival(
-    metal::float2 frequency_1,
-    float lambda_um_5,
-    metal::float3 wr_6
-) {
-    metal::float2 shift = lambda_um_5 * frequency_1;
-    float squared_5 = (wr_6.z * wr_6.z) - metal::dot(shift, (2.0 * wr_6.xy) + shift);
-    return metal::float3(-(wr_6.xy) - shift, metal::sqrt(metal::max(0.0, squared_5)));
-}
-
-metal::float2 propagating(
-    metal::float2 frequency_2,
-    metal::float3 wr_7
-) {
-    metal::float3 _e2 = polar(frequency_2);
-    float start_1 = -(metal::dot(wr_7.xy, _e2.xy));
-    float across = (wr_7.y * _e2.x) - (wr_7.x * _e2.y);
-    float half_1 = metal::sqrt(metal::max(0.0, 1.0 - (across * across)));
-    float low_2 = metal::max(WAVELENGTH_MIN_UM, (start_1 - half_1) / _e2.z);
-    return metal::float2(low_2, metal::min(WAVELENGTH_MAX_UM, (start_1 + half_1) / _e2.z));
-}
-
 metal::float2 crossings(
-    metal::float2 frequency_3,
-    metal::float3 wr_8,
+    metal::float2 frequency_4,
+    metal::float3 wr_9,
     metal::float3 axis,
     float chord_squared
 ) {
-    metal::float3 _e4 = polar(frequency_3);
+    metal::float3 _e4 = polar(frequency_4);
     metal::float2 across_1 = metal::float2(-(_e4.y), _e4.x);
-    metal::float2 start_2 = -(metal::float2(metal::dot(wr_8.xy, _e4.xy), metal::dot(wr_8.xy, across_1)));
+    metal::float2 start_2 = -(metal::float2(metal::dot(wr_9.xy, _e4.xy), metal::dot(wr_9.xy, across_1)));
     metal::float2 lamp = metal::float2(metal::dot(axis.xy, _e4.xy), metal::dot(axis.xy, across_1));
     float apart = start_2.y - lamp.y;
     float sine_squared = chord_squared * (1.0 - (0.25 * chord_squared));
@@ -655,19 +679,19 @@ bool within(
 }
 
 int panel_count(
-    metal::float2 frequency_4,
+    metal::float2 frequency_5,
     float from_um,
     float to_um,
-    metal::float3 wr_9
+    metal::float3 wr_10
 ) {
-    metal::float3 _e4 = arrival(frequency_4, from_um, wr_9);
-    metal::float3 _e5 = arrival(frequency_4, to_um, wr_9);
+    metal::float3 _e4 = arrival(frequency_5, from_um, wr_10);
+    metal::float3 _e5 = arrival(frequency_5, to_um, wr_10);
     float middle_um = 0.5 * (from_um + to_um);
-    metal::float3 _e9 = arrival(frequency_4, middle_um, wr_9);
-    float _e10 = depth(_e4, wr_9);
-    float _e11 = depth(_e9, wr_9);
-    float turns_2 = 2.0 * metal::abs((_e10 / from_um) - (_e11 / middle_um));
-    float columns_2 = 1.9768772 * turns_2;
+    metal::float3 _e9 = arrival(frequency_5, middle_um, wr_10);
+    float _e10 = depth(_e4, wr_10);
+    float _e11 = depth(_e9, wr_10);
+    float turns_3 = 2.0 * metal::abs((_e10 / from_um) - (_e11 / middle_um));
+    float columns_2 = 1.9768772 * turns_3;
     float coloured = PANEL_PACE * metal::abs((1.0 / from_um) - (1.0 / to_um));
     float curved = metal::max(metal::distance(_e4, _e5) / PANEL_ARC, coloured);
     float needed = metal::max(columns_2 / PANEL_COLUMNS, curved);
@@ -675,14 +699,14 @@ int panel_count(
 }
 
 float wavelength_between(
-    metal::float2 frequency_5,
+    metal::float2 frequency_6,
     float from_um_1,
     float to_um_1,
     float part,
-    metal::float3 wr_10
+    metal::float3 wr_11
 ) {
     bool local_2 = {};
-    metal::float3 _e6 = polar(frequency_5);
+    metal::float3 _e6 = polar(frequency_6);
     if (_e6.x == 0.0) {
         local_2 = _e6.y == 0.0;
     } else {
@@ -692,32 +716,13 @@ float wavelength_between(
     if (_e14) {
         return 1.0 / metal::mix(1.0 / from_um_1, 1.0 / to_um_1, part);
     }
-    float start_3 = -(metal::dot(wr_10.xy, _e6.xy));
-    float across_2 = (wr_10.y * _e6.x) - (wr_10.x * _e6.y);
+    float start_3 = -(metal::dot(wr_11.xy, _e6.xy));
+    float across_2 = (wr_11.y * _e6.x) - (wr_11.x * _e6.y);
     float half_2 = metal::sqrt(metal::max(0.000000000001, 1.0 - (across_2 * across_2)));
     metal::float2 ends_4 = (metal::float2(start_3) - (metal::float2(from_um_1, to_um_1) * _e6.z)) / metal::float2(half_2);
     metal::float2 angles = metal::asin(metal::clamp(ends_4, metal::float2(-1.0), metal::float2(1.0)));
-    float place_8 = start_3 - (half_2 * metal::sin(metal::mix(angles.x, angles.y, part)));
-    return metal::clamp(place_8 / _e6.z, from_um_1, to_um_1);
-}
-
-float order_share(
-    metal::int2 order_2,
-    metal::float2 frequency_6,
-    float lambda_um_6,
-    metal::float3 wr_11,
-    metal::texture2d<float, metal::access::sample> spectrum,
-    metal::texture2d<float, metal::access::sample> efficiencies
-) {
-    metal::float3 _e4 = arrival(frequency_6, lambda_um_6, wr_11);
-    float _e5 = depth(_e4, wr_11);
-    float _e6 = dispersed(_e5, lambda_um_6, spectrum);
-    float turns_3 = _e6 / lambda_um_6;
-    metal::float2 _e8 = facing_of(_e4, wr_11);
-    float _e9 = reflectance(lambda_um_6, _e8, spectrum);
-    float _e10 = gain(_e4, wr_11);
-    float _e11 = efficiency(order_2, turns_3, efficiencies);
-    return ((_e10 / metal::max(_e4.z, 0.000001)) * _e9) * _e11;
+    float place_9 = start_3 - (half_2 * metal::sin(metal::mix(angles.x, angles.y, part)));
+    return metal::clamp(place_9 / _e6.z, from_um_1, to_um_1);
 }
 
 float moment_place(
@@ -1226,19 +1231,253 @@ metal::float3 tristimulus_rectangle(
     return _e206 * _e207;
 }
 
-metal::float3 to_rgb(
-    metal::float3 xyz_4
+metal::float3 environment_level(
+    int level,
+    metal::float2 place_4,
+    metal::texture2d<float, metal::access::sample> environment,
+    metal::sampler linear_clamp
 ) {
-    return metal::float3(metal::dot(metal::float3(3.2406, -1.5372, -0.4986), xyz_4), metal::dot(metal::float3(-0.9689, 1.8758, 0.0415), xyz_4), metal::dot(metal::float3(0.0557, -0.204, 1.057), xyz_4));
+    float rows = static_cast<float>(ENVIRONMENT_ROWS >> static_cast<uint>(metal::max(as_type<int>(as_type<uint>(level) - as_type<uint>(1)), 0)));
+    float above_1 = (level > 0) ? ((1536.0 + (2.0 * static_cast<float>(level))) - (2.0 * rows)) : 0.0;
+    metal::float2 texel_1 = metal::float2(1.0 + ((2.0 * rows) * place_4.x), (above_1 + 1.0) + (rows * place_4.y));
+    metal::float2 size_2 = metal::float2(1026.0, 1550.0);
+    metal::float4 _e41 = environment.sample(linear_clamp, texel_1 / size_2, metal::level(0.0));
+    return _e41.xyz;
+}
+
+metal::float3 environment_radiance(
+    metal::float3 direction_3,
+    float spread,
+    metal::texture2d<float, metal::access::sample> environment,
+    metal::sampler linear_clamp
+) {
+    float across_3 = metal::length(direction_3.xy);
+    metal::float2 place_10 = metal::float2((metal::atan2(direction_3.y, direction_3.x + ((across_3 == 0.0) ? 0.000000000001 : 0.0)) / 6.2831855) + 0.5, metal::atan2(across_3, direction_3.z) / 3.1415927);
+    float blur = (spread * spread) / 0.00008471149;
+    if (blur < 1.0) {
+        metal::float3 _e28 = environment_level(0, place_10, environment, linear_clamp);
+        metal::float3 _e30 = environment_level(1, place_10, environment, linear_clamp);
+        return metal::mix(_e28, _e30, blur);
+    }
+    int level_1 = metal::clamp(as_type<int>(as_type<uint>(naga_f2i32(metal::floor(0.5 * metal::log2(blur)))) + as_type<uint>(1)), 1, 7);
+    float own = metal::exp2(2.0 * static_cast<float>(as_type<int>(as_type<uint>(level_1) - as_type<uint>(1))));
+    float share_5 = metal::clamp((blur - own) / (3.0 * own), 0.0, 1.0);
+    metal::float3 _e55 = environment_level(level_1, place_10, environment, linear_clamp);
+    metal::float3 _e58 = environment_level(as_type<int>(as_type<uint>(level_1) + as_type<uint>(1)), place_10, environment, linear_clamp);
+    return metal::mix(_e55, _e58, share_5);
+}
+
+metal::float4 streak_light(
+    int cell,
+    int row_7,
+    metal::texture2d<float, metal::access::sample> streaks
+) {
+    metal::float4 _e5 = streaks.read(metal::uint2(metal::int2(cell, row_7)), 0);
+    return _e5;
+}
+
+metal::float3 from_surface(
+    metal::float3 direction_4
+) {
+    return direction_4;
+}
+
+metal::float3 mirror_image(
+    metal::float3 wr_16,
+    metal::texture2d<float, metal::access::sample> spectrum,
+    metal::texture2d<float, metal::access::sample> efficiencies,
+    metal::texture2d<float, metal::access::sample> environment,
+    metal::sampler linear_clamp,
+    metal::texture2d<float, metal::access::sample> streaks
+) {
+    metal::float3 red = metal::float3(0.0);
+    metal::float3 green = metal::float3(0.0);
+    metal::float3 blue = metal::float3(0.0);
+    int cell_1 = 0;
+    bool loop_init_7 = true;
+    while(true) {
+        if (!loop_init_7) {
+            int _e43 = cell_1;
+            cell_1 = as_type<int>(as_type<uint>(_e43) + as_type<uint>(1));
+        }
+        loop_init_7 = false;
+        int _e12 = cell_1;
+        if (_e12 < STREAK_CELLS) {
+        } else {
+            break;
+        }
+        {
+            int _e15 = cell_1;
+            metal::float4 _e17 = streak_light(_e15, 0, streaks);
+            float _e24 = order_share(metal::int2(0, 0), metal::float2(0.0), _e17.w, wr_16, spectrum, efficiencies);
+            metal::float3 _e25 = red;
+            red = _e25 + (_e24 * _e17.xyz);
+            metal::float3 _e29 = green;
+            int _e30 = cell_1;
+            metal::float4 _e32 = streak_light(_e30, 1, streaks);
+            green = _e29 + (_e24 * _e32.xyz);
+            metal::float3 _e36 = blue;
+            int _e37 = cell_1;
+            metal::float4 _e39 = streak_light(_e37, 2, streaks);
+            blue = _e36 + (_e24 * _e39.xyz);
+        }
+    }
+    metal::float3 _e50 = from_surface(metal::float3(-(wr_16.xy), wr_16.z));
+    metal::float3 _e52 = environment_radiance(_e50, 0.0, environment, linear_clamp);
+    metal::float3 _e53 = red;
+    metal::float3 _e54 = green;
+    metal::float3 _e55 = blue;
+    return ((_e52.x * _e53) + (_e52.y * _e54)) + (_e52.z * _e55);
+}
+
+metal::float3 streak(
+    metal::int2 order_7,
+    metal::float3 wr_17,
+    metal::texture2d<float, metal::access::sample> spectrum,
+    metal::texture2d<float, metal::access::sample> efficiencies,
+    metal::texture2d<float, metal::access::sample> environment,
+    metal::sampler linear_clamp,
+    metal::texture2d<float, metal::access::sample> streaks
+) {
+    metal::float3 xyz_4 = metal::float3(0.0);
+    float first_um = {};
+    int cell_2 = 0;
+    metal::float2 _e8 = order_frequency(order_7);
+    metal::float2 _e9 = propagating(_e8, wr_17);
+    float pace_3 = metal::length(_e8);
+    metal::float4 _e13 = streak_light(0, 1, streaks);
+    first_um = _e13.w;
+    bool loop_init_8 = true;
+    while(true) {
+        if (!loop_init_8) {
+            int _e82 = cell_2;
+            cell_2 = as_type<int>(as_type<uint>(_e82) + as_type<uint>(1));
+        }
+        loop_init_8 = false;
+        int _e15 = cell_2;
+        if (_e15 < STREAK_CELLS) {
+        } else {
+            break;
+        }
+        {
+            int _e18 = cell_2;
+            metal::float4 _e22 = streak_light(as_type<int>(as_type<uint>(_e18) + as_type<uint>(1)), 1, streaks);
+            float last_um = _e22.w;
+            float _e24 = first_um;
+            float low_3 = metal::max(_e24, _e9.x);
+            float high_2 = metal::min(last_um, _e9.y);
+            if (low_3 < high_2) {
+                float _e30 = first_um;
+                float part_4 = (high_2 - low_3) / (last_um - _e30);
+                int _e34 = cell_2;
+                metal::float4 _e36 = streak_light(_e34, 0, streaks);
+                float inner_2 = metal::clamp(_e36.w, metal::mix(low_3, high_2, 0.3), metal::mix(low_3, high_2, 0.7));
+                float lambda_um_10 = (part_4 < 0.999) ? inner_2 : _e36.w;
+                float _e47 = order_share(order_7, _e8, lambda_um_10, wr_17, spectrum, efficiencies);
+                float share_6 = part_4 * _e47;
+                if (share_6 > 0.000001) {
+                    metal::float3 _e51 = arrival(_e8, lambda_um_10, wr_17);
+                    int _e52 = cell_2;
+                    metal::float4 _e54 = streak_light(_e52, 2, streaks);
+                    float spread_1 = ((part_4 * _e54.w) * pace_3) * metal::rsqrt(metal::max(_e51.z, 0.0001));
+                    metal::float3 _e63 = from_surface(_e51);
+                    metal::float3 _e64 = environment_radiance(_e63, spread_1, environment, linear_clamp);
+                    metal::float3 light_2 = share_6 * _e64;
+                    int _e66 = cell_2;
+                    metal::float4 _e68 = streak_light(_e66, 1, streaks);
+                    metal::float3 _e69 = xyz_4;
+                    xyz_4 = _e69 + (((light_2.x * _e36.xyz) + (light_2.y * _e68.xyz)) + (light_2.z * _e54.xyz));
+                }
+            }
+            first_um = last_um;
+        }
+    }
+    metal::float3 _e85 = xyz_4;
+    return _e85;
+}
+
+metal::float3 tristimulus_environment(
+    metal::float3 wr_18,
+    metal::texture2d<float, metal::access::sample> spectrum,
+    metal::texture2d<float, metal::access::sample> efficiencies,
+    metal::texture2d<float, metal::access::sample> environment,
+    metal::sampler linear_clamp,
+    metal::texture2d<float, metal::access::sample> streaks
+) {
+    metal::float3 xyz_5 = {};
+    int row_8 = 0;
+    int column_5 = {};
+    bool local_14 = {};
+    if (!((wr_18.z > 0.000001))) {
+        return metal::float3(0.0);
+    }
+    metal::float3 _e12 = in_surface(wr_18);
+    metal::float3 _e13 = mirror_image(_e12, spectrum, efficiencies, environment, linear_clamp, streaks);
+    xyz_5 = _e13;
+    bool loop_init_9 = true;
+    while(true) {
+        if (!loop_init_9) {
+            int _e39 = row_8;
+            row_8 = as_type<int>(as_type<uint>(_e39) + as_type<uint>(1));
+        }
+        loop_init_9 = false;
+        int _e14 = row_8;
+        if (_e14 <= ORDER_REACH_Y) {
+        } else {
+            break;
+        }
+        {
+            column_5 = -8;
+            bool loop_init_10 = true;
+            while(true) {
+                if (!loop_init_10) {
+                    int _e36 = column_5;
+                    column_5 = as_type<int>(as_type<uint>(_e36) + as_type<uint>(1));
+                }
+                loop_init_10 = false;
+                int _e18 = column_5;
+                if (_e18 <= ORDER_REACH_X) {
+                } else {
+                    break;
+                }
+                {
+                    int _e21 = row_8;
+                    if (!((_e21 != 0))) {
+                        int _e25 = column_5;
+                        local_14 = _e25 != 0;
+                    } else {
+                        local_14 = true;
+                    }
+                    bool _e29 = local_14;
+                    if (_e29) {
+                        metal::float3 _e30 = xyz_5;
+                        int _e31 = column_5;
+                        int _e32 = row_8;
+                        metal::float3 _e34 = streak(metal::int2(_e31, _e32), _e12, spectrum, efficiencies, environment, linear_clamp, streaks);
+                        xyz_5 = _e30 + _e34;
+                    }
+                }
+            }
+        }
+    }
+    float _e42 = normal_reflectance(spectrum);
+    metal::float3 _e43 = xyz_5;
+    return _e42 * _e43;
+}
+
+metal::float3 to_rgb(
+    metal::float3 xyz_6
+) {
+    return metal::float3(metal::dot(metal::float3(3.2406, -1.5372, -0.4986), xyz_6), metal::dot(metal::float3(-0.9689, 1.8758, 0.0415), xyz_6), metal::dot(metal::float3(0.0557, -0.204, 1.057), xyz_6));
 }
 
 metal::float3 diffraction(
     metal::float3 wi_6,
-    metal::float3 wr_16,
+    metal::float3 wr_19,
     metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d<float, metal::access::sample> efficiencies
 ) {
-    metal::float3 _e2 = tristimulus(wi_6, wr_16, spectrum, efficiencies);
+    metal::float3 _e2 = tristimulus(wi_6, wr_19, spectrum, efficiencies);
     metal::float3 _e3 = to_rgb(_e2);
     return _e3;
 }
@@ -1246,12 +1485,12 @@ metal::float3 diffraction(
 metal::float3 diffraction_disc(
     metal::float3 axis_3,
     float radius_2,
-    metal::float3 wr_17,
+    metal::float3 wr_20,
     metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> moments
 ) {
-    metal::float3 _e3 = tristimulus_disc(axis_3, radius_2, wr_17, spectrum, efficiencies, moments);
+    metal::float3 _e3 = tristimulus_disc(axis_3, radius_2, wr_20, spectrum, efficiencies, moments);
     metal::float3 _e4 = to_rgb(_e3);
     return _e4;
 }
@@ -1261,22 +1500,35 @@ metal::float3 diffraction_rectangle(
     metal::float3 b_1,
     metal::float3 c_1,
     metal::float3 d_1,
-    metal::float3 wr_18,
+    metal::float3 wr_21,
     metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> moments
 ) {
-    metal::float3 _e5 = tristimulus_rectangle(a_1, b_1, c_1, d_1, wr_18, spectrum, efficiencies, moments);
+    metal::float3 _e5 = tristimulus_rectangle(a_1, b_1, c_1, d_1, wr_21, spectrum, efficiencies, moments);
     metal::float3 _e6 = to_rgb(_e5);
     return _e6;
 }
 
+metal::float3 diffraction_environment(
+    metal::float3 wr_22,
+    metal::texture2d<float, metal::access::sample> spectrum,
+    metal::texture2d<float, metal::access::sample> efficiencies,
+    metal::texture2d<float, metal::access::sample> environment,
+    metal::sampler linear_clamp,
+    metal::texture2d<float, metal::access::sample> streaks
+) {
+    metal::float3 _e1 = tristimulus_environment(wr_22, spectrum, efficiencies, environment, linear_clamp, streaks);
+    metal::float3 _e2 = to_rgb(_e1);
+    return _e2;
+}
+
 metal::float2 pixel_of(
-    metal::float2 place_4,
+    metal::float2 place_5,
     constant Params& params
 ) {
     metal::float4 _e3 = params.size;
-    return metal::floor(((0.5 * place_4) + metal::float2(0.5)) * _e3.xy);
+    return metal::floor(((0.5 * place_5) + metal::float2(0.5)) * _e3.xy);
 }
 
 metal::float3 view_direction(
@@ -1340,26 +1592,26 @@ metal::float2 orientation(
     metal::float2 uv_4,
     metal::texture2d<float, metal::access::sample> orientation_map
 ) {
-    metal::float2 size_2 = static_cast<metal::float2>(metal::uint2(orientation_map.get_width(0), orientation_map.get_height(0)));
-    metal::float2 place_9 = ((uv_4 - metal::floor(uv_4)) * size_2) - metal::float2(0.5);
-    metal::float2 corner_1 = metal::floor(place_9);
-    metal::float2 share_5 = place_9 - corner_1;
+    metal::float2 size_3 = static_cast<metal::float2>(metal::uint2(orientation_map.get_width(0), orientation_map.get_height(0)));
+    metal::float2 place_11 = ((uv_4 - metal::floor(uv_4)) * size_3) - metal::float2(0.5);
+    metal::float2 corner_1 = metal::floor(place_11);
+    metal::float2 share_7 = place_11 - corner_1;
     metal::float2 right = corner_1 + metal::float2(1.0, 0.0);
-    metal::float2 _e17 = texel_turn(corner_1, size_2, orientation_map);
-    metal::float2 _e18 = texel_turn(right, size_2, orientation_map);
-    metal::float2 above_1 = metal::mix(_e17, _e18, share_5.x);
+    metal::float2 _e17 = texel_turn(corner_1, size_3, orientation_map);
+    metal::float2 _e18 = texel_turn(right, size_3, orientation_map);
+    metal::float2 above_2 = metal::mix(_e17, _e18, share_7.x);
     metal::float2 under = metal::float2(0.0, 1.0);
-    metal::float2 _e25 = texel_turn(corner_1 + under, size_2, orientation_map);
-    metal::float2 _e27 = texel_turn(right + under, size_2, orientation_map);
-    metal::float2 below_1 = metal::mix(_e25, _e27, share_5.x);
-    metal::float2 turn = metal::mix(above_1, below_1, share_5.y);
+    metal::float2 _e25 = texel_turn(corner_1 + under, size_3, orientation_map);
+    metal::float2 _e27 = texel_turn(right + under, size_3, orientation_map);
+    metal::float2 below_1 = metal::mix(_e25, _e27, share_7.x);
+    metal::float2 turn = metal::mix(above_2, below_1, share_7.y);
     float squared_9 = metal::dot(turn, turn);
-    metal::float2 direction_4 = turn * metal::rsqrt(metal::max(squared_9, 0.00000001));
-    return (squared_9 > 0.00000001) ? direction_4 : metal::float2(1.0, 0.0);
+    metal::float2 direction_6 = turn * metal::rsqrt(metal::max(squared_9, 0.00000001));
+    return (squared_9 > 0.00000001) ? direction_6 : metal::float2(1.0, 0.0);
 }
 
 metal::float3 in_frame(
-    metal::float3 direction_3,
+    metal::float3 direction_5,
     metal::float3 normal_3,
     metal::float4 tangent_2,
     metal::float2 uv_5,
@@ -1367,14 +1619,14 @@ metal::float3 in_frame(
 ) {
     metal::float3 _e5 = unit(normal_3, 0.00000001);
     metal::float3 _e12 = unit(tangent_2.xyz - (metal::dot(tangent_2.xyz, _e5) * _e5), 0.00000001);
-    metal::float3 across_3 = ((tangent_2.w < 0.0) ? -1.0 : 1.0) * metal::cross(_e5, _e12);
-    if (metal::dot(across_3, across_3) < 0.5) {
+    metal::float3 across_4 = ((tangent_2.w < 0.0) ? -1.0 : 1.0) * metal::cross(_e5, _e12);
+    if (metal::dot(across_4, across_4) < 0.5) {
         return metal::float3(0.0);
     }
     metal::float2 _e26 = orientation(uv_5, orientation_map);
-    metal::float3 along_1 = (_e26.x * _e12) + (_e26.y * across_3);
-    metal::float3 beside = (_e26.x * across_3) - (_e26.y * _e12);
-    metal::float3 _e38 = unit(direction_3, 0.000000000000000000000000000000000001);
+    metal::float3 along_1 = (_e26.x * _e12) + (_e26.y * across_4);
+    metal::float3 beside = (_e26.x * across_4) - (_e26.y * _e12);
+    metal::float3 _e38 = unit(direction_5, 0.000000000000000000000000000000000001);
     metal::float3 _e44 = unit(metal::float3(metal::dot(_e38, along_1), metal::dot(_e38, beside), metal::dot(_e38, _e5)), 0.00000001);
     return _e44;
 }
@@ -1388,8 +1640,8 @@ struct vertOutput {
 vertex vertOutput vert(
   uint index [[vertex_id]]
 ) {
-    metal::float2 place_10 = metal::float2((index == 1u) ? 3.0 : -1.0, (index == 2u) ? 3.0 : -1.0);
-    const auto _tmp = FullScreen {metal::float4(place_10, 0.0, 1.0), place_10};
+    metal::float2 place_12 = metal::float2((index == 1u) ? 3.0 : -1.0, (index == 2u) ? 3.0 : -1.0);
+    const auto _tmp = FullScreen {metal::float4(place_12, 0.0, 1.0), place_12};
     return vertOutput { _tmp.position, _tmp.place };
 }
 
@@ -1429,32 +1681,39 @@ fragment probeOutput probe(
 , metal::texture2d<float, metal::access::sample> spectrum [[texture(2)]]
 , metal::texture2d<float, metal::access::sample> efficiencies [[texture(1)]]
 , metal::texture2d<float, metal::access::sample> moments [[texture(4)]]
+, metal::texture2d<float, metal::access::sample> environment [[texture(7)]]
+, metal::sampler linear_clamp [[sampler(5)]]
+, metal::texture2d<float, metal::access::sample> streaks [[texture(6)]]
 , constant Params& params [[buffer(0)]]
 , metal::texture2d<float, metal::access::sample> directions [[texture(3)]]
 ) {
     const auto place_1 = varyings_2.place_1;
     metal::float2 _e1 = pixel_of(place_1, params);
-    int column_7 = naga_f2i32(_e1.x);
+    int column_8 = naga_f2i32(_e1.x);
     float _e7 = params.size.y;
-    int row_8 = naga_f2i32((_e7 - 1.0) - _e1.y);
-    metal::float4 first_4 = directions.read(metal::uint2(metal::int2(column_7, as_type<int>(as_type<uint>(5) * as_type<uint>(row_8)))), 0);
-    metal::float4 viewer_1 = directions.read(metal::uint2(metal::int2(column_7, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_8))) + as_type<uint>(1)))), 0);
+    int row_10 = naga_f2i32((_e7 - 1.0) - _e1.y);
+    metal::float4 first_4 = directions.read(metal::uint2(metal::int2(column_8, as_type<int>(as_type<uint>(5) * as_type<uint>(row_10)))), 0);
+    metal::float4 viewer_1 = directions.read(metal::uint2(metal::int2(column_8, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_10))) + as_type<uint>(1)))), 0);
     if (first_4.w == 1.0) {
         metal::float3 _e33 = tristimulus_disc(first_4.xyz, viewer_1.w, viewer_1.xyz, spectrum, efficiencies, moments);
         return probeOutput { metal::float4(_e33, 1.0) };
     }
     if (first_4.w == 2.0) {
-        metal::float4 _e46 = directions.read(metal::uint2(metal::int2(column_7, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_8))) + as_type<uint>(2)))), 0);
+        metal::float4 _e46 = directions.read(metal::uint2(metal::int2(column_8, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_10))) + as_type<uint>(2)))), 0);
         metal::float3 second_1 = _e46.xyz;
-        metal::float4 _e55 = directions.read(metal::uint2(metal::int2(column_7, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_8))) + as_type<uint>(3)))), 0);
+        metal::float4 _e55 = directions.read(metal::uint2(metal::int2(column_8, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_10))) + as_type<uint>(3)))), 0);
         metal::float3 third_1 = _e55.xyz;
-        metal::float4 _e64 = directions.read(metal::uint2(metal::int2(column_7, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_8))) + as_type<uint>(4)))), 0);
+        metal::float4 _e64 = directions.read(metal::uint2(metal::int2(column_8, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_10))) + as_type<uint>(4)))), 0);
         metal::float3 fourth = _e64.xyz;
         metal::float3 _e68 = tristimulus_rectangle(first_4.xyz, second_1, third_1, fourth, viewer_1.xyz, spectrum, efficiencies, moments);
         return probeOutput { metal::float4(_e68, 1.0) };
     }
-    metal::float3 _e73 = tristimulus(first_4.xyz, viewer_1.xyz, spectrum, efficiencies);
-    return probeOutput { metal::float4(_e73, 1.0) };
+    if (first_4.w == 3.0) {
+        metal::float3 _e75 = tristimulus_environment(viewer_1.xyz, spectrum, efficiencies, environment, linear_clamp, streaks);
+        return probeOutput { metal::float4(_e75, 1.0) };
+    }
+    metal::float3 _e80 = tristimulus(first_4.xyz, viewer_1.xyz, spectrum, efficiencies);
+    return probeOutput { metal::float4(_e80, 1.0) };
 }
 
 
@@ -1482,7 +1741,7 @@ vertex mesh_vertOutput mesh_vert(
     const auto uv = varyings_3.uv;
     const auto orientation_angle = varyings_3.orientation_angle;
     metal::float4x4 _e7 = mesh_params.model;
-    metal::float4 place_11 = _e7 * metal::float4(position, 1.0);
+    metal::float4 place_13 = _e7 * metal::float4(position, 1.0);
     metal::float3 _e11 = world_normal(normal, mesh_params);
     metal::float3 _e13 = unit(_e11, 0.000000000000000000000000000000000001);
     metal::float4x4 _e16 = mesh_params.model;
@@ -1490,12 +1749,12 @@ vertex mesh_vertOutput mesh_vert(
     metal::float3 _e28 = unit(_e23 - (metal::dot(_e23, _e13) * _e13), 0.00000001);
     float _e29 = model_volume(mesh_params);
     float handedness = ((tangent.w * _e29) < 0.0) ? -1.0 : 1.0;
-    metal::float3 across_4 = handedness * metal::cross(_e13, _e28);
-    metal::float3 turned = (metal::cos(orientation_angle) * _e28) + (metal::sin(orientation_angle) * across_4);
+    metal::float3 across_5 = handedness * metal::cross(_e13, _e28);
+    metal::float3 turned = (metal::cos(orientation_angle) * _e28) + (metal::sin(orientation_angle) * across_5);
     metal::float4x4 _e46 = mesh_params.projection;
     metal::float4x4 _e49 = mesh_params.view;
-    metal::float4 clip = _e46 * (_e49 * place_11);
-    const auto _tmp_1 = MeshVertex {clip, place_11.xyz, _e13, metal::float4(turned, handedness), uv};
+    metal::float4 clip = _e46 * (_e49 * place_13);
+    const auto _tmp_1 = MeshVertex {clip, place_13.xyz, _e13, metal::float4(turned, handedness), uv};
     return mesh_vertOutput { _tmp_1.position, _tmp_1.place, _tmp_1.normal, _tmp_1.tangent, _tmp_1.uv };
 }
 

@@ -77,6 +77,24 @@ pub const MOMENTS_GROUP: u32 = 0;
 /// Binding of texture `moments`.
 pub const MOMENTS_BINDING: u32 = 4;
 
+/// Bind group of sampler `linear_clamp`.
+pub const LINEAR_CLAMP_GROUP: u32 = 0;
+
+/// Binding of sampler `linear_clamp`.
+pub const LINEAR_CLAMP_BINDING: u32 = 5;
+
+/// Bind group of texture `streaks`.
+pub const STREAKS_GROUP: u32 = 0;
+
+/// Binding of texture `streaks`.
+pub const STREAKS_BINDING: u32 = 6;
+
+/// Bind group of texture `environment`.
+pub const ENVIRONMENT_GROUP: u32 = 0;
+
+/// Binding of texture `environment`.
+pub const ENVIRONMENT_BINDING: u32 = 7;
+
 /// Bind group of uniform `mesh_params`.
 pub const MESH_PARAMS_GROUP: u32 = 0;
 
@@ -162,5 +180,25 @@ pub const MOMENTS_TABLE: Table = Table {
     sampler: None,
 };
 
+/// Table `streaks`.
+pub const STREAKS_TABLE: Table = Table {
+    group: STREAKS_GROUP,
+    binding: STREAKS_BINDING,
+    data: "../../../surfaces/foil/streaks-a4f1952d31bc.bin",
+    description: "../../../surfaces/foil/streaks-a4f1952d31bc.json",
+    bytes: 432,
+    format: "rgba32float",
+    dimension: "2d",
+    width: 9,
+    height: 3,
+    layers: 1,
+    sampler: None,
+};
+
 /// All tables.
-pub const TABLES: [Table; 3] = [EFFICIENCIES_TABLE, SPECTRUM_TABLE, MOMENTS_TABLE];
+pub const TABLES: [Table; 4] = [
+    EFFICIENCIES_TABLE,
+    SPECTRUM_TABLE,
+    MOMENTS_TABLE,
+    STREAKS_TABLE,
+];

@@ -46,6 +46,7 @@ const PATCH_WIDTH_UM: f32 = 1.0; // width of the patch that tiles the plane, alo
 const PHASE_MIN_UM: f32 = 0.25333333; // wavelength in air whose greatest phase per height is the greatest here, µm
 const REACH_SIGMAS: f32 = 4.0; // reach of a lobe, in standard deviations of the window's spectrum
 const REFERENCE_UM: f32 = 0.55; // wavelength at which the coherence length is stated, µm
+const STREAK_CELLS: i32 = 8; // number of wavelengths per order
 const WAVELENGTH_MAX_UM: f32 = 0.78; // longest wavelength, µm
 const WAVELENGTH_MIN_UM: f32 = 0.38; // shortest wavelength, µm
 
@@ -320,6 +321,48 @@ fn in_surface(direction: vec3f) -> vec3f {
     return direction;
 }
 
+// Reflectance at normal incidence.
+fn normal_reflectance(spectrum: texture_2d<f32>) -> f32 {
+    return textureLoad(spectrum, vec2i(0, MATTER_ROW), 0).y;
+}
+
+// Frequency of an order, cycles per µm.
+fn order_frequency(order: vec2i) -> vec2f {
+    return vec2f(order) / vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM);
+}
+
+// Length and direction of a frequency. For the order that mirrors, the direction is zero.
+fn polar(frequency: vec2f) -> vec3f {
+    let size = max(length(frequency), 1e-9);
+    return vec3f(frequency / size, size);
+}
+
+// Direction from which an order takes light of a wavelength; z is 0 where there is none.
+fn arrival(frequency: vec2f, lambda_um: f32, wr: vec3f) -> vec3f {
+    let shift = lambda_um * frequency;
+    // 1 minus the square of the plane part, without its rounding errors at grazing angles
+    let squared = wr.z * wr.z - dot(shift, 2.0 * wr.xy + shift);
+    return vec3f(-wr.xy - shift, sqrt(max(0.0, squared)));
+}
+
+// Shortest and longest wavelength at which an order takes light from above the horizon.
+fn propagating(frequency: vec2f, wr: vec3f) -> vec2f {
+    let along = polar(frequency);
+    let start = -dot(wr.xy, along.xy);
+    let across = wr.y * along.x - wr.x * along.y;
+    let half = sqrt(max(0.0, 1.0 - across * across));
+    let low = max(WAVELENGTH_MIN_UM, (start - half) / along.z);
+    return vec2f(low, min(WAVELENGTH_MAX_UM, (start + half) / along.z));
+}
+
+// Share of the light that an order sends to the viewer, relative to the reflectance at normal incidence.
+fn order_share(order: vec2i, frequency: vec2f, lambda_um: f32, wr: vec3f, efficiencies: texture_2d<f32>, spectrum: texture_2d<f32>) -> f32 {
+    let wi = arrival(frequency, lambda_um, wr);
+    let turns = depth(wi, wr) / lambda_um;
+    let reflected = reflectance(lambda_um, facing_of(wi, wr), spectrum);
+    return gain(wi, wr) / max(wi.z, 1e-6) * reflected * efficiency(order, turns, efficiencies);
+}
+
 // Square of the chord from the axis of a disc to its edge. A series, since the sine of a driver may be wrong in the fourth
 // digit.
 fn disc_chord_squared(radius: f32) -> f32 {
@@ -338,11 +381,6 @@ fn edge_normal(start: vec3f, end: vec3f, side: f32, centre: vec3f) -> vec3f {
         return centre;
     }
     return normal * inverseSqrt(squared);
-}
-
-// Reflectance at normal incidence.
-fn normal_reflectance(spectrum: texture_2d<f32>) -> f32 {
-    return textureLoad(spectrum, vec2i(0, MATTER_ROW), 0).y;
 }
 
 // First and last row of orders that may take light from within `reach` of a direction; `offset` is the sum of the
@@ -375,35 +413,6 @@ fn orders_between(offset: f32, reach: f32, ends: vec2f, size_um: f32, limit: i32
     let first = clamp(ceil(min(low.x, low.y)), -most, most + 1.0);
     let last = clamp(floor(max(high.x, high.y)), -most - 1.0, most);
     return vec2i(i32(first), i32(last));
-}
-
-// Frequency of an order, cycles per µm.
-fn order_frequency(order: vec2i) -> vec2f {
-    return vec2f(order) / vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM);
-}
-
-// Length and direction of a frequency. For the order that mirrors, the direction is zero.
-fn polar(frequency: vec2f) -> vec3f {
-    let size = max(length(frequency), 1e-9);
-    return vec3f(frequency / size, size);
-}
-
-// Direction from which an order takes light of a wavelength; z is 0 where there is none.
-fn arrival(frequency: vec2f, lambda_um: f32, wr: vec3f) -> vec3f {
-    let shift = lambda_um * frequency;
-    // 1 minus the square of the plane part, without its rounding errors at grazing angles
-    let squared = wr.z * wr.z - dot(shift, 2.0 * wr.xy + shift);
-    return vec3f(-wr.xy - shift, sqrt(max(0.0, squared)));
-}
-
-// Shortest and longest wavelength at which an order takes light from above the horizon.
-fn propagating(frequency: vec2f, wr: vec3f) -> vec2f {
-    let along = polar(frequency);
-    let start = -dot(wr.xy, along.xy);
-    let across = wr.y * along.x - wr.x * along.y;
-    let half = sqrt(max(0.0, 1.0 - across * across));
-    let low = max(WAVELENGTH_MIN_UM, (start - half) / along.z);
-    return vec2f(low, min(WAVELENGTH_MAX_UM, (start + half) / along.z));
 }
 
 // Wavelengths at which an order's direction crosses the edge of a cap above the horizon; 1e9 where it does not.
@@ -558,14 +567,6 @@ fn moment(column: i32, row: i32, moments: texture_2d<f32>) -> vec4f {
     return textureLoad(moments, vec2i(column, row), 0);
 }
 
-// Share of the light that an order sends to the viewer, relative to the reflectance at normal incidence.
-fn order_share(order: vec2i, frequency: vec2f, lambda_um: f32, wr: vec3f, efficiencies: texture_2d<f32>, spectrum: texture_2d<f32>) -> f32 {
-    let wi = arrival(frequency, lambda_um, wr);
-    let turns = depth(wi, wr) / lambda_um;
-    let reflected = reflectance(lambda_um, facing_of(wi, wr), spectrum);
-    return gain(wi, wr) / max(wi.z, 1e-6) * reflected * efficiency(order, turns, efficiencies);
-}
-
 // X, Y, Z of the radiance under a disc of irradiance 1, relative to a white of radiance 1.
 fn tristimulus_disc(axis: vec3f, radius: f32, wr: vec3f, efficiencies: texture_2d<f32>, spectrum: texture_2d<f32>, moments: texture_2d<f32>) -> vec3f {
     if (!(wr.z > 1e-6)) {
@@ -701,6 +702,82 @@ fn tristimulus_rectangle(a: vec3f, b: vec3f, c: vec3f, d: vec3f, wr: vec3f, effi
     return normal_reflectance(spectrum) * xyz;
 }
 
+// X, Y, Z of the radiance under the surroundings, relative to a white of radiance 1.
+fn tristimulus_environment(wr: vec3f, efficiencies: texture_2d<f32>, spectrum: texture_2d<f32>, streaks: texture_2d<f32>) -> vec3f {
+    if (!(wr.z > 1e-6)) {
+        return vec3f(0.0);
+    }
+    let viewer = in_surface(wr);
+    var xyz = mirror_image(viewer, efficiencies, spectrum, streaks);
+    for (var row = -ORDER_REACH_Y; row <= ORDER_REACH_Y; row++) {
+        for (var column = -ORDER_REACH_X; column <= ORDER_REACH_X; column++) {
+            if (row != 0 || column != 0) {
+                xyz += streak(vec2i(column, row), viewer, efficiencies, spectrum, streaks);
+            }
+        }
+    }
+    return normal_reflectance(spectrum) * xyz;
+}
+
+// X, Y, Z of the order that mirrors: all wavelengths come from one direction.
+fn mirror_image(wr: vec3f, efficiencies: texture_2d<f32>, spectrum: texture_2d<f32>, streaks: texture_2d<f32>) -> vec3f {
+    var red = vec3f(0.0);
+    var green = vec3f(0.0);
+    var blue = vec3f(0.0);
+    for (var cell = 0; cell < STREAK_CELLS; cell++) {
+        let of_red = streak_light(cell, 0, streaks);
+        let share = order_share(vec2i(0, 0), vec2f(0.0), of_red.w, wr, efficiencies, spectrum);
+        red += share * of_red.xyz;
+        green += share * streak_light(cell, 1, streaks).xyz;
+        blue += share * streak_light(cell, 2, streaks).xyz;
+    }
+    let light = environment_radiance(from_surface(vec3f(-wr.xy, wr.z)), 0.0);
+    return light.x * red + light.y * green + light.z * blue;
+}
+
+// X, Y, Z of another order.
+fn streak(order: vec2i, wr: vec3f, efficiencies: texture_2d<f32>, spectrum: texture_2d<f32>, streaks: texture_2d<f32>) -> vec3f {
+    let frequency = order_frequency(order);
+    let range = propagating(frequency, wr);
+    let pace = length(frequency);
+    var xyz = vec3f(0.0);
+    var first_um = streak_light(0, 1, streaks).w;
+    for (var cell = 0; cell < STREAK_CELLS; cell++) {
+        let last_um = streak_light(cell + 1, 1, streaks).w;
+        let low = max(first_um, range.x);
+        let high = min(last_um, range.y);
+        if (low < high) {
+            let part = (high - low) / (last_um - first_um);
+            let red = streak_light(cell, 0, streaks);
+            // in a cell that the horizon cuts: in the middle of what is left
+            let inner = clamp(red.w, mix(low, high, 0.3), mix(low, high, 0.7));
+            let lambda_um = select(red.w, inner, part < 0.999);
+            let share = part * order_share(order, frequency, lambda_um, wr, efficiencies, spectrum);
+            // weaker orders do not show
+            if (share > 1e-6) {
+                let wi = arrival(frequency, lambda_um, wr);
+                let blue = streak_light(cell, 2, streaks);
+                let spread = part * blue.w * pace * inverseSqrt(max(wi.z, 1e-4));
+                let light = share * environment_radiance(from_surface(wi), spread);
+                let green = streak_light(cell, 1, streaks);
+                xyz += light.x * red.xyz + light.y * green.xyz + light.z * blue.xyz;
+            }
+        }
+        first_um = last_um;
+    }
+    return xyz;
+}
+
+// Light of a cell. Row: red, green, blue.
+fn streak_light(cell: i32, row: i32, streaks: texture_2d<f32>) -> vec4f {
+    return textureLoad(streaks, vec2i(cell, row), 0);
+}
+
+// Direction in the tangent frame, from one in the frame of the surface.
+fn from_surface(direction: vec3f) -> vec3f {
+    return direction;
+}
+
 // Linear RGB of the radiance under a disc, a cap of the sphere: a lamp, the sun. `axis` points to its middle, `radius` is
 // its angular radius, 1e-4 to π/2 rad. Its irradiance, perpendicular to the axis, is 1; a white diffuser that faces it
 // shows 1/π.
@@ -712,6 +789,11 @@ fn diffraction_disc(axis: vec3f, radius: f32, wr: vec3f, efficiencies: texture_2
 // vectors, in either order around it; two neighbouring ones may be the same. It must be convex and fit into a hemisphere.
 fn diffraction_rectangle(a: vec3f, b: vec3f, c: vec3f, d: vec3f, wr: vec3f, efficiencies: texture_2d<f32>, spectrum: texture_2d<f32>, moments: texture_2d<f32>) -> vec3f {
     return to_rgb(tristimulus_rectangle(a, b, c, d, wr, efficiencies, spectrum, moments));
+}
+
+// Linear RGB of the radiance under the surroundings, in the unit of `environment_radiance`.
+fn diffraction_environment(wr: vec3f, efficiencies: texture_2d<f32>, spectrum: texture_2d<f32>, streaks: texture_2d<f32>) -> vec3f {
+    return to_rgb(tristimulus_environment(wr, efficiencies, spectrum, streaks));
 }
 
 // Linear RGB of X, Y, Z; negative where a colour lies outside the primaries.

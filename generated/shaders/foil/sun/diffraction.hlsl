@@ -41,6 +41,10 @@ static const int CANDIDATE_COUNT = int(190);
 static const float COHERENCE_UM = 107.062;
 static const float COVER_INDEX = 1.5;
 static const int EFFICIENCY_COLUMNS = int(13);
+static const int ENVIRONMENT_HEIGHT = int(1550);
+static const int ENVIRONMENT_LEVELS = int(9);
+static const int ENVIRONMENT_ROWS = int(512);
+static const float FIRST_SPREAD = 0.009203885;
 static const int LOBE_COLUMNS = int(360);
 static const int LOBE_ROWS = int(19);
 static const int MATTER_CELLS = int(1);
@@ -66,32 +70,36 @@ static const float PATCH_WIDTH_UM = 1.0;
 static const float PHASE_MIN_UM = 0.25333333;
 static const float REACH_SIGMAS = 4.0;
 static const float REFERENCE_UM = 0.55;
+static const int STREAK_CELLS = int(8);
 static const float WAVELENGTH_MAX_UM = 0.78;
 static const float WAVELENGTH_MIN_UM = 0.38;
 
 Texture2D<float4> spectrum : register(t2);
 Texture2D<float4> efficiencies : register(t1);
 Texture2D<float4> moments : register(t4);
+Texture2D<float4> environment : register(t7);
+SamplerState linear_clamp : register(s5);
+Texture2D<float4> streaks : register(t6);
 cbuffer params : register(b0) { Params params; }
 Texture2D<float4> directions : register(t3);
 cbuffer mesh_params : register(b8) { MeshParams mesh_params; }
 Texture2D<float4> orientation_map : register(t9);
 
 struct VertexOutput_vert {
-    float2 place_5 : LOC0;
+    float2 place_6 : LOC0;
     float4 position_1 : SV_Position;
 };
 
 struct FragmentInput_map {
-    float2 place_6 : LOC0;
-};
-
-struct FragmentInput_probe {
     float2 place_7 : LOC0;
 };
 
+struct FragmentInput_probe {
+    float2 place_8 : LOC0;
+};
+
 struct VertexOutput_mesh_vert {
-    float3 place_8 : LOC0;
+    float3 place_9 : LOC0;
     float3 normal_4 : LOC1;
     float4 tangent_3 : LOC2;
     float2 uv_6 : LOC3;
@@ -99,7 +107,7 @@ struct VertexOutput_mesh_vert {
 };
 
 struct FragmentInput_mesh {
-    float3 place_9 : LOC0;
+    float3 place_10 : LOC0;
     float3 normal_5 : LOC1;
     float4 tangent_4 : LOC2;
     float2 uv_7 : LOC3;
@@ -195,10 +203,10 @@ float4 matter_texel(float lambda_um_1, int row)
 float reflectance_between(float lambda_um_2, float cos_half, int first)
 {
     float share = clamp(((cos_half - MATTER_COSINE) / 0.25464404), 0.0, 1.0);
-    float place_10 = (share * 1.0);
-    int cell = min(naga_f2i32(place_10), int(0));
-    float part_1 = (place_10 - float(cell));
-    const float4 _e18 = matter_texel(lambda_um_2, asint(asuint(first) + asuint(cell)));
+    float place_11 = (share * 1.0);
+    int cell_3 = min(naga_f2i32(place_11), int(0));
+    float part_1 = (place_11 - float(cell_3));
+    const float4 _e18 = matter_texel(lambda_um_2, asint(asuint(first) + asuint(cell_3)));
     return (_e18.x + (part_1 * (_e18.y + (part_1 * (_e18.z + (part_1 * _e18.w))))));
 }
 
@@ -219,11 +227,11 @@ float efficiency(int2 order, float turns)
         return 0.0;
     }
     float share_1 = clamp((-0.12666667 * turns), 0.0, 1.0);
-    float place_11 = (share_1 * 13.0);
-    int column_5 = min(naga_f2i32(place_11), int(12));
-    int row_7 = asint(asuint(asint(asuint(asint(asuint(asint(asuint(order.y) + asuint(reach_3.y))) * asuint(asint(asuint(asint(asuint(int(2)) * asuint(reach_3.x))) + asuint(int(1)))))) + asuint(order.x))) + asuint(reach_3.x));
-    float4 edges = efficiencies.Load(int3(int2(column_5, row_7), int(0)));
-    float part_2 = (place_11 - float(column_5));
+    float place_12 = (share_1 * 13.0);
+    int column_6 = min(naga_f2i32(place_12), int(12));
+    int row_9 = asint(asuint(asint(asuint(asint(asuint(asint(asuint(order.y) + asuint(reach_3.y))) * asuint(asint(asuint(asint(asuint(int(2)) * asuint(reach_3.x))) + asuint(int(1)))))) + asuint(order.x))) + asuint(reach_3.x));
+    float4 edges = efficiencies.Load(int3(int2(column_6, row_9), int(0)));
+    float part_2 = (place_12 - float(column_6));
     float rise = (edges.z - edges.x);
     float bend = (((3.0 * rise) - (2.0 * edges.y)) - edges.w);
     return (edges.x + (part_2 * (edges.y + (part_2 * (bend + (part_2 * ((edges.y + edges.w) - (2.0 * rise))))))));
@@ -296,12 +304,12 @@ float4 lobe_light(float wavenumber_1, int node_1, int row_2, int side, float2 ra
     const float _e18 = window_width(range_3.y);
     const float _e20 = window_width(range_3.x);
     float high = (range_3.y + ((margin * _e18) / _e20));
-    float column_6 = (clamp(((wavenumber_1 - low) / (high - low)), 0.0, 1.0) * 359.0);
+    float column_7 = (clamp(((wavenumber_1 - low) / (high - low)), 0.0, 1.0) * 359.0);
     int line_ = asint(asuint(asint(asuint(int(2)) + asuint(row_2))) + asuint(asint(asuint(side) * asuint(LOBE_ROWS))));
-    int index_3 = min(naga_f2i32(column_6), int(358));
+    int index_3 = min(naga_f2i32(column_7), int(358));
     float4 before_1 = spectrum.Load(int3(int2(index_3, line_), int(0)));
     float4 after_1 = spectrum.Load(int3(int2(asint(asuint(index_3) + asuint(int(1))), line_), int(0)));
-    return lerp(before_1, after_1, (column_6 - float(index_3)));
+    return lerp(before_1, after_1, (column_7 - float(index_3)));
 }
 
 float window_share(float exponent, float squared_1, float width_1, float pace_1)
@@ -405,14 +413,14 @@ float3 corridor(float3 path, float2 facing_1)
                     int _e160 = index_1;
                     bin = float2(major, (lowest + float(asint(asuint(_e160) - asuint(asint(asuint(line_1) * asuint(MINOR_COUNT)))))));
                     float2 _e167 = bin;
-                    float2 place_12 = (_e167 * pitch);
-                    const float _e169 = lobe_centre(place_12, uv_8, nearness_1);
+                    float2 place_13 = (_e167 * pitch);
+                    const float _e169 = lobe_centre(place_13, uv_8, nearness_1);
                     wavenumber_2 = (broad ? _e136 : _e169);
                     float _e171 = wavenumber_2;
                     const float _e172 = window_width(_e171);
                     const float2 _e173 = lobe_sharpness(_e172, squared_2, pace_2);
                     float _e174 = wavenumber_2;
-                    const float _e177 = window_exponent(((_e174 * uv_8) - place_12), uv_8, _e173);
+                    const float _e177 = window_exponent(((_e174 * uv_8) - place_13), uv_8, _e173);
                     exponent_1 = _e177;
                     int _e178 = index_1;
                     index_1 = asint(asuint(_e178) + asuint(int(1)));
@@ -466,37 +474,77 @@ float3 in_surface(float3 direction_1)
     return direction_1;
 }
 
-float disc_chord_squared(float radius)
-{
-    float half_ = (0.5 * clamp(radius, 0.0001, 1.5707963));
-    float squared_3 = (half_ * half_);
-    float inner = (1.0 - ((squared_3 / 42.0) * (1.0 - (squared_3 / 72.0))));
-    float sine = (half_ * (1.0 - ((squared_3 / 6.0) * (1.0 - ((squared_3 / 20.0) * inner)))));
-    return ((4.0 * sine) * sine);
-}
-
-float3 edge_normal(float3 start, float3 end, float side_2, float3 centre)
-{
-    float3 normal_6 = (side_2 * cross(start, end));
-    float squared_4 = dot(normal_6, normal_6);
-    if ((squared_4 < 1e-12)) {
-        return centre;
-    }
-    return (normal_6 * rsqrt(squared_4));
-}
-
 float normal_reflectance()
 {
     float4 _e5 = spectrum.Load(int3(int2(int(0), int(40)), int(0)));
     return _e5.y;
 }
 
+float2 order_frequency(int2 order_1)
+{
+    return (float2(order_1) / float2(1.0, 0.0625));
+}
+
+float3 polar(float2 frequency)
+{
+    float size_1 = max(length(frequency), 1e-9);
+    return float3((frequency / (size_1).xx), size_1);
+}
+
+float3 arrival(float2 frequency_1, float lambda_um_4, float3 wr_6)
+{
+    float2 shift = (lambda_um_4 * frequency_1);
+    float squared_3 = ((wr_6.z * wr_6.z) - dot(shift, ((2.0 * wr_6.xy) + shift)));
+    return float3((-(wr_6.xy) - shift), sqrt(max(0.0, squared_3)));
+}
+
+float2 propagating(float2 frequency_2, float3 wr_7)
+{
+    const float3 _e2 = polar(frequency_2);
+    float start_1 = -(dot(wr_7.xy, _e2.xy));
+    float across = ((wr_7.y * _e2.x) - (wr_7.x * _e2.y));
+    float half_ = sqrt(max(0.0, (1.0 - (across * across))));
+    float low_1 = max(WAVELENGTH_MIN_UM, ((start_1 - half_) / _e2.z));
+    return float2(low_1, min(WAVELENGTH_MAX_UM, ((start_1 + half_) / _e2.z)));
+}
+
+float order_share(int2 order_2, float2 frequency_3, float lambda_um_5, float3 wr_8)
+{
+    const float3 _e4 = arrival(frequency_3, lambda_um_5, wr_8);
+    const float _e5 = depth(_e4, wr_8);
+    float turns_1 = (_e5 / lambda_um_5);
+    const float2 _e7 = facing_of(_e4, wr_8);
+    const float _e8 = reflectance(lambda_um_5, _e7);
+    const float _e9 = gain(_e4, wr_8);
+    const float _e10 = efficiency(order_2, turns_1);
+    return (((_e9 / max(_e4.z, 1e-6)) * _e8) * _e10);
+}
+
+float disc_chord_squared(float radius)
+{
+    float half_1 = (0.5 * clamp(radius, 0.0001, 1.5707963));
+    float squared_4 = (half_1 * half_1);
+    float inner = (1.0 - ((squared_4 / 42.0) * (1.0 - (squared_4 / 72.0))));
+    float sine = (half_1 * (1.0 - ((squared_4 / 6.0) * (1.0 - ((squared_4 / 20.0) * inner)))));
+    return ((4.0 * sine) * sine);
+}
+
+float3 edge_normal(float3 start, float3 end, float side_2, float3 centre)
+{
+    float3 normal_6 = (side_2 * cross(start, end));
+    float squared_5 = dot(normal_6, normal_6);
+    if ((squared_5 < 1e-12)) {
+        return centre;
+    }
+    return (normal_6 * rsqrt(squared_5));
+}
+
 int2 orders_between(float offset_1, float reach, float2 ends, float size_um, int limit)
 {
-    float2 low_1 = (((size_um * (-(offset_1) - reach))).xx / ends);
+    float2 low_2 = (((size_um * (-(offset_1) - reach))).xx / ends);
     float2 high_1 = (((size_um * (-(offset_1) + reach))).xx / ends);
     float most = float(limit);
-    float first_2 = clamp(ceil(min(low_1.x, low_1.y)), -(most), (most + 1.0));
+    float first_2 = clamp(ceil(min(low_2.x, low_2.y)), -(most), (most + 1.0));
     float last_1 = clamp(floor(max(high_1.x, high_1.y)), (-(most) - 1.0), most);
     return int2(naga_f2i32(first_2), naga_f2i32(last_1));
 }
@@ -529,39 +577,11 @@ int2 order_columns(int row_3, float2 offset_3, float reach_2)
     return _e44;
 }
 
-float2 order_frequency(int2 order_1)
+float2 crossings(float2 frequency_4, float3 wr_9, float3 axis, float chord_squared)
 {
-    return (float2(order_1) / float2(1.0, 0.0625));
-}
-
-float3 polar(float2 frequency)
-{
-    float size_1 = max(length(frequency), 1e-9);
-    return float3((frequency / (size_1).xx), size_1);
-}
-
-float3 arrival(float2 frequency_1, float lambda_um_4, float3 wr_6)
-{
-    float2 shift = (lambda_um_4 * frequency_1);
-    float squared_5 = ((wr_6.z * wr_6.z) - dot(shift, ((2.0 * wr_6.xy) + shift)));
-    return float3((-(wr_6.xy) - shift), sqrt(max(0.0, squared_5)));
-}
-
-float2 propagating(float2 frequency_2, float3 wr_7)
-{
-    const float3 _e2 = polar(frequency_2);
-    float start_1 = -(dot(wr_7.xy, _e2.xy));
-    float across = ((wr_7.y * _e2.x) - (wr_7.x * _e2.y));
-    float half_1 = sqrt(max(0.0, (1.0 - (across * across))));
-    float low_2 = max(WAVELENGTH_MIN_UM, ((start_1 - half_1) / _e2.z));
-    return float2(low_2, min(WAVELENGTH_MAX_UM, ((start_1 + half_1) / _e2.z)));
-}
-
-float2 crossings(float2 frequency_3, float3 wr_8, float3 axis, float chord_squared)
-{
-    const float3 _e4 = polar(frequency_3);
+    const float3 _e4 = polar(frequency_4);
     float2 across_1 = float2(-(_e4.y), _e4.x);
-    float2 start_2 = -(float2(dot(wr_8.xy, _e4.xy), dot(wr_8.xy, across_1)));
+    float2 start_2 = -(float2(dot(wr_9.xy, _e4.xy), dot(wr_9.xy, across_1)));
     float2 lamp = float2(dot(axis.xy, _e4.xy), dot(axis.xy, across_1));
     float apart = (start_2.y - lamp.y);
     float sine_squared = (chord_squared * (1.0 - (0.25 * chord_squared)));
@@ -583,27 +603,27 @@ bool within(float3 direction_2, float3 axis_1, float chord_squared_1)
     return (dot(chord, chord) < chord_squared_1);
 }
 
-int panel_count(float2 frequency_4, float from_um, float to_um, float3 wr_9)
+int panel_count(float2 frequency_5, float from_um, float to_um, float3 wr_10)
 {
-    const float3 _e4 = arrival(frequency_4, from_um, wr_9);
-    const float3 _e5 = arrival(frequency_4, to_um, wr_9);
+    const float3 _e4 = arrival(frequency_5, from_um, wr_10);
+    const float3 _e5 = arrival(frequency_5, to_um, wr_10);
     float middle_um = (0.5 * (from_um + to_um));
-    const float3 _e9 = arrival(frequency_4, middle_um, wr_9);
-    const float _e10 = depth(_e4, wr_9);
-    const float _e11 = depth(_e9, wr_9);
-    float turns_1 = (2.0 * abs(((_e10 / from_um) - (_e11 / middle_um))));
-    float columns_2 = (1.6466666 * turns_1);
+    const float3 _e9 = arrival(frequency_5, middle_um, wr_10);
+    const float _e10 = depth(_e4, wr_10);
+    const float _e11 = depth(_e9, wr_10);
+    float turns_2 = (2.0 * abs(((_e10 / from_um) - (_e11 / middle_um))));
+    float columns_2 = (1.6466666 * turns_2);
     float coloured = (PANEL_PACE * abs(((1.0 / from_um) - (1.0 / to_um))));
     float curved = max((distance(_e4, _e5) / PANEL_ARC), coloured);
     float needed = max((columns_2 / PANEL_COLUMNS), curved);
     return asint(asuint(min(naga_f2i32(needed), int(5))) + asuint(int(1)));
 }
 
-float wavelength_between(float2 frequency_5, float from_um_1, float to_um_1, float part, float3 wr_10)
+float wavelength_between(float2 frequency_6, float from_um_1, float to_um_1, float part, float3 wr_11)
 {
     bool local_2 = (bool)0;
 
-    const float3 _e6 = polar(frequency_5);
+    const float3 _e6 = polar(frequency_6);
     if ((_e6.x == 0.0)) {
         local_2 = (_e6.y == 0.0);
     } else {
@@ -613,25 +633,13 @@ float wavelength_between(float2 frequency_5, float from_um_1, float to_um_1, flo
     if (_e14) {
         return (1.0 / lerp((1.0 / from_um_1), (1.0 / to_um_1), part));
     }
-    float start_3 = -(dot(wr_10.xy, _e6.xy));
-    float across_2 = ((wr_10.y * _e6.x) - (wr_10.x * _e6.y));
+    float start_3 = -(dot(wr_11.xy, _e6.xy));
+    float across_2 = ((wr_11.y * _e6.x) - (wr_11.x * _e6.y));
     float half_2 = sqrt(max(1e-12, (1.0 - (across_2 * across_2))));
     float2 ends_4 = (((start_3).xx - (float2(from_um_1, to_um_1) * _e6.z)) / (half_2).xx);
     float2 angles = asin(clamp(ends_4, (-1.0).xx, (1.0).xx));
-    float place_13 = (start_3 - (half_2 * sin(lerp(angles.x, angles.y, part))));
-    return clamp((place_13 / _e6.z), from_um_1, to_um_1);
-}
-
-float order_share(int2 order_2, float2 frequency_6, float lambda_um_5, float3 wr_11)
-{
-    const float3 _e4 = arrival(frequency_6, lambda_um_5, wr_11);
-    const float _e5 = depth(_e4, wr_11);
-    float turns_2 = (_e5 / lambda_um_5);
-    const float2 _e7 = facing_of(_e4, wr_11);
-    const float _e8 = reflectance(lambda_um_5, _e7);
-    const float _e9 = gain(_e4, wr_11);
-    const float _e10 = efficiency(order_2, turns_2);
-    return (((_e9 / max(_e4.z, 1e-6)) * _e8) * _e10);
+    float place_14 = (start_3 - (half_2 * sin(lerp(angles.x, angles.y, part))));
+    return clamp((place_14 / _e6.z), from_um_1, to_um_1);
 }
 
 float moment_place(float lambda_um_6)
@@ -1101,36 +1109,249 @@ float3 tristimulus_rectangle(float3 a, float3 b, float3 c, float3 d, float3 wr_1
     return (_e206 * _e207);
 }
 
-float3 to_rgb(float3 xyz_4)
+float3 environment_level(int level, float2 place_4)
 {
-    return float3(dot(float3(3.2406, -1.5372, -0.4986), xyz_4), dot(float3(-0.9689, 1.8758, 0.0415), xyz_4), dot(float3(0.0557, -0.204, 1.057), xyz_4));
+    float rows = float((ENVIRONMENT_ROWS >> uint(max(asint(asuint(level) - asuint(int(1))), int(0)))));
+    float above_1 = ((level > int(0)) ? ((1536.0 + (2.0 * float(level))) - (2.0 * rows)) : 0.0);
+    float2 texel_1 = float2((1.0 + ((2.0 * rows) * place_4.x)), ((above_1 + 1.0) + (rows * place_4.y)));
+    float2 size_2 = float2(1026.0, 1550.0);
+    float4 _e41 = environment.SampleLevel(linear_clamp, (texel_1 / size_2), 0.0);
+    return _e41.xyz;
 }
 
-float3 diffraction(float3 wi_6, float3 wr_16)
+float3 environment_radiance(float3 direction_3, float spread)
 {
-    const float3 _e2 = tristimulus(wi_6, wr_16);
+    float across_3 = length(direction_3.xy);
+    float2 place_15 = float2(((atan2(direction_3.y, (direction_3.x + ((across_3 == 0.0) ? 1e-12 : 0.0))) / 6.2831855) + 0.5), (atan2(across_3, direction_3.z) / 3.1415927));
+    float blur = ((spread * spread) / 8.471149e-5);
+    if ((blur < 1.0)) {
+        const float3 _e28 = environment_level(int(0), place_15);
+        const float3 _e30 = environment_level(int(1), place_15);
+        return lerp(_e28, _e30, blur);
+    }
+    int level_1 = clamp(asint(asuint(naga_f2i32(floor((0.5 * log2(blur))))) + asuint(int(1))), int(1), int(7));
+    float own = exp2((2.0 * float(asint(asuint(level_1) - asuint(int(1))))));
+    float share_5 = clamp(((blur - own) / (3.0 * own)), 0.0, 1.0);
+    const float3 _e55 = environment_level(level_1, place_15);
+    const float3 _e58 = environment_level(asint(asuint(level_1) + asuint(int(1))), place_15);
+    return lerp(_e55, _e58, share_5);
+}
+
+float4 streak_light(int cell, int row_7)
+{
+    float4 _e5 = streaks.Load(int3(int2(cell, row_7), int(0)));
+    return _e5;
+}
+
+float3 from_surface(float3 direction_4)
+{
+    return direction_4;
+}
+
+float3 mirror_image(float3 wr_16)
+{
+    float3 red = (0.0).xxx;
+    float3 green = (0.0).xxx;
+    float3 blue = (0.0).xxx;
+    int cell_1 = int(0);
+
+    bool loop_init_7 = true;
+    while(true) {
+        if (!loop_init_7) {
+            int _e43 = cell_1;
+            cell_1 = asint(asuint(_e43) + asuint(int(1)));
+        }
+        loop_init_7 = false;
+        int _e12 = cell_1;
+        if ((_e12 < STREAK_CELLS)) {
+        } else {
+            break;
+        }
+        {
+            int _e15 = cell_1;
+            const float4 _e17 = streak_light(_e15, int(0));
+            const float _e24 = order_share(int2(int(0), int(0)), (0.0).xx, _e17.w, wr_16);
+            float3 _e25 = red;
+            red = (_e25 + (_e24 * _e17.xyz));
+            float3 _e29 = green;
+            int _e30 = cell_1;
+            const float4 _e32 = streak_light(_e30, int(1));
+            green = (_e29 + (_e24 * _e32.xyz));
+            float3 _e36 = blue;
+            int _e37 = cell_1;
+            const float4 _e39 = streak_light(_e37, int(2));
+            blue = (_e36 + (_e24 * _e39.xyz));
+        }
+    }
+    const float3 _e50 = from_surface(float3(-(wr_16.xy), wr_16.z));
+    const float3 _e52 = environment_radiance(_e50, 0.0);
+    float3 _e53 = red;
+    float3 _e54 = green;
+    float3 _e55 = blue;
+    return (((_e52.x * _e53) + (_e52.y * _e54)) + (_e52.z * _e55));
+}
+
+float3 streak(int2 order_7, float3 wr_17)
+{
+    float3 xyz_4 = (0.0).xxx;
+    float first_um = (float)0;
+    int cell_2 = int(0);
+
+    const float2 _e8 = order_frequency(order_7);
+    const float2 _e9 = propagating(_e8, wr_17);
+    float pace_3 = length(_e8);
+    const float4 _e13 = streak_light(int(0), int(1));
+    first_um = _e13.w;
+    bool loop_init_8 = true;
+    while(true) {
+        if (!loop_init_8) {
+            int _e82 = cell_2;
+            cell_2 = asint(asuint(_e82) + asuint(int(1)));
+        }
+        loop_init_8 = false;
+        int _e15 = cell_2;
+        if ((_e15 < STREAK_CELLS)) {
+        } else {
+            break;
+        }
+        {
+            int _e18 = cell_2;
+            const float4 _e22 = streak_light(asint(asuint(_e18) + asuint(int(1))), int(1));
+            float last_um = _e22.w;
+            float _e24 = first_um;
+            float low_3 = max(_e24, _e9.x);
+            float high_2 = min(last_um, _e9.y);
+            if ((low_3 < high_2)) {
+                float _e30 = first_um;
+                float part_4 = ((high_2 - low_3) / (last_um - _e30));
+                int _e34 = cell_2;
+                const float4 _e36 = streak_light(_e34, int(0));
+                float inner_2 = clamp(_e36.w, lerp(low_3, high_2, 0.3), lerp(low_3, high_2, 0.7));
+                float lambda_um_9 = ((part_4 < 0.999) ? inner_2 : _e36.w);
+                const float _e47 = order_share(order_7, _e8, lambda_um_9, wr_17);
+                float share_6 = (part_4 * _e47);
+                if ((share_6 > 1e-6)) {
+                    const float3 _e51 = arrival(_e8, lambda_um_9, wr_17);
+                    int _e52 = cell_2;
+                    const float4 _e54 = streak_light(_e52, int(2));
+                    float spread_1 = (((part_4 * _e54.w) * pace_3) * rsqrt(max(_e51.z, 0.0001)));
+                    const float3 _e63 = from_surface(_e51);
+                    const float3 _e64 = environment_radiance(_e63, spread_1);
+                    float3 light_2 = (share_6 * _e64);
+                    int _e66 = cell_2;
+                    const float4 _e68 = streak_light(_e66, int(1));
+                    float3 _e69 = xyz_4;
+                    xyz_4 = (_e69 + (((light_2.x * _e36.xyz) + (light_2.y * _e68.xyz)) + (light_2.z * _e54.xyz)));
+                }
+            }
+            first_um = last_um;
+        }
+    }
+    float3 _e85 = xyz_4;
+    return _e85;
+}
+
+float3 tristimulus_environment(float3 wr_18)
+{
+    float3 xyz_5 = (float3)0;
+    int row_8 = int(0);
+    int column_5 = (int)0;
+    bool local_14 = (bool)0;
+
+    if (!((wr_18.z > 1e-6))) {
+        return (0.0).xxx;
+    }
+    const float3 _e12 = in_surface(wr_18);
+    const float3 _e13 = mirror_image(_e12);
+    xyz_5 = _e13;
+    bool loop_init_9 = true;
+    while(true) {
+        if (!loop_init_9) {
+            int _e39 = row_8;
+            row_8 = asint(asuint(_e39) + asuint(int(1)));
+        }
+        loop_init_9 = false;
+        int _e14 = row_8;
+        if ((_e14 <= ORDER_REACH_Y)) {
+        } else {
+            break;
+        }
+        {
+            column_5 = int(-5);
+            bool loop_init_10 = true;
+            while(true) {
+                if (!loop_init_10) {
+                    int _e36 = column_5;
+                    column_5 = asint(asuint(_e36) + asuint(int(1)));
+                }
+                loop_init_10 = false;
+                int _e18 = column_5;
+                if ((_e18 <= ORDER_REACH_X)) {
+                } else {
+                    break;
+                }
+                {
+                    int _e21 = row_8;
+                    if (!((_e21 != int(0)))) {
+                        int _e25 = column_5;
+                        local_14 = (_e25 != int(0));
+                    } else {
+                        local_14 = true;
+                    }
+                    bool _e29 = local_14;
+                    if (_e29) {
+                        float3 _e30 = xyz_5;
+                        int _e31 = column_5;
+                        int _e32 = row_8;
+                        const float3 _e34 = streak(int2(_e31, _e32), _e12);
+                        xyz_5 = (_e30 + _e34);
+                    }
+                }
+            }
+        }
+    }
+    const float _e42 = normal_reflectance();
+    float3 _e43 = xyz_5;
+    return (_e42 * _e43);
+}
+
+float3 to_rgb(float3 xyz_6)
+{
+    return float3(dot(float3(3.2406, -1.5372, -0.4986), xyz_6), dot(float3(-0.9689, 1.8758, 0.0415), xyz_6), dot(float3(0.0557, -0.204, 1.057), xyz_6));
+}
+
+float3 diffraction(float3 wi_6, float3 wr_19)
+{
+    const float3 _e2 = tristimulus(wi_6, wr_19);
     const float3 _e3 = to_rgb(_e2);
     return _e3;
 }
 
-float3 diffraction_disc(float3 axis_3, float radius_2, float3 wr_17)
+float3 diffraction_disc(float3 axis_3, float radius_2, float3 wr_20)
 {
-    const float3 _e3 = tristimulus_disc(axis_3, radius_2, wr_17);
+    const float3 _e3 = tristimulus_disc(axis_3, radius_2, wr_20);
     const float3 _e4 = to_rgb(_e3);
     return _e4;
 }
 
-float3 diffraction_rectangle(float3 a_1, float3 b_1, float3 c_1, float3 d_1, float3 wr_18)
+float3 diffraction_rectangle(float3 a_1, float3 b_1, float3 c_1, float3 d_1, float3 wr_21)
 {
-    const float3 _e5 = tristimulus_rectangle(a_1, b_1, c_1, d_1, wr_18);
+    const float3 _e5 = tristimulus_rectangle(a_1, b_1, c_1, d_1, wr_21);
     const float3 _e6 = to_rgb(_e5);
     return _e6;
 }
 
-float2 pixel_of(float2 place_4)
+float3 diffraction_environment(float3 wr_22)
+{
+    const float3 _e1 = tristimulus_environment(wr_22);
+    const float3 _e2 = to_rgb(_e1);
+    return _e2;
+}
+
+float2 pixel_of(float2 place_5)
 {
     float4 _e3 = params.size;
-    return floor((((0.5 * place_4) + (0.5).xx) * _e3.xy));
+    return floor((((0.5 * place_5) + (0.5).xx) * _e3.xy));
 }
 
 float3 view_direction(float2 pixel)
@@ -1189,36 +1410,36 @@ uint2 NagaMipDimensions2D(Texture2D<float4> tex, uint mip_level)
 
 float2 orientation(float2 uv_4)
 {
-    float2 size_2 = float2(NagaMipDimensions2D(orientation_map, int(0)));
-    float2 place_14 = (((uv_4 - floor(uv_4)) * size_2) - (0.5).xx);
-    float2 corner_1 = floor(place_14);
-    float2 share_5 = (place_14 - corner_1);
+    float2 size_3 = float2(NagaMipDimensions2D(orientation_map, int(0)));
+    float2 place_16 = (((uv_4 - floor(uv_4)) * size_3) - (0.5).xx);
+    float2 corner_1 = floor(place_16);
+    float2 share_7 = (place_16 - corner_1);
     float2 right = (corner_1 + float2(1.0, 0.0));
-    const float2 _e17 = texel_turn(corner_1, size_2);
-    const float2 _e18 = texel_turn(right, size_2);
-    float2 above_1 = lerp(_e17, _e18, share_5.x);
+    const float2 _e17 = texel_turn(corner_1, size_3);
+    const float2 _e18 = texel_turn(right, size_3);
+    float2 above_2 = lerp(_e17, _e18, share_7.x);
     float2 under = float2(0.0, 1.0);
-    const float2 _e25 = texel_turn((corner_1 + under), size_2);
-    const float2 _e27 = texel_turn((right + under), size_2);
-    float2 below_1 = lerp(_e25, _e27, share_5.x);
-    float2 turn = lerp(above_1, below_1, share_5.y);
+    const float2 _e25 = texel_turn((corner_1 + under), size_3);
+    const float2 _e27 = texel_turn((right + under), size_3);
+    float2 below_1 = lerp(_e25, _e27, share_7.x);
+    float2 turn = lerp(above_2, below_1, share_7.y);
     float squared_9 = dot(turn, turn);
-    float2 direction_4 = (turn * rsqrt(max(squared_9, 1e-8)));
-    return ((squared_9 > 1e-8) ? direction_4 : float2(1.0, 0.0));
+    float2 direction_6 = (turn * rsqrt(max(squared_9, 1e-8)));
+    return ((squared_9 > 1e-8) ? direction_6 : float2(1.0, 0.0));
 }
 
-float3 in_frame(float3 direction_3, float3 normal_3, float4 tangent_2, float2 uv_5)
+float3 in_frame(float3 direction_5, float3 normal_3, float4 tangent_2, float2 uv_5)
 {
     const float3 _e5 = unit(normal_3, 1e-8);
     const float3 _e12 = unit((tangent_2.xyz - (dot(tangent_2.xyz, _e5) * _e5)), 1e-8);
-    float3 across_3 = (((tangent_2.w < 0.0) ? -1.0 : 1.0) * cross(_e5, _e12));
-    if ((dot(across_3, across_3) < 0.5)) {
+    float3 across_4 = (((tangent_2.w < 0.0) ? -1.0 : 1.0) * cross(_e5, _e12));
+    if ((dot(across_4, across_4) < 0.5)) {
         return (0.0).xxx;
     }
     const float2 _e26 = orientation(uv_5);
-    float3 along_1 = ((_e26.x * _e12) + (_e26.y * across_3));
-    float3 beside = ((_e26.x * across_3) - (_e26.y * _e12));
-    const float3 _e38 = unit(direction_3, 1e-36);
+    float3 along_1 = ((_e26.x * _e12) + (_e26.y * across_4));
+    float3 beside = ((_e26.x * across_4) - (_e26.y * _e12));
+    const float3 _e38 = unit(direction_5, 1e-36);
     const float3 _e44 = unit(float3(dot(_e38, along_1), dot(_e38, beside), dot(_e38, _e5)), 1e-8);
     return _e44;
 }
@@ -1232,15 +1453,15 @@ FullScreen ConstructFullScreen(float4 arg0, float2 arg1) {
 
 VertexOutput_vert vert(uint index : SV_VertexID)
 {
-    float2 place_15 = float2(((index == 1u) ? 3.0 : -1.0), ((index == 2u) ? 3.0 : -1.0));
-    const FullScreen fullscreen = ConstructFullScreen(float4(place_15, 0.0, 1.0), place_15);
+    float2 place_17 = float2(((index == 1u) ? 3.0 : -1.0), ((index == 2u) ? 3.0 : -1.0));
+    const FullScreen fullscreen = ConstructFullScreen(float4(place_17, 0.0, 1.0), place_17);
     const VertexOutput_vert fullscreen_1 = { fullscreen.place, fullscreen.position };
     return fullscreen_1;
 }
 
 float4 map(FragmentInput_map fragmentinput_map) : SV_Target0
 {
-    float2 place = fragmentinput_map.place_6;
+    float2 place = fragmentinput_map.place_7;
     const float2 _e1 = pixel_of(place);
     const float3 _e2 = view_direction(_e1);
     if ((_e2.z < 0.0)) {
@@ -1253,29 +1474,33 @@ float4 map(FragmentInput_map fragmentinput_map) : SV_Target0
 
 float4 probe(FragmentInput_probe fragmentinput_probe) : SV_Target0
 {
-    float2 place_1 = fragmentinput_probe.place_7;
+    float2 place_1 = fragmentinput_probe.place_8;
     const float2 _e1 = pixel_of(place_1);
-    int column_7 = naga_f2i32(_e1.x);
+    int column_8 = naga_f2i32(_e1.x);
     float _e7 = params.size.y;
-    int row_8 = naga_f2i32(((_e7 - 1.0) - _e1.y));
-    float4 first_4 = directions.Load(int3(int2(column_7, asint(asuint(int(5)) * asuint(row_8))), int(0)));
-    float4 viewer_1 = directions.Load(int3(int2(column_7, asint(asuint(asint(asuint(int(5)) * asuint(row_8))) + asuint(int(1)))), int(0)));
+    int row_10 = naga_f2i32(((_e7 - 1.0) - _e1.y));
+    float4 first_4 = directions.Load(int3(int2(column_8, asint(asuint(int(5)) * asuint(row_10))), int(0)));
+    float4 viewer_1 = directions.Load(int3(int2(column_8, asint(asuint(asint(asuint(int(5)) * asuint(row_10))) + asuint(int(1)))), int(0)));
     if ((first_4.w == 1.0)) {
         const float3 _e33 = tristimulus_disc(first_4.xyz, viewer_1.w, viewer_1.xyz);
         return float4(_e33, 1.0);
     }
     if ((first_4.w == 2.0)) {
-        float4 _e46 = directions.Load(int3(int2(column_7, asint(asuint(asint(asuint(int(5)) * asuint(row_8))) + asuint(int(2)))), int(0)));
+        float4 _e46 = directions.Load(int3(int2(column_8, asint(asuint(asint(asuint(int(5)) * asuint(row_10))) + asuint(int(2)))), int(0)));
         float3 second_1 = _e46.xyz;
-        float4 _e55 = directions.Load(int3(int2(column_7, asint(asuint(asint(asuint(int(5)) * asuint(row_8))) + asuint(int(3)))), int(0)));
+        float4 _e55 = directions.Load(int3(int2(column_8, asint(asuint(asint(asuint(int(5)) * asuint(row_10))) + asuint(int(3)))), int(0)));
         float3 third_1 = _e55.xyz;
-        float4 _e64 = directions.Load(int3(int2(column_7, asint(asuint(asint(asuint(int(5)) * asuint(row_8))) + asuint(int(4)))), int(0)));
+        float4 _e64 = directions.Load(int3(int2(column_8, asint(asuint(asint(asuint(int(5)) * asuint(row_10))) + asuint(int(4)))), int(0)));
         float3 fourth = _e64.xyz;
         const float3 _e68 = tristimulus_rectangle(first_4.xyz, second_1, third_1, fourth, viewer_1.xyz);
         return float4(_e68, 1.0);
     }
-    const float3 _e73 = tristimulus(first_4.xyz, viewer_1.xyz);
-    return float4(_e73, 1.0);
+    if ((first_4.w == 3.0)) {
+        const float3 _e75 = tristimulus_environment(viewer_1.xyz);
+        return float4(_e75, 1.0);
+    }
+    const float3 _e80 = tristimulus(first_4.xyz, viewer_1.xyz);
+    return float4(_e80, 1.0);
 }
 
 MeshVertex ConstructMeshVertex(float4 arg0, float3 arg1, float3 arg2, float4 arg3, float2 arg4) {
@@ -1291,7 +1516,7 @@ MeshVertex ConstructMeshVertex(float4 arg0, float3 arg1, float3 arg2, float4 arg
 VertexOutput_mesh_vert mesh_vert(float3 position : LOC0, float3 normal : LOC1, float4 tangent : LOC2, float2 uv : LOC3, float orientation_angle : LOC4)
 {
     float4x4 _e7 = mesh_params.model;
-    float4 place_16 = mul(float4(position, 1.0), _e7);
+    float4 place_18 = mul(float4(position, 1.0), _e7);
     const float3 _e11 = world_normal(normal);
     const float3 _e13 = unit(_e11, 1e-36);
     float4x4 _e16 = mesh_params.model;
@@ -1299,19 +1524,19 @@ VertexOutput_mesh_vert mesh_vert(float3 position : LOC0, float3 normal : LOC1, f
     const float3 _e28 = unit((_e23 - (dot(_e23, _e13) * _e13)), 1e-8);
     const float _e29 = model_volume();
     float handedness = (((tangent.w * _e29) < 0.0) ? -1.0 : 1.0);
-    float3 across_4 = (handedness * cross(_e13, _e28));
-    float3 turned = ((cos(orientation_angle) * _e28) + (sin(orientation_angle) * across_4));
+    float3 across_5 = (handedness * cross(_e13, _e28));
+    float3 turned = ((cos(orientation_angle) * _e28) + (sin(orientation_angle) * across_5));
     float4x4 _e46 = mesh_params.projection;
     float4x4 _e49 = mesh_params.view;
-    float4 clip_ = mul(mul(place_16, _e49), _e46);
-    const MeshVertex meshvertex = ConstructMeshVertex(clip_, place_16.xyz, _e13, float4(turned, handedness), uv);
+    float4 clip_ = mul(mul(place_18, _e49), _e46);
+    const MeshVertex meshvertex = ConstructMeshVertex(clip_, place_18.xyz, _e13, float4(turned, handedness), uv);
     const VertexOutput_mesh_vert meshvertex_1 = { meshvertex.place, meshvertex.normal, meshvertex.tangent, meshvertex.uv, meshvertex.position };
     return meshvertex_1;
 }
 
 float4 mesh(FragmentInput_mesh fragmentinput_mesh) : SV_Target0
 {
-    float3 place_2 = fragmentinput_mesh.place_9;
+    float3 place_2 = fragmentinput_mesh.place_10;
     float3 normal_1 = fragmentinput_mesh.normal_5;
     float4 tangent_1 = fragmentinput_mesh.tangent_4;
     float2 uv_1 = fragmentinput_mesh.uv_7;

@@ -23,6 +23,10 @@ const int CANDIDATE_COUNT = 190;
 const float COHERENCE_UM = 107.062;
 const float COVER_INDEX = 1.5;
 const int EFFICIENCY_COLUMNS = 13;
+const int ENVIRONMENT_HEIGHT = 1550;
+const int ENVIRONMENT_LEVELS = 9;
+const int ENVIRONMENT_ROWS = 512;
+const float FIRST_SPREAD = 0.009203885;
 const int LOBE_COLUMNS = 360;
 const int LOBE_ROWS = 19;
 const int MATTER_CELLS = 1;
@@ -48,6 +52,7 @@ const float PATCH_WIDTH_UM = 1.0;
 const float PHASE_MIN_UM = 0.25333333;
 const float REACH_SIGMAS = 4.0;
 const float REFERENCE_UM = 0.55;
+const int STREAK_CELLS = 8;
 const float WAVELENGTH_MAX_UM = 0.78;
 const float WAVELENGTH_MIN_UM = 0.38;
 
@@ -56,6 +61,10 @@ uniform highp sampler2D _group_0_binding_2_fs;
 uniform highp sampler2D _group_0_binding_1_fs;
 
 uniform highp sampler2D _group_0_binding_4_fs;
+
+uniform highp sampler2D _group_0_binding_7_fs;
+
+uniform highp sampler2D _group_0_binding_6_fs;
 
 layout(std140) uniform Params_block_0Fragment { Params _group_0_binding_0_fs; };
 
@@ -139,10 +148,10 @@ vec4 matter_texel(float lambda_um_1, int row) {
 
 float reflectance_between(float lambda_um_2, float cos_half, int first) {
     float share = clamp(((cos_half - MATTER_COSINE) / 0.25464404), 0.0, 1.0);
-    float place_3 = (share * 1.0);
-    int cell = min(int(place_3), 0);
-    float part_1 = (place_3 - float(cell));
-    vec4 _e18 = matter_texel(lambda_um_2, (first + cell));
+    float place_4 = (share * 1.0);
+    int cell_3 = min(int(place_4), 0);
+    float part_1 = (place_4 - float(cell_3));
+    vec4 _e18 = matter_texel(lambda_um_2, (first + cell_3));
     return (_e18.x + (part_1 * (_e18.y + (part_1 * (_e18.z + (part_1 * _e18.w))))));
 }
 
@@ -157,11 +166,11 @@ float efficiency(ivec2 order, float turns) {
         return 0.0;
     }
     float share_1 = clamp((-0.12666667 * turns), 0.0, 1.0);
-    float place_4 = (share_1 * 13.0);
-    int column_5 = min(int(place_4), 12);
-    int row_7 = ((((order.y + reach_3.y) * ((2 * reach_3.x) + 1)) + order.x) + reach_3.x);
-    vec4 edges = texelFetch(_group_0_binding_1_fs, ivec2(column_5, row_7), 0);
-    float part_2 = (place_4 - float(column_5));
+    float place_5 = (share_1 * 13.0);
+    int column_6 = min(int(place_5), 12);
+    int row_9 = ((((order.y + reach_3.y) * ((2 * reach_3.x) + 1)) + order.x) + reach_3.x);
+    vec4 edges = texelFetch(_group_0_binding_1_fs, ivec2(column_6, row_9), 0);
+    float part_2 = (place_5 - float(column_6));
     float rise = (edges.z - edges.x);
     float bend = (((3.0 * rise) - (2.0 * edges.y)) - edges.w);
     return (edges.x + (part_2 * (edges.y + (part_2 * (bend + (part_2 * ((edges.y + edges.w) - (2.0 * rise))))))));
@@ -223,12 +232,12 @@ vec4 lobe_light(float wavenumber_1, int node_1, int row_2, int side, vec2 range_
     float _e18 = window_width(range_3.y);
     float _e20 = window_width(range_3.x);
     float high = (range_3.y + ((margin * _e18) / _e20));
-    float column_6 = (clamp(((wavenumber_1 - low) / (high - low)), 0.0, 1.0) * 359.0);
+    float column_7 = (clamp(((wavenumber_1 - low) / (high - low)), 0.0, 1.0) * 359.0);
     int line = ((2 + row_2) + (side * LOBE_ROWS));
-    int index_2 = min(int(column_6), 358);
+    int index_2 = min(int(column_7), 358);
     vec4 before_1 = texelFetch(_group_0_binding_2_fs, ivec2(index_2, line), 0);
     vec4 after_1 = texelFetch(_group_0_binding_2_fs, ivec2((index_2 + 1), line), 0);
-    return mix(before_1, after_1, (column_6 - float(index_2)));
+    return mix(before_1, after_1, (column_7 - float(index_2)));
 }
 
 float window_share(float exponent, float squared_1, float width_1, float pace_1) {
@@ -321,14 +330,14 @@ vec3 corridor(vec3 path, vec2 facing_1) {
                     int _e160 = index;
                     bin = vec2(major, (lowest + float((_e160 - (line_1 * MINOR_COUNT)))));
                     vec2 _e167 = bin;
-                    vec2 place_5 = (_e167 * pitch);
-                    float _e169 = lobe_centre(place_5, uv_2, nearness_1);
+                    vec2 place_6 = (_e167 * pitch);
+                    float _e169 = lobe_centre(place_6, uv_2, nearness_1);
                     wavenumber_2 = (broad ? _e136 : _e169);
                     float _e171 = wavenumber_2;
                     float _e172 = window_width(_e171);
                     vec2 _e173 = lobe_sharpness(_e172, squared_2, pace_2);
                     float _e174 = wavenumber_2;
-                    float _e177 = window_exponent(((_e174 * uv_2) - place_5), uv_2, _e173);
+                    float _e177 = window_exponent(((_e174 * uv_2) - place_6), uv_2, _e173);
                     exponent_1 = _e177;
                     int _e178 = index;
                     index = (_e178 + 1);
@@ -380,33 +389,68 @@ vec3 in_surface(vec3 direction_1) {
     return direction_1;
 }
 
-float disc_chord_squared(float radius) {
-    float half_ = (0.5 * clamp(radius, 0.0001, 1.5707963));
-    float squared_3 = (half_ * half_);
-    float inner = (1.0 - ((squared_3 / 42.0) * (1.0 - (squared_3 / 72.0))));
-    float sine = (half_ * (1.0 - ((squared_3 / 6.0) * (1.0 - ((squared_3 / 20.0) * inner)))));
-    return ((4.0 * sine) * sine);
-}
-
-vec3 edge_normal(vec3 start, vec3 end, float side_2, vec3 centre) {
-    vec3 normal = (side_2 * cross(start, end));
-    float squared_4 = dot(normal, normal);
-    if ((squared_4 < 1e-12)) {
-        return centre;
-    }
-    return (normal * inversesqrt(squared_4));
-}
-
 float normal_reflectance() {
     vec4 _e5 = texelFetch(_group_0_binding_2_fs, ivec2(0, 40), 0);
     return _e5.y;
 }
 
+vec2 order_frequency(ivec2 order_1) {
+    return (vec2(order_1) / vec2(1.0, 0.0625));
+}
+
+vec3 polar(vec2 frequency) {
+    float size = max(length(frequency), 1e-9);
+    return vec3((frequency / vec2(size)), size);
+}
+
+vec3 arrival(vec2 frequency_1, float lambda_um_4, vec3 wr_6) {
+    vec2 shift = (lambda_um_4 * frequency_1);
+    float squared_3 = ((wr_6.z * wr_6.z) - dot(shift, ((2.0 * wr_6.xy) + shift)));
+    return vec3((-(wr_6.xy) - shift), sqrt(max(0.0, squared_3)));
+}
+
+vec2 propagating(vec2 frequency_2, vec3 wr_7) {
+    vec3 _e2 = polar(frequency_2);
+    float start_1 = -(dot(wr_7.xy, _e2.xy));
+    float across = ((wr_7.y * _e2.x) - (wr_7.x * _e2.y));
+    float half_ = sqrt(max(0.0, (1.0 - (across * across))));
+    float low_1 = max(WAVELENGTH_MIN_UM, ((start_1 - half_) / _e2.z));
+    return vec2(low_1, min(WAVELENGTH_MAX_UM, ((start_1 + half_) / _e2.z)));
+}
+
+float order_share(ivec2 order_2, vec2 frequency_3, float lambda_um_5, vec3 wr_8) {
+    vec3 _e4 = arrival(frequency_3, lambda_um_5, wr_8);
+    float _e5 = depth(_e4, wr_8);
+    float turns_1 = (_e5 / lambda_um_5);
+    vec2 _e7 = facing_of(_e4, wr_8);
+    float _e8 = reflectance(lambda_um_5, _e7);
+    float _e9 = gain(_e4, wr_8);
+    float _e10 = efficiency(order_2, turns_1);
+    return (((_e9 / max(_e4.z, 1e-6)) * _e8) * _e10);
+}
+
+float disc_chord_squared(float radius) {
+    float half_1 = (0.5 * clamp(radius, 0.0001, 1.5707963));
+    float squared_4 = (half_1 * half_1);
+    float inner = (1.0 - ((squared_4 / 42.0) * (1.0 - (squared_4 / 72.0))));
+    float sine = (half_1 * (1.0 - ((squared_4 / 6.0) * (1.0 - ((squared_4 / 20.0) * inner)))));
+    return ((4.0 * sine) * sine);
+}
+
+vec3 edge_normal(vec3 start, vec3 end, float side_2, vec3 centre) {
+    vec3 normal = (side_2 * cross(start, end));
+    float squared_5 = dot(normal, normal);
+    if ((squared_5 < 1e-12)) {
+        return centre;
+    }
+    return (normal * inversesqrt(squared_5));
+}
+
 ivec2 orders_between(float offset_1, float reach, vec2 ends, float size_um, int limit) {
-    vec2 low_1 = (vec2((size_um * (-(offset_1) - reach))) / ends);
+    vec2 low_2 = (vec2((size_um * (-(offset_1) - reach))) / ends);
     vec2 high_1 = (vec2((size_um * (-(offset_1) + reach))) / ends);
     float most = float(limit);
-    float first_2 = clamp(ceil(min(low_1.x, low_1.y)), -(most), (most + 1.0));
+    float first_2 = clamp(ceil(min(low_2.x, low_2.y)), -(most), (most + 1.0));
     float last_1 = clamp(floor(max(high_1.x, high_1.y)), (-(most) - 1.0), most);
     return ivec2(int(first_2), int(last_1));
 }
@@ -436,34 +480,10 @@ ivec2 order_columns(int row_3, vec2 offset_3, float reach_2) {
     return _e44;
 }
 
-vec2 order_frequency(ivec2 order_1) {
-    return (vec2(order_1) / vec2(1.0, 0.0625));
-}
-
-vec3 polar(vec2 frequency) {
-    float size = max(length(frequency), 1e-9);
-    return vec3((frequency / vec2(size)), size);
-}
-
-vec3 arrival(vec2 frequency_1, float lambda_um_4, vec3 wr_6) {
-    vec2 shift = (lambda_um_4 * frequency_1);
-    float squared_5 = ((wr_6.z * wr_6.z) - dot(shift, ((2.0 * wr_6.xy) + shift)));
-    return vec3((-(wr_6.xy) - shift), sqrt(max(0.0, squared_5)));
-}
-
-vec2 propagating(vec2 frequency_2, vec3 wr_7) {
-    vec3 _e2 = polar(frequency_2);
-    float start_1 = -(dot(wr_7.xy, _e2.xy));
-    float across = ((wr_7.y * _e2.x) - (wr_7.x * _e2.y));
-    float half_1 = sqrt(max(0.0, (1.0 - (across * across))));
-    float low_2 = max(WAVELENGTH_MIN_UM, ((start_1 - half_1) / _e2.z));
-    return vec2(low_2, min(WAVELENGTH_MAX_UM, ((start_1 + half_1) / _e2.z)));
-}
-
-vec2 crossings(vec2 frequency_3, vec3 wr_8, vec3 axis, float chord_squared) {
-    vec3 _e4 = polar(frequency_3);
+vec2 crossings(vec2 frequency_4, vec3 wr_9, vec3 axis, float chord_squared) {
+    vec3 _e4 = polar(frequency_4);
     vec2 across_1 = vec2(-(_e4.y), _e4.x);
-    vec2 start_2 = -(vec2(dot(wr_8.xy, _e4.xy), dot(wr_8.xy, across_1)));
+    vec2 start_2 = -(vec2(dot(wr_9.xy, _e4.xy), dot(wr_9.xy, across_1)));
     vec2 lamp = vec2(dot(axis.xy, _e4.xy), dot(axis.xy, across_1));
     float apart = (start_2.y - lamp.y);
     float sine_squared = (chord_squared * (1.0 - (0.25 * chord_squared)));
@@ -484,24 +504,24 @@ bool within(vec3 direction_2, vec3 axis_1, float chord_squared_1) {
     return (dot(chord, chord) < chord_squared_1);
 }
 
-int panel_count(vec2 frequency_4, float from_um, float to_um, vec3 wr_9) {
-    vec3 _e4 = arrival(frequency_4, from_um, wr_9);
-    vec3 _e5 = arrival(frequency_4, to_um, wr_9);
+int panel_count(vec2 frequency_5, float from_um, float to_um, vec3 wr_10) {
+    vec3 _e4 = arrival(frequency_5, from_um, wr_10);
+    vec3 _e5 = arrival(frequency_5, to_um, wr_10);
     float middle_um = (0.5 * (from_um + to_um));
-    vec3 _e9 = arrival(frequency_4, middle_um, wr_9);
-    float _e10 = depth(_e4, wr_9);
-    float _e11 = depth(_e9, wr_9);
-    float turns_1 = (2.0 * abs(((_e10 / from_um) - (_e11 / middle_um))));
-    float columns_2 = (1.6466666 * turns_1);
+    vec3 _e9 = arrival(frequency_5, middle_um, wr_10);
+    float _e10 = depth(_e4, wr_10);
+    float _e11 = depth(_e9, wr_10);
+    float turns_2 = (2.0 * abs(((_e10 / from_um) - (_e11 / middle_um))));
+    float columns_2 = (1.6466666 * turns_2);
     float coloured = (PANEL_PACE * abs(((1.0 / from_um) - (1.0 / to_um))));
     float curved = max((distance(_e4, _e5) / PANEL_ARC), coloured);
     float needed = max((columns_2 / PANEL_COLUMNS), curved);
     return (min(int(needed), 5) + 1);
 }
 
-float wavelength_between(vec2 frequency_5, float from_um_1, float to_um_1, float part, vec3 wr_10) {
+float wavelength_between(vec2 frequency_6, float from_um_1, float to_um_1, float part, vec3 wr_11) {
     bool local_1 = false;
-    vec3 _e6 = polar(frequency_5);
+    vec3 _e6 = polar(frequency_6);
     if ((_e6.x == 0.0)) {
         local_1 = (_e6.y == 0.0);
     } else {
@@ -511,24 +531,13 @@ float wavelength_between(vec2 frequency_5, float from_um_1, float to_um_1, float
     if (_e14) {
         return (1.0 / mix((1.0 / from_um_1), (1.0 / to_um_1), part));
     }
-    float start_3 = -(dot(wr_10.xy, _e6.xy));
-    float across_2 = ((wr_10.y * _e6.x) - (wr_10.x * _e6.y));
+    float start_3 = -(dot(wr_11.xy, _e6.xy));
+    float across_2 = ((wr_11.y * _e6.x) - (wr_11.x * _e6.y));
     float half_2 = sqrt(max(1e-12, (1.0 - (across_2 * across_2))));
     vec2 ends_4 = ((vec2(start_3) - (vec2(from_um_1, to_um_1) * _e6.z)) / vec2(half_2));
     vec2 angles = asin(clamp(ends_4, vec2(-1.0), vec2(1.0)));
-    float place_6 = (start_3 - (half_2 * sin(mix(angles.x, angles.y, part))));
-    return clamp((place_6 / _e6.z), from_um_1, to_um_1);
-}
-
-float order_share(ivec2 order_2, vec2 frequency_6, float lambda_um_5, vec3 wr_11) {
-    vec3 _e4 = arrival(frequency_6, lambda_um_5, wr_11);
-    float _e5 = depth(_e4, wr_11);
-    float turns_2 = (_e5 / lambda_um_5);
-    vec2 _e7 = facing_of(_e4, wr_11);
-    float _e8 = reflectance(lambda_um_5, _e7);
-    float _e9 = gain(_e4, wr_11);
-    float _e10 = efficiency(order_2, turns_2);
-    return (((_e9 / max(_e4.z, 1e-6)) * _e8) * _e10);
+    float place_7 = (start_3 - (half_2 * sin(mix(angles.x, angles.y, part))));
+    return clamp((place_7 / _e6.z), from_um_1, to_um_1);
 }
 
 float moment_place(float lambda_um_6) {
@@ -985,36 +994,237 @@ vec3 tristimulus_rectangle(vec3 a, vec3 b, vec3 c, vec3 d, vec3 wr_15) {
     return (_e206 * _e207);
 }
 
-vec2 pixel_of(vec2 place_2) {
+vec3 environment_level(int level, vec2 place_2) {
+    float rows = float((ENVIRONMENT_ROWS >> uint(max((level - 1), 0))));
+    float above_1 = ((level > 0) ? ((1536.0 + (2.0 * float(level))) - (2.0 * rows)) : 0.0);
+    vec2 texel = vec2((1.0 + ((2.0 * rows) * place_2.x)), ((above_1 + 1.0) + (rows * place_2.y)));
+    vec2 size_1 = vec2(1026.0, 1550.0);
+    vec4 _e41 = textureLod(_group_0_binding_7_fs, vec2((texel / size_1)), 0.0);
+    return _e41.xyz;
+}
+
+vec3 environment_radiance(vec3 direction_3, float spread) {
+    float across_3 = length(direction_3.xy);
+    vec2 place_8 = vec2(((atan(direction_3.y, (direction_3.x + ((across_3 == 0.0) ? 1e-12 : 0.0))) / 6.2831855) + 0.5), (atan(across_3, direction_3.z) / 3.1415927));
+    float blur = ((spread * spread) / 8.471149e-5);
+    if ((blur < 1.0)) {
+        vec3 _e28 = environment_level(0, place_8);
+        vec3 _e30 = environment_level(1, place_8);
+        return mix(_e28, _e30, blur);
+    }
+    int level_1 = min(max((int(floor((0.5 * log2(blur)))) + 1), 1), 7);
+    float own = exp2((2.0 * float((level_1 - 1))));
+    float share_5 = clamp(((blur - own) / (3.0 * own)), 0.0, 1.0);
+    vec3 _e55 = environment_level(level_1, place_8);
+    vec3 _e58 = environment_level((level_1 + 1), place_8);
+    return mix(_e55, _e58, share_5);
+}
+
+vec4 streak_light(int cell, int row_7) {
+    vec4 _e5 = texelFetch(_group_0_binding_6_fs, ivec2(cell, row_7), 0);
+    return _e5;
+}
+
+vec3 from_surface(vec3 direction_4) {
+    return direction_4;
+}
+
+vec3 mirror_image(vec3 wr_16) {
+    vec3 red = vec3(0.0);
+    vec3 green = vec3(0.0);
+    vec3 blue = vec3(0.0);
+    int cell_1 = 0;
+    bool loop_init_7 = true;
+    while(true) {
+        if (!loop_init_7) {
+            int _e43 = cell_1;
+            cell_1 = (_e43 + 1);
+        }
+        loop_init_7 = false;
+        int _e12 = cell_1;
+        if ((_e12 < STREAK_CELLS)) {
+        } else {
+            break;
+        }
+        {
+            int _e15 = cell_1;
+            vec4 _e17 = streak_light(_e15, 0);
+            float _e24 = order_share(ivec2(0, 0), vec2(0.0), _e17.w, wr_16);
+            vec3 _e25 = red;
+            red = (_e25 + (_e24 * _e17.xyz));
+            vec3 _e29 = green;
+            int _e30 = cell_1;
+            vec4 _e32 = streak_light(_e30, 1);
+            green = (_e29 + (_e24 * _e32.xyz));
+            vec3 _e36 = blue;
+            int _e37 = cell_1;
+            vec4 _e39 = streak_light(_e37, 2);
+            blue = (_e36 + (_e24 * _e39.xyz));
+        }
+    }
+    vec3 _e50 = from_surface(vec3(-(wr_16.xy), wr_16.z));
+    vec3 _e52 = environment_radiance(_e50, 0.0);
+    vec3 _e53 = red;
+    vec3 _e54 = green;
+    vec3 _e55 = blue;
+    return (((_e52.x * _e53) + (_e52.y * _e54)) + (_e52.z * _e55));
+}
+
+vec3 streak(ivec2 order_7, vec3 wr_17) {
+    vec3 xyz_4 = vec3(0.0);
+    float first_um = 0.0;
+    int cell_2 = 0;
+    vec2 _e8 = order_frequency(order_7);
+    vec2 _e9 = propagating(_e8, wr_17);
+    float pace_3 = length(_e8);
+    vec4 _e13 = streak_light(0, 1);
+    first_um = _e13.w;
+    bool loop_init_8 = true;
+    while(true) {
+        if (!loop_init_8) {
+            int _e82 = cell_2;
+            cell_2 = (_e82 + 1);
+        }
+        loop_init_8 = false;
+        int _e15 = cell_2;
+        if ((_e15 < STREAK_CELLS)) {
+        } else {
+            break;
+        }
+        {
+            int _e18 = cell_2;
+            vec4 _e22 = streak_light((_e18 + 1), 1);
+            float last_um = _e22.w;
+            float _e24 = first_um;
+            float low_3 = max(_e24, _e9.x);
+            float high_2 = min(last_um, _e9.y);
+            if ((low_3 < high_2)) {
+                float _e30 = first_um;
+                float part_4 = ((high_2 - low_3) / (last_um - _e30));
+                int _e34 = cell_2;
+                vec4 _e36 = streak_light(_e34, 0);
+                float inner_2 = clamp(_e36.w, mix(low_3, high_2, 0.3), mix(low_3, high_2, 0.7));
+                float lambda_um_9 = ((part_4 < 0.999) ? inner_2 : _e36.w);
+                float _e47 = order_share(order_7, _e8, lambda_um_9, wr_17);
+                float share_6 = (part_4 * _e47);
+                if ((share_6 > 1e-6)) {
+                    vec3 _e51 = arrival(_e8, lambda_um_9, wr_17);
+                    int _e52 = cell_2;
+                    vec4 _e54 = streak_light(_e52, 2);
+                    float spread_1 = (((part_4 * _e54.w) * pace_3) * inversesqrt(max(_e51.z, 0.0001)));
+                    vec3 _e63 = from_surface(_e51);
+                    vec3 _e64 = environment_radiance(_e63, spread_1);
+                    vec3 light_2 = (share_6 * _e64);
+                    int _e66 = cell_2;
+                    vec4 _e68 = streak_light(_e66, 1);
+                    vec3 _e69 = xyz_4;
+                    xyz_4 = (_e69 + (((light_2.x * _e36.xyz) + (light_2.y * _e68.xyz)) + (light_2.z * _e54.xyz)));
+                }
+            }
+            first_um = last_um;
+        }
+    }
+    vec3 _e85 = xyz_4;
+    return _e85;
+}
+
+vec3 tristimulus_environment(vec3 wr_18) {
+    vec3 xyz_5 = vec3(0.0);
+    int row_8 = 0;
+    int column_5 = 0;
+    bool local_13 = false;
+    if (!((wr_18.z > 1e-6))) {
+        return vec3(0.0);
+    }
+    vec3 _e12 = in_surface(wr_18);
+    vec3 _e13 = mirror_image(_e12);
+    xyz_5 = _e13;
+    bool loop_init_9 = true;
+    while(true) {
+        if (!loop_init_9) {
+            int _e39 = row_8;
+            row_8 = (_e39 + 1);
+        }
+        loop_init_9 = false;
+        int _e14 = row_8;
+        if ((_e14 <= ORDER_REACH_Y)) {
+        } else {
+            break;
+        }
+        {
+            column_5 = -5;
+            bool loop_init_10 = true;
+            while(true) {
+                if (!loop_init_10) {
+                    int _e36 = column_5;
+                    column_5 = (_e36 + 1);
+                }
+                loop_init_10 = false;
+                int _e18 = column_5;
+                if ((_e18 <= ORDER_REACH_X)) {
+                } else {
+                    break;
+                }
+                {
+                    int _e21 = row_8;
+                    if (!((_e21 != 0))) {
+                        int _e25 = column_5;
+                        local_13 = (_e25 != 0);
+                    } else {
+                        local_13 = true;
+                    }
+                    bool _e29 = local_13;
+                    if (_e29) {
+                        vec3 _e30 = xyz_5;
+                        int _e31 = column_5;
+                        int _e32 = row_8;
+                        vec3 _e34 = streak(ivec2(_e31, _e32), _e12);
+                        xyz_5 = (_e30 + _e34);
+                    }
+                }
+            }
+        }
+    }
+    float _e42 = normal_reflectance();
+    vec3 _e43 = xyz_5;
+    return (_e42 * _e43);
+}
+
+vec2 pixel_of(vec2 place_3) {
     vec4 _e3 = _group_0_binding_0_fs.size;
-    return floor((((0.5 * place_2) + vec2(0.5)) * _e3.xy));
+    return floor((((0.5 * place_3) + vec2(0.5)) * _e3.xy));
 }
 
 void main() {
     vec2 place = _vs2fs_location0;
     vec2 _e1 = pixel_of(place);
-    int column_7 = int(_e1.x);
+    int column_8 = int(_e1.x);
     float _e7 = _group_0_binding_0_fs.size.y;
-    int row_8 = int(((_e7 - 1.0) - _e1.y));
-    vec4 first_4 = texelFetch(_group_0_binding_3_fs, ivec2(column_7, (5 * row_8)), 0);
-    vec4 viewer_1 = texelFetch(_group_0_binding_3_fs, ivec2(column_7, ((5 * row_8) + 1)), 0);
+    int row_10 = int(((_e7 - 1.0) - _e1.y));
+    vec4 first_4 = texelFetch(_group_0_binding_3_fs, ivec2(column_8, (5 * row_10)), 0);
+    vec4 viewer_1 = texelFetch(_group_0_binding_3_fs, ivec2(column_8, ((5 * row_10) + 1)), 0);
     if ((first_4.w == 1.0)) {
         vec3 _e33 = tristimulus_disc(first_4.xyz, viewer_1.w, viewer_1.xyz);
         _fs2p_location0 = vec4(_e33, 1.0);
         return;
     }
     if ((first_4.w == 2.0)) {
-        vec4 _e46 = texelFetch(_group_0_binding_3_fs, ivec2(column_7, ((5 * row_8) + 2)), 0);
+        vec4 _e46 = texelFetch(_group_0_binding_3_fs, ivec2(column_8, ((5 * row_10) + 2)), 0);
         vec3 second_1 = _e46.xyz;
-        vec4 _e55 = texelFetch(_group_0_binding_3_fs, ivec2(column_7, ((5 * row_8) + 3)), 0);
+        vec4 _e55 = texelFetch(_group_0_binding_3_fs, ivec2(column_8, ((5 * row_10) + 3)), 0);
         vec3 third_1 = _e55.xyz;
-        vec4 _e64 = texelFetch(_group_0_binding_3_fs, ivec2(column_7, ((5 * row_8) + 4)), 0);
+        vec4 _e64 = texelFetch(_group_0_binding_3_fs, ivec2(column_8, ((5 * row_10) + 4)), 0);
         vec3 fourth = _e64.xyz;
         vec3 _e68 = tristimulus_rectangle(first_4.xyz, second_1, third_1, fourth, viewer_1.xyz);
         _fs2p_location0 = vec4(_e68, 1.0);
         return;
     }
-    vec3 _e73 = tristimulus(first_4.xyz, viewer_1.xyz);
-    _fs2p_location0 = vec4(_e73, 1.0);
+    if ((first_4.w == 3.0)) {
+        vec3 _e75 = tristimulus_environment(viewer_1.xyz);
+        _fs2p_location0 = vec4(_e75, 1.0);
+        return;
+    }
+    vec3 _e80 = tristimulus(first_4.xyz, viewer_1.xyz);
+    _fs2p_location0 = vec4(_e80, 1.0);
     return;
 }

@@ -13,6 +13,10 @@ const CANDIDATE_COUNT: i32 = 190; // maximum number of bins that are examined
 const COHERENCE_UM: f32 = 107.062; // coherence length of the light, µm
 const COVER_INDEX: f32 = 1.5; // refractive index of the cover at 550 nm, relative to air
 const EFFICIENCY_COLUMNS: i32 = 13; // number of columns of the table of efficiencies
+const ENVIRONMENT_HEIGHT: i32 = 1550; // number of rows of all levels with their frames
+const ENVIRONMENT_LEVELS: i32 = 9; // number of levels of the surroundings
+const ENVIRONMENT_ROWS: i32 = 512; // number of rows of the two finest levels of the surroundings
+const FIRST_SPREAD: f32 = 0.009203885; // blur of the second level, radians: 1.5 times the angle between its rows
 const LOBE_COLUMNS: i32 = 360; // number of columns of the table of narrow lobes
 const LOBE_ROWS: i32 = 19; // number of widths in the table of narrow lobes
 const MATTER_CELLS: i32 = 1; // number of cells of the cosine
@@ -38,6 +42,7 @@ const PATCH_WIDTH_UM: f32 = 1.0; // width of the patch that tiles the plane, alo
 const PHASE_MIN_UM: f32 = 0.25333333; // wavelength in air whose greatest phase per height is the greatest here, µm
 const REACH_SIGMAS: f32 = 4.0; // reach of a lobe, in standard deviations of the window's spectrum
 const REFERENCE_UM: f32 = 0.55; // wavelength at which the coherence length is stated, µm
+const STREAK_CELLS: i32 = 8; // number of wavelengths per order
 const WAVELENGTH_MAX_UM: f32 = 0.78; // longest wavelength, µm
 const WAVELENGTH_MIN_UM: f32 = 0.38; // shortest wavelength, µm
 
@@ -330,20 +335,63 @@ fn wavenumbers() -> vec2f {
     return 1.0 / vec2f(WAVELENGTH_MAX_UM, WAVELENGTH_MIN_UM);
 }
 
-// Lights with a size. At each wavelength an order takes light from a direction of its own: with the direction cosines α
-// of a direction along the surface, αi = -αr - λf, where f is the order's frequency in cycles per µm. As λ varies, this
-// direction runs over a small circle of the sphere. The colour of an order is the integral over the wavelengths at which
-// the direction lies within the light. A light is an intersection of caps, each given by its axis and the square of the
-// chord from the axis to its edge; a hemisphere has the square 2.
-
-// Integrals of the colour weights from the shortest wavelength. Rows: X, Y, Z. Columns: equal steps of the wavelength.
-// Channels: the weights times the powers 0 to 3 of t = (λ - 0.58 µm)/0.2 µm. Row 3: X, Y, Z between a column and the next.
-@group(0) @binding(4) var moments: texture_2d<f32>;
+// Where the light of an order comes from. At each wavelength an order takes light from a direction of its own: with the
+// direction cosines α of a direction along the surface, αi = -αr - λf, where f is the order's frequency in cycles per µm.
+// As λ varies, this direction runs over a small circle of the sphere.
 
 // Direction in the frame of the surface.
 fn in_surface(direction: vec3f) -> vec3f {
     return direction;
 }
+
+// Reflectance at normal incidence.
+fn normal_reflectance() -> f32 {
+    return textureLoad(spectrum, vec2i(0, MATTER_ROW), 0).y;
+}
+
+// Frequency of an order, cycles per µm.
+fn order_frequency(order: vec2i) -> vec2f {
+    return vec2f(order) / vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM);
+}
+
+// Length and direction of a frequency. For the order that mirrors, the direction is zero.
+fn polar(frequency: vec2f) -> vec3f {
+    let size = max(length(frequency), 1e-9);
+    return vec3f(frequency / size, size);
+}
+
+// Direction from which an order takes light of a wavelength; z is 0 where there is none.
+fn arrival(frequency: vec2f, lambda_um: f32, wr: vec3f) -> vec3f {
+    let shift = lambda_um * frequency;
+    // 1 minus the square of the plane part, without its rounding errors at grazing angles
+    let squared = wr.z * wr.z - dot(shift, 2.0 * wr.xy + shift);
+    return vec3f(-wr.xy - shift, sqrt(max(0.0, squared)));
+}
+
+// Shortest and longest wavelength at which an order takes light from above the horizon.
+fn propagating(frequency: vec2f, wr: vec3f) -> vec2f {
+    let along = polar(frequency);
+    let start = -dot(wr.xy, along.xy);
+    let across = wr.y * along.x - wr.x * along.y;
+    let half = sqrt(max(0.0, 1.0 - across * across));
+    let low = max(WAVELENGTH_MIN_UM, (start - half) / along.z);
+    return vec2f(low, min(WAVELENGTH_MAX_UM, (start + half) / along.z));
+}
+
+// Share of the light that an order sends to the viewer, relative to the reflectance at normal incidence.
+fn order_share(order: vec2i, frequency: vec2f, lambda_um: f32, wr: vec3f) -> f32 {
+    let wi = arrival(frequency, lambda_um, wr);
+    let turns = depth(wi, wr) / lambda_um;
+    let reflected = reflectance(lambda_um, facing_of(wi, wr));
+    return gain(wi, wr) / max(wi.z, 1e-6) * reflected * efficiency(order, turns);
+}
+
+// Lamps. The colour of an order is the integral over the wavelengths at which its light comes from within the lamp. A lamp is an intersection of caps, each given by its axis and the square of the
+// chord from the axis to its edge; a hemisphere has the square 2.
+
+// Integrals of the colour weights from the shortest wavelength. Rows: X, Y, Z. Columns: equal steps of the wavelength.
+// Channels: the weights times the powers 0 to 3 of t = (λ - 0.58 µm)/0.2 µm. Row 3: X, Y, Z between a column and the next.
+@group(0) @binding(4) var moments: texture_2d<f32>;
 
 // Square of the chord from the axis of a disc to its edge. A series, since the sine of a driver may be wrong in the fourth
 // digit.
@@ -363,11 +411,6 @@ fn edge_normal(start: vec3f, end: vec3f, side: f32, centre: vec3f) -> vec3f {
         return centre;
     }
     return normal * inverseSqrt(squared);
-}
-
-// Reflectance at normal incidence.
-fn normal_reflectance() -> f32 {
-    return textureLoad(spectrum, vec2i(0, MATTER_ROW), 0).y;
 }
 
 // First and last row of orders that may take light from within `reach` of a direction; `offset` is the sum of the
@@ -400,35 +443,6 @@ fn orders_between(offset: f32, reach: f32, ends: vec2f, size_um: f32, limit: i32
     let first = clamp(ceil(min(low.x, low.y)), -most, most + 1.0);
     let last = clamp(floor(max(high.x, high.y)), -most - 1.0, most);
     return vec2i(i32(first), i32(last));
-}
-
-// Frequency of an order, cycles per µm.
-fn order_frequency(order: vec2i) -> vec2f {
-    return vec2f(order) / vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM);
-}
-
-// Length and direction of a frequency. For the order that mirrors, the direction is zero.
-fn polar(frequency: vec2f) -> vec3f {
-    let size = max(length(frequency), 1e-9);
-    return vec3f(frequency / size, size);
-}
-
-// Direction from which an order takes light of a wavelength; z is 0 where there is none.
-fn arrival(frequency: vec2f, lambda_um: f32, wr: vec3f) -> vec3f {
-    let shift = lambda_um * frequency;
-    // 1 minus the square of the plane part, without its rounding errors at grazing angles
-    let squared = wr.z * wr.z - dot(shift, 2.0 * wr.xy + shift);
-    return vec3f(-wr.xy - shift, sqrt(max(0.0, squared)));
-}
-
-// Shortest and longest wavelength at which an order takes light from above the horizon.
-fn propagating(frequency: vec2f, wr: vec3f) -> vec2f {
-    let along = polar(frequency);
-    let start = -dot(wr.xy, along.xy);
-    let across = wr.y * along.x - wr.x * along.y;
-    let half = sqrt(max(0.0, 1.0 - across * across));
-    let low = max(WAVELENGTH_MIN_UM, (start - half) / along.z);
-    return vec2f(low, min(WAVELENGTH_MAX_UM, (start + half) / along.z));
 }
 
 // Wavelengths at which an order's direction crosses the edge of a cap above the horizon; 1e9 where it does not.
@@ -583,14 +597,6 @@ fn moment(column: i32, row: i32) -> vec4f {
     return textureLoad(moments, vec2i(column, row), 0);
 }
 
-// Share of the light that an order sends to the viewer, relative to the reflectance at normal incidence.
-fn order_share(order: vec2i, frequency: vec2f, lambda_um: f32, wr: vec3f) -> f32 {
-    let wi = arrival(frequency, lambda_um, wr);
-    let turns = depth(wi, wr) / lambda_um;
-    let reflected = reflectance(lambda_um, facing_of(wi, wr));
-    return gain(wi, wr) / max(wi.z, 1e-6) * reflected * efficiency(order, turns);
-}
-
 // Orders under a disc.
 
 // X, Y, Z of the radiance under a disc of irradiance 1, relative to a white of radiance 1.
@@ -730,6 +736,128 @@ fn tristimulus_rectangle(a: vec3f, b: vec3f, c: vec3f, d: vec3f, wr: vec3f) -> v
     return normal_reflectance() * xyz;
 }
 
+// The surroundings of whole shaders. In function forms this function is the host's.
+
+// Levels of a panorama, one below the other, each blurred over twice the angle of the one above. Columns go once round from
+// the tangent's opposite; rows go from the normal to its opposite. Each level has a frame of one texel: columns of the other
+// side, and rows as those beside them. rgb: linear sRGB.
+@group(0) @binding(7) var environment: texture_2d<f32>;
+// Linear filter, clamped to the edge.
+@group(0) @binding(5) var linear_clamp: sampler;
+
+// Radiance of the surroundings, linear sRGB, from a unit direction in the tangent frame, blurred to a standard deviation of
+// `spread` radians on each axis.
+fn environment_radiance(direction: vec3f, spread: f32) -> vec3f {
+    let across = length(direction.xy);
+    let place = vec2f(
+        atan2(direction.y, direction.x + select(0.0, 1e-12, across == 0.0)) / 6.2831853 + 0.5,
+        atan2(across, direction.z) / 3.1415927,
+    );
+    let blur = spread * spread / (FIRST_SPREAD * FIRST_SPREAD);
+    if (blur < 1.0) {
+        return mix(environment_level(0, place), environment_level(1, place), blur);
+    }
+    let level = clamp(i32(floor(0.5 * log2(blur))) + 1, 1, ENVIRONMENT_LEVELS - 2);
+    let own = exp2(2.0 * f32(level - 1));
+    let share = clamp((blur - own) / (3.0 * own), 0.0, 1.0);
+    return mix(environment_level(level, place), environment_level(level + 1, place), share);
+}
+
+// A level at a place: parts of a turn, and of half a turn from the normal.
+fn environment_level(level: i32, place: vec2f) -> vec3f {
+    let rows = f32(ENVIRONMENT_ROWS >> u32(max(level - 1, 0)));
+    let most = f32(ENVIRONMENT_ROWS);
+    let above = select(0.0, 3.0 * most + 2.0 * f32(level) - 2.0 * rows, level > 0);
+    let texel = vec2f(1.0 + 2.0 * rows * place.x, above + 1.0 + rows * place.y);
+    let size = vec2f(2.0 * most + 2.0, f32(ENVIRONMENT_HEIGHT));
+    return textureSampleLevel(environment, linear_clamp, texel / size, 0.0).xyz;
+}
+
+// Orders under surroundings. As the wavelength varies, an order takes light from a streak of directions. The streak is
+// divided into cells of wavelengths. Each asks for the radiance at one wavelength, blurred over the cell's part of the
+// streak, and weighs it with the light of the cells around that wavelength.
+
+// Column: cell, from short wavelengths to long ones. Row: red, green, blue light. Channels: X, Y, Z of that light about the
+// wavelength of the cell; the wavelength in µm; in row 1 the lower edge of the cell, in row 2 the spread of its wavelengths.
+// A last column has the upper edge of the last cell.
+@group(0) @binding(6) var streaks: texture_2d<f32>;
+
+// X, Y, Z of the radiance under the surroundings, relative to a white of radiance 1.
+fn tristimulus_environment(wr: vec3f) -> vec3f {
+    if (!(wr.z > 1e-6)) {
+        return vec3f(0.0);
+    }
+    let viewer = in_surface(wr);
+    var xyz = mirror_image(viewer);
+    for (var row = -ORDER_REACH_Y; row <= ORDER_REACH_Y; row++) {
+        for (var column = -ORDER_REACH_X; column <= ORDER_REACH_X; column++) {
+            if (row != 0 || column != 0) {
+                xyz += streak(vec2i(column, row), viewer);
+            }
+        }
+    }
+    return normal_reflectance() * xyz;
+}
+
+// X, Y, Z of the order that mirrors: all wavelengths come from one direction.
+fn mirror_image(wr: vec3f) -> vec3f {
+    var red = vec3f(0.0);
+    var green = vec3f(0.0);
+    var blue = vec3f(0.0);
+    for (var cell = 0; cell < STREAK_CELLS; cell++) {
+        let of_red = streak_light(cell, 0);
+        let share = order_share(vec2i(0, 0), vec2f(0.0), of_red.w, wr);
+        red += share * of_red.xyz;
+        green += share * streak_light(cell, 1).xyz;
+        blue += share * streak_light(cell, 2).xyz;
+    }
+    let light = environment_radiance(from_surface(vec3f(-wr.xy, wr.z)), 0.0);
+    return light.x * red + light.y * green + light.z * blue;
+}
+
+// X, Y, Z of another order.
+fn streak(order: vec2i, wr: vec3f) -> vec3f {
+    let frequency = order_frequency(order);
+    let range = propagating(frequency, wr);
+    let pace = length(frequency);
+    var xyz = vec3f(0.0);
+    var first_um = streak_light(0, 1).w;
+    for (var cell = 0; cell < STREAK_CELLS; cell++) {
+        let last_um = streak_light(cell + 1, 1).w;
+        let low = max(first_um, range.x);
+        let high = min(last_um, range.y);
+        if (low < high) {
+            let part = (high - low) / (last_um - first_um);
+            let red = streak_light(cell, 0);
+            // in a cell that the horizon cuts: in the middle of what is left
+            let inner = clamp(red.w, mix(low, high, 0.3), mix(low, high, 0.7));
+            let lambda_um = select(red.w, inner, part < 0.999);
+            let share = part * order_share(order, frequency, lambda_um, wr);
+            // weaker orders do not show
+            if (share > 1e-6) {
+                let wi = arrival(frequency, lambda_um, wr);
+                let blue = streak_light(cell, 2);
+                let spread = part * blue.w * pace * inverseSqrt(max(wi.z, 1e-4));
+                let light = share * environment_radiance(from_surface(wi), spread);
+                let green = streak_light(cell, 1);
+                xyz += light.x * red.xyz + light.y * green.xyz + light.z * blue.xyz;
+            }
+        }
+        first_um = last_um;
+    }
+    return xyz;
+}
+
+// Light of a cell. Row: red, green, blue.
+fn streak_light(cell: i32, row: i32) -> vec4f {
+    return textureLoad(streaks, vec2i(cell, row), 0);
+}
+
+// Direction in the tangent frame, from one in the frame of the surface.
+fn from_surface(direction: vec3f) -> vec3f {
+    return direction;
+}
+
 // From tristimulus values to linear RGB.
 
 // Linear RGB for one pair of directions.
@@ -748,6 +876,11 @@ fn diffraction_disc(axis: vec3f, radius: f32, wr: vec3f) -> vec3f {
 // vectors, in either order around it; two neighbouring ones may be the same. It must be convex and fit into a hemisphere.
 fn diffraction_rectangle(a: vec3f, b: vec3f, c: vec3f, d: vec3f, wr: vec3f) -> vec3f {
     return to_rgb(tristimulus_rectangle(a, b, c, d, wr));
+}
+
+// Linear RGB of the radiance under the surroundings, in the unit of `environment_radiance`.
+fn diffraction_environment(wr: vec3f) -> vec3f {
+    return to_rgb(tristimulus_environment(wr));
 }
 
 // Linear RGB of X, Y, Z; negative where a colour lies outside the primaries.
@@ -808,7 +941,8 @@ fn map(@location(0) place: vec2f) -> @location(0) vec4f {
 
 // Arguments of a function, in rows 5k to 5k+4 for row k of the picture, counted from the top. w of the first chooses the
 // function. 0: one direction to the light, then to the viewer. 1: a disc: its axis, then to the viewer, with the radius in
-// w. 2: a quadrilateral: a corner, then to the viewer, then the other corners. xyz: unit vectors.
+// w. 2: a quadrilateral: a corner, then to the viewer, then the other corners. 3: the surroundings: any vector, then to
+// the viewer. xyz: unit vectors.
 @group(0) @binding(3) var directions: texture_2d<f32>;
 
 // X, Y, Z of a pixel, alpha 1.
@@ -827,6 +961,9 @@ fn probe(@location(0) place: vec2f) -> @location(0) vec4f {
         let third = textureLoad(directions, vec2i(column, 5 * row + 3), 0).xyz;
         let fourth = textureLoad(directions, vec2i(column, 5 * row + 4), 0).xyz;
         return vec4f(tristimulus_rectangle(first.xyz, second, third, fourth, viewer.xyz), 1.0);
+    }
+    if (first.w == 3.0) {
+        return vec4f(tristimulus_environment(viewer.xyz), 1.0);
     }
     return vec4f(tristimulus(first.xyz, viewer.xyz), 1.0);
 }
