@@ -24,13 +24,13 @@ const SOFTBOXES = [
 const KEY = SOFTBOXES[0].middle;
 
 /**
- * The cube's levels are filtered by the lobe of GGX about the normal, alpha = roughness². The blur of an edge by it is nearest to that
- * by a Gaussian of standard deviation `spread` where alpha is so many times the spread: docs/integrating.md.
+ * The cube's levels are filtered by the lobe of GGX about the normal, alpha = roughness²; this is alpha over the spread. The blur of
+ * an edge would be nearest to that by a Gaussian at 0.5, but the tails of GGX carry far: docs/integrating.md has what was measured.
  */
-export const ALPHA_OF_SPREAD = 0.5;
+export const ALPHA_OF_SPREAD = 0.3;
 
 /** Roughness of the studio behind the bodies: its cube is coarser than a screen. */
-export const ROUGHNESS_BEHIND = 0.12;
+export const ROUGHNESS_BEHIND = 0.05;
 
 /** Angle about the vertical from +x towards +z at which the first softbox stands. */
 export const KEY_AZIMUTH = Math.atan2(KEY.y, KEY.x);

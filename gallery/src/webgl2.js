@@ -45,7 +45,7 @@ vec3 around(vec3 to, float roughness) {
 const HOST = `${CUBE}
 mat3 engine_frame = mat3(1.0);
 vec3 environment_radiance(vec3 direction, float spread) {
-    // the lobe of GGX that is nearest to a Gaussian
+    // a lobe of GGX in place of a Gaussian
     float roughness = sqrt(min(${ALPHA_OF_SPREAD} * spread, 1.0));
     return around(engine_frame * direction, roughness);
 }`;

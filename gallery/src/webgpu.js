@@ -25,7 +25,7 @@ var<private> engine_frame: mat3x3f;
 
 /** What `diffraction_environment` asks for. The frame is that of the place, tangent to world. */
 const HOST = `fn environment_radiance(direction: vec3f, spread: f32) -> vec3f {
-    // the lobe of GGX that is nearest to a Gaussian
+    // a lobe of GGX in place of a Gaussian
     return engine_around(engine_frame * direction, sqrt(min(${ALPHA_OF_SPREAD} * spread, 1.0)));
 }`;
 
