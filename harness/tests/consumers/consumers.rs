@@ -237,7 +237,8 @@ fn check_studio(who: &str, found: &Value) {
     let height = input::load_surface(surface).unwrap().field;
     let panorama = Arc::new(Studio::Softboxes.panorama(512));
     let light = Light::Environment(Environment { panorama, scale: 1.0, rotate_deg: 0.0 });
-    let three = |key: &str| -> Vec<[f64; 3]> { serde_json::from_value(found[key].clone()).unwrap() };
+    let three =
+        |key: &str| -> Vec<[f64; 3]> { serde_json::from_value(found[key].clone()).unwrap() };
     let (viewers, seen) = (three("viewers"), three("xyz"));
     let off = |flip: f64| {
         let views: Vec<DVec3> =
