@@ -27,7 +27,7 @@ const KEY = SOFTBOXES[0].middle;
  * The cube's levels are filtered by the lobe of GGX about the normal, alpha = roughness²; this is alpha over the spread. The blur of
  * an edge would be nearest to that by a Gaussian at 0.5, but the tails of GGX carry far: docs/integrating.md has what was measured.
  */
-export const ALPHA_OF_SPREAD = 0.3;
+export const ALPHA_OF_SPREAD = 0.1;
 
 /** Roughness of the studio behind the bodies: its cube is coarser than a screen. */
 export const ROUGHNESS_BEHIND = 0.05;
