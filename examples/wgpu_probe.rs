@@ -48,6 +48,8 @@ const FUNCTIONS: [(&str, &str); 3] = [
     ("diffraction_disc", "a, radius, wr"),
     ("diffraction_rectangle", "a, b, c, d, wr"),
 ];
+/// The function whose surroundings are the host's in function forms.
+const AROUND: &str = "diffraction_environment";
 /// RGB may be wrong by as much more than XYZ: the greatest sum of moduli of a row of its matrix.
 const RGB: f64 = 5.3;
 
@@ -102,7 +104,8 @@ enum Fault {
 pub fn run(gpu: &(wgpu::Device, wgpu::Queue), folder: &Path) -> Result<Value> {
     let Probes { mut probes, lights } =
         serde_json::from_slice(&fs::read(folder.join("probe.json"))?)?;
-    probes.extend(lights);
+    // whole shaders have surroundings of their own, not the skies of probes
+    probes.extend(lights.into_iter().filter(|probe| probe.function() != AROUND));
     let mut functions = BTreeMap::new();
     for probe in &probes {
         *functions.entry(probe.function()).or_insert(0) += 1;

@@ -32,6 +32,8 @@ void main() {
     colour = vec4(sqrt(diffuser_scale * max(vec3(0.0), rgb)), step(0.0, squared));
 }
 """
+# a function form may call this one, which is the host's; a map under one light does not need it
+BLACK = "vec3 environment_radiance(vec3 direction, float spread) { return vec3(0.0); }\n"
 FORMATS = {  # channels and type
     "rg16float": (2, "f2"),
     "rgba16float": (4, "f2"),
@@ -55,11 +57,11 @@ def open_context():
     return moderngl.create_context(standalone=True, backend="egl", require=450)
 
 
-def draw(context, folder, main, size, **uniforms):
+def draw(context, folder, main, size, surroundings=BLACK, **uniforms):
     """Runs a `main` of ours behind the variant's functions; rows of f32 RGBA, the lowest first."""
     manifest = json.loads((folder / "manifest.json").read_text())
     form = next(file for file in manifest["targets"]["glsl450"] if file["functions"])
-    text = "#version 450 core\n" + (folder / form["file"]).read_text() + main
+    text = "#version 450 core\n" + (folder / form["file"]).read_text() + surroundings + main
     program = context.program(vertex_shader=VERTEX, fragment_shader=text)
     for unit, table in enumerate(manifest["tables"]):
         upload(context, folder, table).use(unit)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from draw import draw, open_context
+from draw import BLACK, draw, open_context
 
 PROBE = """
 {uniforms}
@@ -22,10 +22,27 @@ void main() {{
     colour = vec4(at.y == 0 ? {tristimulus}({arguments}) : {function}({arguments}), 1.0);
 }}
 """
+# the sky of a probe: a constant, with a factor on the spread in w, and lobes: axis with its width in w, and radiance
+LOBES = 2
+SKY = """
+uniform vec4 sky[{rows} * {count}];
+vec3 environment_radiance(vec3 direction, float spread) {{
+    int first = {rows} * int(gl_FragCoord.x);
+    vec3 sum = sky[first].rgb;
+    float blur = sky[first].w * spread * sky[first].w * spread;
+    for (int i = first + 1; i < first + {rows}; i += 2) {{
+        float own = sky[i].w * sky[i].w;
+        float share = own / (own + blur) * exp((dot(direction, sky[i].xyz) - 1.0) / (own + blur));
+        sum += share * sky[i + 1].rgb;
+    }}
+    return sum;
+}}
+"""
 ARGUMENTS = {
     "diffraction": ("wi", "wr"),
     "diffraction_disc": ("axis", "radius", "wr"),
     "diffraction_rectangle": ("a", "b", "c", "d", "wr"),
+    "diffraction_environment": ("wr",),
 }
 
 
@@ -40,27 +57,57 @@ def read(path):
     arrays = {}
     for function, probes in found.items():
         arguments = {name: np.array([p[name] for p in probes]) for name in ARGUMENTS[function]}
+        if "sky" in probes[0]:
+            arguments["sky"] = np.array([sky_rows(p["sky"]) for p in probes])
         expected = np.array([[p["expected"][kind] for p in probes] for kind in ("xyz", "rgb")])
         arrays[function] = arguments, expected, np.array([p["tolerance"] for p in probes])
     return arrays
 
 
+def sky_rows(sky):
+    """A sky as the shader reads it."""
+    if len(sky["lobes"]) > LOBES:
+        raise ValueError(f"a probe's sky has {len(sky['lobes'])} lobes, here it may have {LOBES}")
+    dark = {"axis": [0, 0, 1], "sigma": 1, "radiance": [0, 0, 0]}
+    rows = [[*sky["constant"], 1]]
+    for lobe in sky["lobes"] + [dark] * (LOBES - len(sky["lobes"])):
+        rows += [[*lobe["axis"], lobe["sigma"]], [*lobe["radiance"], 0]]
+    return rows
+
+
 def evaluate(context, folder, function, arguments):
     """XYZ and RGB of all probes of a function."""
     count = len(arguments["wr"])
-    types = {name: "float" if values.ndim == 1 else "vec3" for name, values in arguments.items()}
+    vectors = {name: values for name, values in arguments.items() if name != "sky"}
+    surroundings = SKY.format(rows=1 + 2 * LOBES, count=count) if "sky" in arguments else BLACK
+    types = {name: "float" if values.ndim == 1 else "vec3" for name, values in vectors.items()}
     main = PROBE.format(
         uniforms="\n".join(f"uniform {kind} {name}[{count}];" for name, kind in types.items()),
         function=function,
         tristimulus=function.replace("diffraction", "tristimulus"),
-        arguments=", ".join(f"{name}[at.x]" for name in arguments),
+        arguments=", ".join(f"{name}[at.x]" for name in vectors),
     )
-    return draw(context, folder, main, (count, 2), **arguments)[..., :3]
+    return draw(context, folder, main, (count, 2), surroundings, **arguments)[..., :3]
 
 
 def flipped(arguments):
     """Vectors under a flipped bitangent."""
-    return {name: v if v.ndim == 1 else v * [1, -1, 1] for name, v in arguments.items()}
+    flips = {1: lambda v: v, 2: lambda v: v * [1, -1, 1], 3: mirrored}
+    return {name: flips[v.ndim](v) for name, v in arguments.items()}
+
+
+def mirrored(sky):
+    """Skies whose lobes are on the other side."""
+    sky = sky.copy()
+    sky[:, 1::2, 1] *= -1
+    return sky
+
+
+def blurred(sky):
+    """Skies that take the spread for degrees."""
+    sky = sky.copy()
+    sky[:, 0, 3] = 180 / np.pi
+    return sky
 
 
 def resized(arguments):
@@ -83,7 +130,14 @@ def judge(context, folder, function, arguments, *truth):
         "swapped channels": worst(seen[..., ::-1], *truth),
         "flipped bitangent": worst(evaluate(context, folder, function, flipped(arguments)), *truth),
     }
-    if function != "diffraction":
+    if "sky" in arguments:
+        for name, wrong in [
+            ("a spread taken for degrees", blurred),
+            ("mirrored surroundings", mirrored),
+        ]:
+            fault = arguments | {"sky": wrong(arguments["sky"])}
+            controls[name] = worst(evaluate(context, folder, function, fault), *truth)
+    elif function != "diffraction":
         wrong = evaluate(context, folder, function, resized(arguments))
         controls["another size of the light"] = worst(wrong, *truth)
     return worst(seen, *truth), controls

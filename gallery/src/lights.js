@@ -1,12 +1,17 @@
-// What shines on the bodies, and the functions of a variant that know it. All lights have the same irradiance.
+// What shines on the bodies, and the functions of a variant that know it. All lights but the studio have the same irradiance.
 import { Vector3 } from "three";
+import { KEY_AZIMUTH } from "./surroundings.js";
 
 /** Functions that a variant may offer, and their arguments in the shells: `a` is the direction or the axis, or a corner with `b` to `d`. */
 export const CALLS = {
   diffraction: "a, wr",
   diffraction_disc: "a, radius, wr",
   diffraction_rectangle: "a, b, c, d, wr",
+  diffraction_environment: "wr",
 };
+
+/** The function that takes light from all around, by an `environment_radiance` of the shell. */
+export const AROUND = "diffraction_environment";
 
 /** The function with the same arguments that returns XYZ. */
 export const tristimulus = (name) => name.replace("diffraction", "tristimulus");
@@ -19,6 +24,7 @@ export const LIGHTS = {
   sun: { words: "sun, 0.53°", calls: "diffraction_disc", sizes: [], diameter: 0.53 },
   lamp: { words: "lamp", calls: "diffraction_disc", sizes: ["diameter"] },
   softbox: { words: "softbox", calls: "diffraction_rectangle", sizes: ["width", "height"] },
+  studio: { words: "studio, all around", calls: AROUND, sizes: [] },
   direction: { words: "single direction", calls: "diffraction", sizes: [] },
 };
 
@@ -35,11 +41,16 @@ export function lightsOf(variant) {
 /**
  * Uniforms of a light. `light` is the unit vector to its middle, `sizes` holds degrees, `diffuser` is the variant's scale under a
  * single direction. `scale` makes radiance relative to that of a white diffuser which faces the light; `reach` is the sine of
- * the angle from the middle to the farthest edge.
+ * the angle from the middle to the farthest edge. `turn` holds cosine and sine of the angle by which the studio is turned, so that
+ * its greatest softbox stands where the light is, seen from above.
  */
 export function uniformsOf(name, light, sizes, diffuser) {
-  const point = { light, light_a: light, light_b: light, light_c: light, light_d: light, radius: 0, reach: 0, scale: diffuser };
+  const point = { light, light_a: light, light_b: light, light_c: light, light_d: light, radius: 0, reach: 0, scale: diffuser, turn: new Vector3(1, 0, 0) };
   if (LIGHTS[name].calls === "diffraction") return point;
+  if (LIGHTS[name].calls === AROUND) {
+    const angle = Math.atan2(light.z, light.x) - KEY_AZIMUTH;
+    return { ...point, scale: 1, turn: new Vector3(Math.cos(angle), Math.sin(angle), 0) };
+  }
   if (LIGHTS[name].calls === "diffraction_disc") {
     const radius = radians(LIGHTS[name].diameter ?? sizes.diameter) / 2;
     return { ...point, radius, reach: Math.sin(radius), scale: Math.PI };

@@ -4,7 +4,7 @@ import { facts, short } from "./facts.js";
 import { LIGHTS, lightsOf } from "./lights.js";
 import { listVariants, loadVariant, openPackage } from "./package.js";
 import { lightPad, orbit } from "./pointers.js";
-import { probePackage, probeVariant } from "./probe.js";
+import { probePackage, probeStudio, probeVariant } from "./probe.js";
 import { createStage, FIRST_LIGHT } from "./stage.js";
 import * as webgl2 from "./webgl2.js";
 import * as webgpu from "./webgpu.js";
@@ -17,7 +17,7 @@ const LIGHT_NAMES = Object.fromEntries(Object.entries(LIGHTS).map(([name, { word
 const $ = (id) => document.getElementById(id);
 const asked = new URLSearchParams(location.search);
 const state = {
-  body: "snake", azimuth: 0.1, elevation: 0.2, distance: 4, light: FIRST_LIGHT.clone(), stops: numberAsked("stops") ?? 0.5,
+  body: "snake", azimuth: radiansAsked("azimuth") ?? 0.1, elevation: radiansAsked("elevation") ?? 0.2, distance: 4, light: FIRST_LIGHT.clone(), stops: numberAsked("stops") ?? 0.5,
   ratio: numberAsked("ratio") ?? 0,
   sizes: { diameter: numberAsked("diameter") ?? 12, width: numberAsked("width") ?? 40, height: numberAsked("height") ?? 20 },
 };
@@ -37,6 +37,8 @@ window.gallery = {
   ready: start(),
   idle: () => queue.then(() => stage.idle()),
   probe: () => queue.then(() => probePackage(files, engine, APIS[$("api").value].target)),
+  /** XYZ in the studio of the variant that is shown, towards unit vectors in a frame whose normal is up. */
+  probeStudio: (viewers) => queue.then(() => probeStudio(files, engine, APIS[$("api").value].target, here(), viewers)),
   /** Milliseconds from the page's beginning to its first picture. */
   firstPicture: () => firstPicture,
   /** What it does, or did last. */
@@ -225,6 +227,12 @@ function unique(values) {
 function numberAsked(name) {
   const number = Number.parseFloat(asked.get(name));
   return Number.isFinite(number) ? number : null;
+}
+
+/** Degrees of the address in radians. */
+function radiansAsked(name) {
+  const degrees = numberAsked(name);
+  return degrees === null ? null : (degrees * Math.PI) / 180;
 }
 
 function fail(error) {

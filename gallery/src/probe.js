@@ -1,9 +1,12 @@
 // The package's probes against what an integration computes, and wrong integrations that they must catch.
+import { AROUND } from "./lights.js";
 import { listVariants, loadProbes, loadVariant } from "./package.js";
 
 const SWAPPED = "swapped channels";
 const FLIPPED = "flipped bitangent";
 const RESIZED = "another size of the light";
+const BLURRED = "a spread taken for degrees";
+const TURNED = "mirrored surroundings";
 
 /** Pixels of a row that drivers give back together. */
 const BLOCK = 16;
@@ -27,28 +30,54 @@ export async function probeVariant(files, engine, target, place) {
   const missing = Object.keys(functions).find((name) => !variant.signature(name));
   if (missing) throw new Error(`${place.folder}: probe.json has ${missing}, the function form for ${target} does not`);
   // one shader, compiled once
-  const all = [...probes, ...probes.map(mirrored), ...probes.map(resized)];
+  const all = [probes, ...[mirrored, resized, blurred, turned].map((wrong) => probes.map(wrong))].flat();
   while (all.length % BLOCK) all.push(probes[0]);
   const pixels = await engine.probe(variant, all);
   const part = (from) => probes.map((_, i) => [0, 1].map((row) => {
     const start = 4 * (all.length * row + from * probes.length + i);
     return [...pixels.subarray(start, start + 3)];
   }));
-  const [seen, flipped, resizedSeen] = [part(0), part(1), part(2)];
+  const [seen, flipped, resizedSeen, blurredSeen, turnedSeen] = [0, 1, 2, 3, 4].map(part);
   const swapped = seen.map((colours) => colours.map(([x, y, z]) => [z, y, x]));
   const names = Object.keys(functions);
   const least = (wrong, of) => Math.min(...of.map((name) => worst(wrong, probes, name)));
   const controls = { [SWAPPED]: least(swapped, names), [FLIPPED]: least(flipped, names) };
-  const sized = names.filter((name) => name !== "diffraction");
+  const sized = names.filter((name) => name !== "diffraction" && name !== AROUND);
   if (sized.length > 0) controls[RESIZED] = least(resizedSeen, sized);
+  if (names.includes(AROUND)) {
+    controls[BLURRED] = least(blurredSeen, [AROUND]);
+    controls[TURNED] = least(turnedSeen, [AROUND]);
+  }
   const greatest = Math.max(...names.map((name) => worst(seen, probes, name)));
   return { surface: place.surface, variant: place.variant, count: probes.length, functions, worst: greatest, controls };
 }
 
+/** XYZ in the studio of a variant that has the function, towards unit vectors to viewers in a tangent frame whose normal is up. */
+export async function probeStudio(files, engine, target, place, viewers) {
+  const variant = await loadVariant(files, place, target);
+  const all = viewers.map((wr) => ({ calls: AROUND, vectors: [], wr }));
+  while (all.length % BLOCK) all.push(all[0]);
+  const pixels = await engine.probe(variant, all, true);
+  return viewers.map((_, i) => [...pixels.subarray(4 * i, 4 * i + 3)]);
+}
+
 /** A probe under a flipped bitangent. */
 function mirrored(probe) {
-  const flip = ([x, y, z]) => [x, -y, z];
-  return { ...probe, vectors: probe.vectors.map(flip), wr: flip(probe.wr) };
+  return { ...turned(probe), vectors: probe.vectors.map(flip), wr: flip(probe.wr) };
+}
+
+/** A probe whose sky is its own mirror image. */
+function turned({ sky, ...rest }) {
+  return { ...rest, sky: sky && { ...sky, lobes: sky.lobes.map((lobe) => ({ ...lobe, axis: flip(lobe.axis) })) } };
+}
+
+/** A probe whose sky is blurred far too much. Without any blur it would pass: the lobes of its skies are wide. */
+function blurred(probe) {
+  return { ...probe, spreadFactor: 180 / Math.PI };
+}
+
+function flip([x, y, z]) {
+  return [x, -y, z];
 }
 
 /** A probe under a wider disc, or under a quadrilateral that has lost a corner. */

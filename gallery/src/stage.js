@@ -1,5 +1,5 @@
 // One body, one light, one camera: draws when something changed, coarsely while things move and finely at rest.
-import { DoubleSide, FrontSide, Mesh, OrthographicCamera, PerspectiveCamera, Scene, Vector3 } from "three";
+import { BackSide, BoxGeometry, DoubleSide, FrontSide, Mesh, OrthographicCamera, PerspectiveCamera, Scene, Vector3 } from "three";
 import { BODIES } from "./bodies.js";
 import { LIGHTS, uniformsOf } from "./lights.js";
 
@@ -28,7 +28,9 @@ export function createStage(state, onFrame) {
   const perspective = new PerspectiveCamera(32, 1, 0.1, 20);
   const flat = new OrthographicCamera(-1, 1, 1, -1, 0.1, 20);
   const geometries = {};
-  let engine, made, mesh, canvas;
+  // around the eye, at no distance
+  const room = new BoxGeometry(2, 2, 2);
+  let engine, made, mesh, behind, canvas;
   let changed = 0, lastMs = 0, ratio = 0, samples = 1;
   let isRunning = false, isDirty = false, isHalting = false;
   let waiting = [];
@@ -86,6 +88,10 @@ export function createStage(state, onFrame) {
     // of closed bodies nobody sees the inside
     made.material.side = ["snake", "sphere"].includes(name) ? FrontSide : DoubleSide;
     const view = camera();
+    if (behind) {
+      behind.position.copy(view.position);
+      behind.visible = name !== "map";
+    }
     const light = uniformsOf(made.lightName, state.light, state.sizes, made.diffuser);
     made.set({ ...light, eye: view.position, exposure: 2 ** state.stops, is_map: name === "map", samples });
     const begun = performance.now();
@@ -169,6 +175,14 @@ export function createStage(state, onFrame) {
       mesh = new Mesh(undefined, next.material);
       mesh.frustumCulled = false;
       scene.add(mesh);
+      behind = null;
+      if (next.behind) {
+        Object.assign(next.behind, { side: BackSide, depthTest: false, depthWrite: false });
+        behind = new Mesh(room, next.behind);
+        behind.frustumCulled = false;
+        behind.renderOrder = -1;
+        scene.add(behind);
+      }
       made = next;
     },
     /** From view space, x right, y up, z to the viewer, to world space; the map's camera stands still. */

@@ -1,14 +1,15 @@
 // The function form of GLSL ES 3.00 behind three.js's WebGLRenderer.
 import {
-  BufferAttribute, BufferGeometry, FloatType, GLSL3, Mesh, NearestFilter, NoBlending, OrthographicCamera,
+  BufferAttribute, BufferGeometry, FloatType, GLSL3, Mesh, NearestFilter, NoBlending, OrthographicCamera, PMREMGenerator,
   RawShaderMaterial, Scene, Vector3, WebGLRenderer, WebGLRenderTarget,
 } from "three";
-import { CALLS, functionsOf, lightUniforms, tristimulus } from "./lights.js";
-import { probeArguments, textures } from "./tables.js";
+import { AROUND, CALLS, functionsOf, lightUniforms, tristimulus } from "./lights.js";
+import { ALPHA_OF_SPREAD, prefiltered, ROUGHNESS_BEHIND } from "./surroundings.js";
+import { probeArguments, SKY_LOBES, SKY_ROW, textures } from "./tables.js";
 
 export const target = "glsl-es300";
 
-const HEAD = "precision highp float;\nprecision highp int;\nprecision highp sampler2D;\nprecision highp sampler2DArray;\n";
+const HEAD = "precision highp float;\nprecision highp int;\nprecision highp sampler2D;\nprecision highp sampler2DArray;\nprecision highp samplerCube;\n";
 
 const VERTEX = `${HEAD}
 in vec3 position;
@@ -29,8 +30,60 @@ void main() {
     gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
 }`;
 
+/** Radiance of three.js's prefiltered cube. */
+const CUBE = `
+uniform samplerCube surroundings;
+uniform float last_level;
+uniform vec3 turn;
+// from a direction of the world, blurred as by that roughness
+vec3 around(vec3 to, float roughness) {
+    vec3 turned = vec3(turn.x * to.x + turn.y * to.z, to.y, turn.x * to.z - turn.y * to.x);
+    return textureLod(surroundings, turned, last_level * roughness * (2.0 - roughness)).rgb;
+}`;
+
+/** What `diffraction_environment` asks for. The frame is that of the place, tangent to world. */
+const HOST = `${CUBE}
+mat3 engine_frame = mat3(1.0);
+vec3 environment_radiance(vec3 direction, float spread) {
+    // a lobe of GGX in place of a Gaussian
+    float roughness = sqrt(min(${ALPHA_OF_SPREAD} * spread, 1.0));
+    return around(engine_frame * direction, roughness);
+}`;
+
+/** A package that has the function cannot be linked without this one, although nothing calls it under other lights. */
+const NO_HOST = "vec3 environment_radiance(vec3 direction, float spread) { return vec3(0.0); }";
+
+/** Surroundings of a probe. */
+const SKY = `
+vec3 environment_radiance(vec3 direction, float spread) {
+    vec4 constant = argument(${SKY_ROW});
+    vec3 sum = constant.rgb;
+    float blur = constant.w * spread * constant.w * spread;
+    for (int i = 0; i < ${SKY_LOBES}; i++) {
+        vec4 axis = argument(${SKY_ROW + 1} + 2 * i);
+        float own = axis.w * axis.w;
+        float share = own / (own + blur) * exp((dot(direction, axis.xyz) - 1.0) / (own + blur));
+        sum += share * argument(${SKY_ROW + 2} + 2 * i).rgb;
+    }
+    return sum;
+}`;
+
+/** What is shown of a radiance: hues are kept, the greatest channel tends to 1. */
+const SHOWN = `
+uniform float exposure;
+layout(location = 0) out vec4 colour;
+vec3 shown(vec3 radiance) {
+    vec3 linear = exposure * max(radiance, vec3(0.0));
+    linear /= 1.0 + max(linear.r, max(linear.g, linear.b));
+    vec3 low = 12.92 * linear;
+    vec3 high = 1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055;
+    return mix(high, low, lessThanEqual(linear, vec3(0.0031308)));
+}`;
+
 // world space is the bodies' own; the same in WGSL is in webgpu.js
-const fragment = (calls) => `
+const fragment = (variant, calls) => `
+${calls === AROUND ? HOST : variant.signature(AROUND) ? NO_HOST : ""}
+${SHOWN}
 in vec3 v_place;
 in vec3 v_normal;
 in vec4 v_tangent;
@@ -44,13 +97,11 @@ uniform vec3 light_d;
 uniform float radius;
 uniform float reach;
 uniform float scale;
-uniform float exposure;
 uniform bool is_map;
 uniform int samples;
-layout(location = 0) out vec4 colour;
 
 // radiance by diffraction; a vector times the frame is that vector in the frame
-vec3 diffracted(mat3 frame, vec3 wr) {
+vec3 diffracted(mat3 frame, vec3 wr) {${calls === AROUND ? "\n    engine_frame = frame;" : ""}
     vec3 a = light_a * frame, b = light_b * frame, c = light_c * frame, d = light_d * frame;
     return scale * ${calls}(${CALLS[calls]});
 }
@@ -66,15 +117,21 @@ vec4 seen(vec3 place, vec3 normal, vec3 tangent) {
     vec3 b = cross(n, t) * v_tangent.w;
     vec3 to_eye = normalize(eye - place);
     mat3 frame = mat3(t, b, n);
+    vec3 wr = to_eye * frame;${calls === AROUND ? `
+    // at the rim normals turn away: black would show before what is bright
+    wr = normalize(vec3(wr.xy, max(wr.z, 0.01)));
+    float mirrored = 0.04 + 0.96 * pow(1.0 - wr.z, 5.0);
+    // the roughest level is what a diffuser sees
+    return vec4(diffracted(frame, wr) + (1.0 - mirrored) * around(n, 1.0) * v_body, 1.0);
+}` : `
     vec3 wi = light * frame;
-    vec3 wr = to_eye * frame;
     if (wi.z <= -reach || wr.z <= 0.0) { return vec4(0.0, 0.0, 0.0, 1.0); }
     float cos_half = dot(normalize(wi + wr), wr);
     float reflected = 0.04 + 0.96 * pow(1.0 - cos_half, 5.0);
     // of a light that sets, nearly
     float lit = wi.z >= reach ? wi.z : (wi.z + reach) * (wi.z + reach) / (4.0 * reach);
     return vec4(diffracted(frame, wr) + (1.0 - reflected) * lit * v_body, 1.0);
-}
+}`}
 
 void main() {
     // a lobe may be much narrower than what a pixel sees: places over the pixel, by the plastic number
@@ -91,21 +148,30 @@ void main() {
         );
     }
     if (sum.a == 0.0) { discard; }
-    // keeps hues: the greatest channel tends to 1
-    vec3 shown = exposure * max(sum.rgb, vec3(0.0)) / sum.a;
-    shown /= 1.0 + max(shown.r, max(shown.g, shown.b));
-    vec3 low = 12.92 * shown;
-    vec3 high = 1.055 * pow(shown, vec3(1.0 / 2.4)) - 0.055;
-    vec3 code = mix(high, low, lessThanEqual(shown, vec3(0.0031308)));
     float cover = sum.a / float(samples);
-    colour = vec4(cover * code, cover);
+    colour = vec4(cover * shown(sum.rgb / sum.a), cover);
 }`;
 
-const probeText = (functions) => `
+const BEHIND_VERTEX = `${HEAD}
+in vec3 position;
+uniform mat4 modelViewMatrix;
+uniform mat4 projectionMatrix;
+out vec3 v_to;
+void main() {
+    v_to = position;
+    gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+}`;
+
+const BEHIND = `${CUBE}${SHOWN}
+in vec3 v_to;
+void main() { colour = vec4(shown(around(normalize(v_to), ${ROUGHNESS_BEHIND})), 1.0); }`;
+
+const probeText = (functions, isStudio) => `
 uniform sampler2D engine_arguments;
 layout(location = 0) out vec4 colour;
 vec4 argument(int row) { return texelFetch(engine_arguments, ivec2(int(gl_FragCoord.x), row), 0); }
-void main() {
+${isStudio ? HOST : SKY}
+void main() {${isStudio ? "\n    engine_frame = mat3(1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0);" : ""}
     int which = int(argument(0).w);
     bool is_xyz = gl_FragCoord.y < 1.0;
     vec3 a = argument(0).xyz, b = argument(2).xyz, c = argument(3).xyz, d = argument(4).xyz, wr = argument(1).xyz;
@@ -124,17 +190,20 @@ export async function open(canvas, onLost) {
   const gl = renderer.getContext();
   canvas.addEventListener("webglcontextlost", () => onLost("The context of WebGL2 was lost"));
   const unmasked = gl.getExtension("WEBGL_debug_renderer_info");
+  let studio;
+  const made = () => (studio ??= prefiltered(new PMREMGenerator(renderer)));
   return {
     renderer,
     driver: gl.getParameter(unmasked?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER),
-    /** A material for bodies that calls a function of the variant, with `set(uniforms)` and `dispose()`. */
-    material: (variant, calls) => bodyMaterial(variant, calls),
+    /** A material for bodies that calls a function of the variant, with one for what is `behind`, `set(uniforms)` and `dispose()`. */
+    material: (variant, calls) => bodyMaterial(variant, calls, calls === AROUND ? made() : null),
     /** Draws, and returns when the picture is done. */
     draw: async (scene, camera) => {
       renderer.render(scene, camera);
       await done(gl);
     },
-    probe: (variant, probes) => probe(renderer, variant, probes),
+    /** XYZ and RGB of probes, under their skies or, all of them, in the studio: with the normal up and the tangent along x. */
+    probe: (variant, probes, isStudio) => probe(renderer, variant, probes, isStudio ? made() : null),
     dispose: () => renderer.dispose(),
   };
 }
@@ -149,30 +218,43 @@ async function done(gl) {
   gl.deleteSync(fence);
 }
 
-function bodyMaterial({ text, tables }, calls) {
-  const bound = textures(tables);
+function bodyMaterial(variant, calls, studio) {
+  const bound = textures(variant.tables);
   const uniforms = {
     eye: { value: new Vector3() },
     ...lightUniforms((value) => ({ value })),
     exposure: { value: 1 },
     is_map: { value: false },
     samples: { value: 1 },
+    ...(studio && studioUniforms(studio)),
   };
-  const material = raw(VERTEX, text + fragment(calls), bound, uniforms);
+  const material = raw(VERTEX, variant.text + fragment(variant, calls), bound, uniforms);
+  const behind = calls === AROUND ? raw(BEHIND_VERTEX, BEHIND, {}, uniforms) : null;
   const set = (values) => {
     for (const [name, value] of Object.entries(values)) {
       if (value.isVector3) uniforms[name].value.copy(value);
       else uniforms[name].value = value;
     }
   };
-  return { material, set, dispose: () => dispose(material, bound) };
+  return {
+    material, behind, set,
+    dispose() {
+      dispose(material, bound);
+      behind?.dispose();
+    },
+  };
+}
+
+function studioUniforms({ texture, lastLevel }) {
+  return { surroundings: { value: texture }, last_level: { value: lastLevel } };
 }
 
 /** A row of XYZ and one of RGB for probes. */
-async function probe(renderer, variant, probes) {
+async function probe(renderer, variant, probes, studio) {
   if (!renderer.extensions.has("EXT_color_buffer_float")) throw new Error("no 32-bit float targets");
   const bound = { ...textures(variant.tables), engine_arguments: probeArguments(probes) };
-  const material = raw(CORNERS, variant.text + probeText(functionsOf(variant)), bound, {});
+  const uniforms = studio ? { ...studioUniforms(studio), turn: { value: new Vector3(1, 0, 0) } } : {};
+  const material = raw(CORNERS, variant.text + probeText(functionsOf(variant), studio !== null), bound, uniforms);
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]), 3));
   const mesh = new Mesh(geometry, material);

@@ -1,14 +1,70 @@
 // The function form of WGSL behind three.js's WebGPURenderer, as a node of its shading language.
 import { FloatType, LinearSRGBColorSpace, NearestFilter, NoBlending, NoToneMapping, RenderTarget, Vector3 } from "three";
-import { attribute, sampler, screenCoordinate, texture, uniform, varying, wgslFn } from "three/tsl";
-import { NodeMaterial, QuadMesh, WebGPURenderer } from "three/webgpu";
-import { CALLS, functionsOf, lightUniforms, tristimulus } from "./lights.js";
-import { probeArguments, textures } from "./tables.js";
+import { attribute, cubeTexture, positionGeometry, sampler, screenCoordinate, texture, uniform, varying, wgsl, wgslFn } from "three/tsl";
+import { NodeMaterial, PMREMGenerator, QuadMesh, WebGPURenderer } from "three/webgpu";
+import { AROUND, CALLS, functionsOf, lightUniforms, tristimulus } from "./lights.js";
+import { ALPHA_OF_SPREAD, prefiltered, ROUGHNESS_BEHIND } from "./surroundings.js";
+import { probeArguments, SKY_LOBES, SKY_ROW, textures } from "./tables.js";
 
 export const target = "wgsl";
 
+/**
+ * Radiance of three.js's prefiltered cube, from a direction of the world, blurred as by that roughness. The package's text calls its
+ * host without textures: so this reads a binding by the name that its node gives it, and the place from private variables.
+ */
+const AROUND_TEXT = `fn engine_around(to: vec3f, roughness: f32) -> vec3f {
+    let turned = vec3f(engine_turn.x * to.x + engine_turn.y * to.z, to.y, engine_turn.x * to.z - engine_turn.y * to.x);
+    // three.js has cubes of render targets mirrored in x on WebGPU
+    let at = vec3f(-turned.x, turned.yz);
+    return textureSampleLevel(engine_surroundings, engine_surroundings_sampler, at, engine_last_level * roughness * (2.0 - roughness)).rgb;
+}`;
+const AROUND_STATE = `var<private> engine_turn: vec3f;
+var<private> engine_last_level: f32;
+var<private> engine_frame: mat3x3f;
+`;
+
+/** What `diffraction_environment` asks for. The frame is that of the place, tangent to world. */
+const HOST = `fn environment_radiance(direction: vec3f, spread: f32) -> vec3f {
+    // a lobe of GGX in place of a Gaussian
+    return engine_around(engine_frame * direction, sqrt(min(${ALPHA_OF_SPREAD} * spread, 1.0)));
+}`;
+
+/** A package that has the function is not valid without this one, although nothing calls it under other lights. */
+const NO_HOST = "fn environment_radiance(direction: vec3f, spread: f32) -> vec3f { return vec3f(0.0); }";
+
+/** Surroundings of a probe. */
+const SKY = `fn environment_radiance(direction: vec3f, spread: f32) -> vec3f {
+    var sum = engine_sky[0].rgb;
+    let blur = engine_sky[0].w * spread * engine_sky[0].w * spread;
+    for (var i = 1; i < ${1 + 2 * SKY_LOBES}; i += 2) {
+        let axis = engine_sky[i];
+        let own = axis.w * axis.w;
+        sum += own / (own + blur) * exp((dot(direction, axis.xyz) - 1.0) / (own + blur)) * engine_sky[i + 1].rgb;
+    }
+    return sum;
+}`;
+const SKY_STATE = `var<private> engine_sky: array<vec4f, ${1 + 2 * SKY_LOBES}>;
+`;
+
+/** What is shown of a radiance: hues are kept, the greatest channel tends to 1. */
+const SHOWN = `fn engine_shown(radiance: vec3f, exposure: f32) -> vec3f {
+    var linear = exposure * max(radiance, vec3f(0.0));
+    linear /= 1.0 + max(linear.r, max(linear.g, linear.b));
+    let low = 12.92 * linear;
+    let high = 1.055 * pow(linear, vec3f(1.0 / 2.4)) - 0.055;
+    return select(high, low, linear <= vec3f(0.0031308));
+}`;
+
+const BEHIND = `fn behind(to: vec3f, turn: vec3f, exposure: f32, last_level: f32, surroundings: texture_cube<f32>) -> vec4f {
+    engine_turn = turn;
+    engine_last_level = last_level;
+    return vec4f(engine_shown(engine_around(normalize(to), ${ROUGHNESS_BEHIND}), exposure), 1.0);
+}`;
+
 // world space is the bodies' own; the same in GLSL is in webgl2.js
-const shade = (calls) => (parameters, tables) => `fn shade(place: vec3f, normal: vec3f, tangent: vec4f, body: vec3f, eye: vec3f, light: vec3f, light_a: vec3f, light_b: vec3f, light_c: vec3f, light_d: vec3f, radius: f32, reach: f32, scale: f32, exposure: f32, is_map: f32, samples: f32${parameters}) -> vec4f {
+const shade = (calls) => (parameters, tables) => `fn shade(place: vec3f, normal: vec3f, tangent: vec4f, body: vec3f, eye: vec3f, light: vec3f, light_a: vec3f, light_b: vec3f, light_c: vec3f, light_d: vec3f, radius: f32, reach: f32, scale: f32, turn: vec3f, exposure: f32, is_map: f32, samples: f32${calls === AROUND ? ", last_level: f32, surroundings: texture_cube<f32>" : ""}${parameters}) -> vec4f {${calls === AROUND ? `
+    engine_turn = turn;
+    engine_last_level = last_level;` : ""}
     // a lobe may be much narrower than what a pixel sees: places over the pixel, by the plastic number
     let place_x = dpdx(place);
     let place_y = dpdy(place);
@@ -37,7 +93,16 @@ const shade = (calls) => (parameters, tables) => `fn shade(place: vec3f, normal:
             wr = normalize(eye - here) * frame;
         }
         sum.a += 1.0;
-        // a vector times the frame is that vector in the frame
+        // a vector times the frame is that vector in the frame${calls === AROUND ? `
+        // at the rim normals turn away: black would show before what is bright
+        wr = normalize(vec3f(wr.xy, max(wr.z, 0.01)));
+        engine_frame = frame;
+        sum += vec4f(${calls}(${CALLS[calls]}${tables(calls)}), 0.0);
+        if (is_map < 0.5) {
+            let mirrored = 0.04 + 0.96 * pow(1.0 - wr.z, 5.0);
+            // the roughest level is what a diffuser sees
+            sum += vec4f((1.0 - mirrored) * engine_around(frame[2], 1.0) * body, 0.0);
+        }` : `
         let wi = light * frame;
         if (wi.z <= -reach || wr.z <= 0.0) {
             continue;
@@ -56,20 +121,21 @@ const shade = (calls) => (parameters, tables) => `fn shade(place: vec3f, normal:
                 lit = (wi.z + reach) * (wi.z + reach) / (4.0 * reach);
             }
             sum += vec4f((1.0 - reflected) * lit * body, 0.0);
-        }
+        }`}
     }
     if (sum.a == 0.0) { return vec4f(0.0); }
-    // keeps hues: the greatest channel tends to 1
-    var shown = exposure * max(sum.rgb, vec3f(0.0)) / sum.a;
-    shown /= 1.0 + max(shown.r, max(shown.g, shown.b));
-    let low = 12.92 * shown;
-    let high = 1.055 * pow(shown, vec3f(1.0 / 2.4)) - 0.055;
     let cover = sum.a / samples;
-    return vec4f(cover * select(high, low, shown <= vec3f(0.0031308)), cover);
+    return vec4f(cover * engine_shown(sum.rgb / sum.a, exposure), cover);
 }`;
 
-const probeText = (functions) => (parameters, tables) => `fn engine_probe(place: vec2f, engine_arguments: texture_2d<f32>${parameters}) -> vec4f {
-    let column = i32(place.x);
+const probeText = (functions, isStudio) => (parameters, tables) => `fn engine_probe(place: vec2f, engine_arguments: texture_2d<f32>${isStudio ? ", last_level: f32, surroundings: texture_cube<f32>" : ""}${parameters}) -> vec4f {
+    let column = i32(place.x);${isStudio ? `
+    engine_turn = vec3f(1.0, 0.0, 0.0);
+    engine_last_level = last_level;
+    engine_frame = mat3x3f(1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0);` : `
+    for (var i = 0; i < ${1 + 2 * SKY_LOBES}; i++) {
+        engine_sky[i] = textureLoad(engine_arguments, vec2i(column, ${SKY_ROW} + i), 0);
+    }`}
     let first = textureLoad(engine_arguments, vec2i(column, 0), 0);
     let viewer = textureLoad(engine_arguments, vec2i(column, 1), 0);
     let a = first.xyz;
@@ -109,17 +175,19 @@ export async function open(canvas, onLost) {
   renderer.onDeviceLost = ({ reason, message }) => {
     if (reason !== "destroyed") onLost(`The device of WebGPU was lost: ${message.replace(/\.$/, "")}`);
   };
+  let studio;
+  const made = () => (studio ??= prefiltered(new PMREMGenerator(renderer)));
   const { vendor, architecture, description } = adapter.info;
   return {
     renderer,
     driver: [vendor, architecture, description].filter(Boolean).join(" "),
-    material: (variant, calls) => bodyMaterial(variant, calls),
+    material: (variant, calls) => bodyMaterial(variant, calls, calls === AROUND ? made() : null),
     draw: async (scene, camera) => {
       if (isLost) return;
       renderer.render(scene, camera);
       await Promise.race([device.queue.onSubmittedWorkDone(), lost]);
     },
-    probe: (variant, probes) => probe(renderer, variant, probes),
+    probe: (variant, probes, isStudio) => probe(renderer, variant, probes, isStudio ? made() : null),
     dispose: () => renderer.dispose(),
   };
 }
@@ -134,9 +202,9 @@ function soon(promise) {
 
 /**
  * A shell's node around functions of a variant: `make(parameters, tables)` is its text, given the declarations of all tables that they
- * read, and the names of those that one of them reads.
+ * read, and the names of those that one of them reads. `host` is what all of them need besides.
  */
-function shell(variant, functions, bound, make, inputs) {
+function shell(variant, functions, bound, make, inputs, host) {
   const read = (name) => {
     const declared = variant.signature(name).match(/wr: vec3f((?:, [^)]*)?)\)/)[1];
     return [...declared.matchAll(/, (\w+): (\w+)[^,]*/g)].map(([text, table, type]) => ({ text, table, type }));
@@ -148,10 +216,10 @@ function shell(variant, functions, bound, make, inputs) {
   // a sampler is that of the table which it reads
   const node = ({ table, type }) => (type === "sampler" ? sampler(texture(bound[filtered])) : texture(bound[table]));
   const nodes = Object.fromEntries([...all.values()].map((parameter) => [parameter.table, node(parameter)]));
-  return wgslFn(text, [wgslFn(variant.text)])({ ...inputs, ...nodes });
+  return wgslFn(text, [...host, wgslFn(variant.text)])({ ...inputs, ...nodes });
 }
 
-function bodyMaterial(variant, calls) {
+function bodyMaterial(variant, calls, studio) {
   const bound = textures(variant.tables);
   const knobs = {
     eye: uniform(new Vector3()),
@@ -169,24 +237,51 @@ function bodyMaterial(variant, calls) {
   };
   const material = new NodeMaterial();
   material.blending = NoBlending;
-  material.fragmentNode = shell(variant, [calls], bound, shade(calls), inputs);
+  const host = calls === AROUND ? [...aroundText(), wgslFn(HOST)] : variant.signature(AROUND) ? [wgslFn(NO_HOST)] : [];
+  let behind = null;
+  if (studio) {
+    Object.assign(inputs, studioInputs(studio));
+    behind = new NodeMaterial();
+    behind.blending = NoBlending;
+    const { turn, exposure } = knobs;
+    const seen = { to: varying(positionGeometry), turn, exposure, ...studioInputs(studio) };
+    behind.fragmentNode = wgslFn(BEHIND, [...aroundText(), wgslFn(SHOWN)])(seen);
+  }
+  material.fragmentNode = shell(variant, [calls], bound, shade(calls), inputs, [...host, wgslFn(SHOWN)]);
   const set = (values) => {
     for (const [name, value] of Object.entries(values)) {
       if (value.isVector3) knobs[name].value.copy(value);
       else knobs[name].value = Number(value);
     }
   };
-  return { material, set, dispose: () => dispose(material, bound) };
+  return {
+    material, behind, set,
+    dispose() {
+      dispose(material, bound);
+      behind?.dispose();
+    },
+  };
+}
+
+function aroundText() {
+  return [wgsl(AROUND_STATE), wgslFn(AROUND_TEXT)];
+}
+
+function studioInputs({ texture, lastLevel }) {
+  return { surroundings: cubeTexture(texture).setName("engine_surroundings"), last_level: uniform(lastLevel) };
 }
 
 /** A row of XYZ and one of RGB for probes. */
-async function probe(renderer, variant, probes) {
+async function probe(renderer, variant, probes, studio) {
   const bound = { ...textures(variant.tables), engine_arguments: probeArguments(probes) };
   const material = new NodeMaterial();
   material.blending = NoBlending;
   const inputs = { place: screenCoordinate.xy, engine_arguments: texture(bound.engine_arguments) };
   const functions = functionsOf(variant);
-  material.fragmentNode = shell(variant, functions, bound, probeText(functions), inputs);
+  if (studio) Object.assign(inputs, studioInputs(studio));
+  const sky = () => [wgsl(SKY_STATE), ...(functions.includes(AROUND) ? [wgslFn(SKY)] : [])];
+  const host = studio ? [...aroundText(), wgslFn(HOST)] : sky();
+  material.fragmentNode = shell(variant, functions, bound, probeText(functions, studio !== null), inputs, host);
   const options = { type: FloatType, minFilter: NearestFilter, magFilter: NearestFilter, depthBuffer: false };
   const picture = new RenderTarget(probes.length, 2, options);
   renderer.setRenderTarget(picture);

@@ -130,6 +130,12 @@ const LIGHT_ACTS = {
   "lamp as small as the sun": { before: ["sun"], after: ["lamp", { diameter: 0.5 }] },
 };
 
+/** Unit vectors in a tangent frame, all over the hemisphere down to 75° from the normal. */
+const VIEWERS = Array.from({ length: 64 }, (_, i) => {
+  const [z, phi] = [1 - ((i + 0.5) / 64) * (1 - Math.cos((75 * Math.PI) / 180)), 2.399963 * i];
+  return [Math.sqrt(1 - z * z) * Math.cos(phi), Math.sqrt(1 - z * z) * Math.sin(phi), z];
+});
+
 /** Chooses a light and its sizes. */
 async function shine(at, [light, sizes = {}]) {
   choose(at, "light", light);
@@ -184,8 +190,22 @@ async function run() {
     changes[name] = difference(from, to);
     pictures[name] = to.png;
   }
+  // few pictures: a studio takes a software driver long
+  step("studio for a lamp");
+  const lamp = await shine(at, ["sun"]);
+  const studio = await shine(at, ["studio"]);
+  changes["studio for a lamp"] = difference(lamp, studio);
+  step("another side of the studio");
+  press(at, at.$("pad"), "ArrowLeft", 6);
+  const turned = await picture(at);
+  changes["another side of the studio"] = difference(studio, turned);
+  pictures.studio = turned.png;
+  step("sun for the studio");
   before = await shine(at, ["sun"]);
+  changes["sun for the studio"] = difference(turned, before);
   pictures.sun = before.png;
+  step("the studio towards some viewers");
+  const colours = await gallery.probeStudio(VIEWERS);
   step("the probes of all variants");
   const probes = await gallery.probe();
   step("the button of the probes");
@@ -199,7 +219,7 @@ async function run() {
   const message = at.$("message").hidden ? null : at.$("message").textContent;
   return {
     driver: gallery.driver(), first_picture_ms: gallery.firstPicture(), changes, variants, probes, lights: chosen, light: first,
-    message, errors: at.errors, checked, pictures,
+    studio: { viewers: VIEWERS, xyz: colours }, message, errors: at.errors, checked, pictures,
   };
 }
 
