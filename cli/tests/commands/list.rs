@@ -101,7 +101,9 @@ sampling = "filter"
 [[preset]]
 name = "sun"
 mode = "orders"
-lights = ["disc"]
+lights = ["disc", "environment"]
+nodes = "auto"
+environment_error = 3.5
 source_diameter_deg = 0.53
 [[preset]]
 name = "metal"

@@ -58,13 +58,13 @@ fn lights_that_cannot_be_shown_are_refused_with_a_remedy() {
         ),
         (
             sky,
-            of("orders", ""),
-            "lights.toml: light 1: a light of kind \"sky\" is not supported yet by scene",
+            of("star", ""),
+            "lights.toml: light 1: the variant star has no function for a light of kind \"sky\"",
         ),
         (
             STUDIO,
-            of("orders", ""),
-            "lights.toml: a light of kind \"environment\" is not supported yet by scene for what a relief diffracts",
+            of("star", ""),
+            "lights.toml: the variant star has no function for a light of kind \"environment\"",
         ),
         (
             &format!("{SUN}colour = [1, 0.5, 0]"),

@@ -179,7 +179,8 @@ fn what_a_picture_cannot_show_is_refused() {
     for (found, expected) in [
         (refused(&all, false, vec![]), "has no light"),
         (refused(&all, false, vec![sun.clone(); 5]), "has 5 lights of kind \"disc\""),
-        (refused(&all, false, vec![Light::Sky { radiance: 1.0 }]), "\"sky\" is not supported yet"),
+        (refused(&few, false, vec![Light::Sky { radiance: 1.0 }]), "a light of kind \"sky\""),
+        (refused(&all, false, vec![Light::Sky { radiance: 1.0 }]), "prepared without the skies"),
         (refused(&few, false, vec![sun.clone()]), "no function for a light of kind \"disc\""),
         (refused(&few, false, vec![window(DVec3::Z, 0.1, 3)]), "of kind \"polygon\""),
         (refused(&all, true, vec![sun]), "lobes are widened by a shorter coherence length"),

@@ -9,6 +9,7 @@ use diffraction_harness::scene::surroundings::add_behind;
 use diffraction_harness::scene::{Mesh, Orbit, raster, sphere};
 use diffraction_shaders::light::{Cap, Environment, Light, Panorama, Studio};
 use diffraction_shaders::optics::{Matter, REFERENCE_NM};
+use diffraction_shaders::plan::{LightFunction, Variant};
 use diffraction_shaders::runner::Placement;
 use diffraction_shaders::variant::mesh::MeshParams;
 use glam::DVec3;
@@ -173,7 +174,8 @@ fn integral(map: &Environment, normal: DVec3) -> DVec3 {
 #[test]
 fn what_a_relief_cannot_diffract_is_refused() {
     let Some(gpu) = gpu() else { return };
-    let (height, variant) = (crossed(), orders());
+    let lights = vec![LightFunction::Direction, LightFunction::Disc];
+    let (height, variant) = (crossed(), Variant { lights, ..orders() });
     let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     let mesh = sphere(12);
     let drawing = Drawing::new(&gpu, placement, mesh, false, None).unwrap();
@@ -181,8 +183,12 @@ fn what_a_relief_cannot_diffract_is_refused() {
     let sun = Light::Disc { cap: Cap { axis: DVec3::Y, radius_rad: 0.01 }, irradiance: 1.0 };
     let red = sun.clone().coloured(DVec3::new(1.0, 0.5, 0.2));
     for (light, cause, remedy) in [
-        (map, "\"environment\" is not supported yet", "--no-diffraction"),
-        (Light::Sky { radiance: 1.0 }, "\"sky\" is not supported yet", "--no-diffraction"),
+        (map, "no function for a light of kind \"environment\"", "--no-diffraction"),
+        (
+            Light::Sky { radiance: 1.0 },
+            "no function for a light of kind \"sky\"",
+            "--no-diffraction",
+        ),
         (red, "has the colour [1.000, 0.500, 0.200]", "remove its colour"),
     ] {
         let look = Look::lit_by(vec![sun.clone(), light]);
