@@ -123,9 +123,6 @@ impl Emitter for Uniform<'_, Polygon> {
     }
 }
 
-/// A sky of the same radiance everywhere.
-pub struct Everywhere(pub f64);
-
 /// A light behind a filter.
 struct Tinted<'a> {
     light: Box<dyn Emitter + 'a>,
@@ -150,20 +147,6 @@ impl Emitter for Tinted<'_> {
     }
 }
 
-impl Emitter for Everywhere {
-    fn bounds(&self) -> Cap {
-        Cap { axis: DVec3::Z, radius_rad: PI }
-    }
-
-    fn margin(&self, _: DVec3) -> f64 {
-        1.0
-    }
-
-    fn radiance(&self, _: DVec3) -> DVec3 {
-        DVec3::splat(self.0)
-    }
-}
-
 impl Light {
     /// The light as radiance over directions. `None` for a single direction, whose radiance is infinite.
     pub fn emitter(&self) -> Option<Box<dyn Emitter + '_>> {
@@ -175,8 +158,8 @@ impl Light {
             Light::Polygon { polygon, radiance } => {
                 Some(Box::new(Uniform { region: polygon, radiance: *radiance }))
             }
-            Light::Sky { radiance } => Some(Box::new(Everywhere(*radiance))),
-            Light::Environment(environment) => Some(Box::new(environment)),
+            Light::Sky { radiance } => Some(Box::new(Sky::everywhere(DVec3::splat(*radiance)))),
+            Light::Environment(environment) => Some(Box::new(environment.clone())),
             Light::Coloured { light, colour } => {
                 let light = light.emitter()?;
                 Some(Box::new(Tinted { light, colour: *colour }))
@@ -204,6 +187,16 @@ impl Light {
     /// Whether it comes from all around: a sky or a map.
     pub fn is_all_round(&self) -> bool {
         matches!(self.white().0, Light::Sky { .. } | Light::Environment(_))
+    }
+
+    /// What shaders see of it, blurred as far as asked for, if it comes from all around: a sky by its formula, a map in levels.
+    pub fn surroundings(&self) -> Option<Box<dyn Surroundings>> {
+        match self.white() {
+            (Light::Sky { radiance }, colour) => {
+                Some(Box::new(Sky::everywhere(*radiance * colour)))
+            }
+            _ => Some(Box::new(self.filtered()?)),
+        }
     }
 
     /// Its radiance over all directions in levels of blur, if it comes from all around.

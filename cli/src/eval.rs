@@ -33,7 +33,7 @@ With --lights the light comes from a file, and --views has the columns theta_r,p
 then X,Y,Z of the radiance, reflectance included; a white of radiance 1 has Y = 1. lights.toml has one [[light]] for each:
   schema = 1
   [[light]]
-  kind = \"disc\"             # the sun; also direction, polygon (corners, radiance) and sky (radiance)
+  kind = \"disc\"             # the sun; also direction, polygon (corners, radiance), sky (radiance), environment (file, studio)
   direction = [20, 0]       # theta, phi
   diameter_deg = 0.53
   irradiance = 1.0          # a white diffuser that faces the light shows 1/π";
@@ -60,7 +60,7 @@ pub struct Args {
         conflicts_with = "lights"
     )]
     directions: Option<PathBuf>,
-    /// TOML file of lights: single directions, discs, polygons, a sky. Print the radiance towards the viewers of --views.
+    /// TOML file of lights: single directions, discs, polygons, skies, maps of the surroundings. Print the radiance towards the viewers of --views.
     #[arg(long, value_name = "FILE.toml", requires = "views")]
     lights: Option<PathBuf>,
     /// CSV file of viewing directions in degrees, with the header `theta_r,phi_r`.

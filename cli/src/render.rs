@@ -48,7 +48,7 @@ pub struct Args {
         conflicts_with = "lights"
     )]
     light: Light,
-    /// TOML file of lights: single directions, discs, polygons, a sky. Draw the radiance under all of them.
+    /// TOML file of lights: single directions, discs, polygons, skies, maps of the surroundings. Draw the radiance under all of them.
     #[arg(long, value_name = "FILE.toml")]
     lights: Option<PathBuf>,
     /// Width and height of the map, in pixels.

@@ -112,7 +112,7 @@ impl Job {
         let field = &self.surface.field;
         let apart_rad = REFERENCE_NM * 1e-3 / field.size_x_um().min(field.size_y_um());
         let synthetic = matches!(self.spec.source, SurfaceSource::Grating(_));
-        let discs = lights.all.iter().filter_map(|light| match light {
+        let discs = lights.all.iter().filter_map(|light| match light.white().0 {
             Light::Disc { cap, .. } if !synthetic && 2.0 * cap.radius_rad < apart_rad => Some(cap),
             _ => None,
         });

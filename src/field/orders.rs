@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 
 use crate::error::{Error, Result};
-use crate::light::{Emitter, Everywhere};
+use crate::light::{Emitter, Sky};
 use crate::optics::spectrum::{Spectrum, TABLE_MAX_NM, TABLE_MIN_NM};
 use crate::optics::{Matter, direction, primary_shares};
 use crate::plan::Optics;
@@ -158,7 +158,8 @@ impl OrderSum {
     pub fn white_sky(self) -> [[f64; 3]; 4] {
         let many = (self.bins.len() as f64 / MANY).clamp(1.0, 20.0);
         let coarse = self.with_panel_nm(many * PANEL_NM);
-        SKY_VIEWS_DEG.map(|theta_deg| coarse.radiance(&Everywhere(1.0), direction(theta_deg, 0.0)))
+        let sky = Sky::everywhere(DVec3::ONE);
+        SKY_VIEWS_DEG.map(|theta_deg| coarse.radiance(&sky, direction(theta_deg, 0.0)))
     }
 
     /// [`OrderSum::radiance`] of many viewers, on all cores. `done` is called with the number of viewers finished since

@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 use std::fmt;
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::{Cap, Emitter};
 use crate::hash::sha256;
@@ -79,6 +79,19 @@ impl Panorama {
         rows.map(row).sum()
     }
 
+    /// Radiance from a unit vector: theta counts from z, phi from x towards y.
+    pub fn towards(&self, direction: DVec3) -> DVec3 {
+        let theta = direction.truncate().length().atan2(direction.z);
+        self.at(theta, direction.y.atan2(direction.x))
+    }
+
+    /// Direction of a place in a picture of that size, in pixels: the centre of the first is (0.5, 0.5).
+    pub fn direction([width, height]: [usize; 2], row: f64, column: f64) -> DVec3 {
+        let theta = row / height as f64 * PI;
+        let phi = column / width as f64 * TAU - PI;
+        DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
+    }
+
     /// The angle between neighbouring pixels, radians.
     pub fn pixel_rad(&self) -> f64 {
         (PI / self.height as f64).min(TAU / self.width as f64)
@@ -99,13 +112,12 @@ pub struct Environment {
 impl Environment {
     /// Radiance from a direction, linear sRGB: theta counts from the normal, phi from the tangent.
     pub fn radiance(&self, wi: DVec3) -> DVec3 {
-        let theta = wi.truncate().length().atan2(wi.z);
-        let phi = wi.y.atan2(wi.x) - self.rotate_deg.to_radians();
-        self.scale * self.panorama.at(theta, phi)
+        let turn = DVec2::from_angle(-self.rotate_deg.to_radians());
+        self.scale * self.panorama.towards(turn.rotate(wi.truncate()).extend(wi.z))
     }
 }
 
-impl Emitter for &Environment {
+impl Emitter for Environment {
     fn bounds(&self) -> Cap {
         Cap { axis: DVec3::Z, radius_rad: PI }
     }

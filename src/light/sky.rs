@@ -61,7 +61,8 @@ impl Surroundings for Sky {
             let apart = 0.5 * direction.distance_squared(lobe.axis);
             own / wide * (-apart / wide).exp() * lobe.radiance
         };
-        self.constant + self.lobes.iter().map(lobe).sum::<DVec3>()
+        let lit = self.lobes.iter().filter(|lobe| lobe.radiance != DVec3::ZERO);
+        self.constant + lit.map(lobe).sum::<DVec3>()
     }
 }
 
@@ -79,6 +80,7 @@ impl Emitter for Sky {
     }
 
     fn grain_rad(&self) -> f64 {
-        self.lobes.iter().map(|lobe| 0.5 * lobe.sigma_rad).fold(PI, f64::min)
+        let lit = self.lobes.iter().filter(|lobe| lobe.radiance != DVec3::ZERO);
+        lit.map(|lobe| 0.5 * lobe.sigma_rad).fold(PI, f64::min)
     }
 }

@@ -39,6 +39,11 @@ pub fn from_rgb(rgb: [f64; 3], colour: Colour) -> [f64; 3] {
         .to_array()
 }
 
+/// Luminance of linear sRGB, 1 for white (IEC 61966-2-1).
+pub fn luminance(rgb: DVec3) -> f64 {
+    rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722))
+}
+
 /// The sRGB transfer function (IEC 61966-2-1), on a linear component clamped to [0, 1].
 pub fn srgb_encode(linear: f64) -> f64 {
     let c = linear.clamp(0.0, 1.0);

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::error::{Error, Result};
 use crate::field::orders::OrderSum;
 use crate::field::reference::{Directions, Reference, evaluate_all};
-use crate::light::{Light, Sky, Surroundings};
+use crate::light::Light;
 use crate::shader::specialise;
 use crate::tables::Table;
 use crate::variant::{Arguments, Form, Twin};
@@ -113,15 +113,8 @@ impl Runner for TwinRunner<'_> {
         views: &[DVec3],
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>> {
-        // a sky is a formula
-        let (white, colour) = light.white();
-        let (sky, filtered) = match white {
-            Light::Sky { radiance } => (Some(Sky::everywhere(*radiance * colour)), None),
-            _ => (None, light.filtered()),
-        };
-        let around = sky.as_ref().map(|sky| sky as &dyn Surroundings);
-        let around = around.or(filtered.as_ref().map(|filtered| filtered as &dyn Surroundings));
-        let twin = Twin { surroundings: around, ..self.twin() };
+        let around = light.surroundings();
+        let twin = Twin { surroundings: around.as_deref(), ..self.twin() };
         lit_by(&self.placement.variant.name, &self.form, light, views, &|calls| {
             let result = |call: &Arguments| twin.evaluate(*call).unwrap_or([f64::NAN; 3]);
             let results = calls.par_iter().map(result).collect();

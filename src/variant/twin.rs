@@ -52,12 +52,6 @@ pub struct Twin<'a> {
 }
 
 impl<'a> Twin<'a> {
-    /// The same among surroundings.
-    #[must_use]
-    pub fn among(self, surroundings: &'a dyn Surroundings) -> Twin<'a> {
-        Twin { surroundings: Some(surroundings), ..self }
-    }
-
     /// Finds the tables by their bindings.
     pub fn new(form: &'a Form, tables: &'a [Table], rotate_deg: f64) -> Twin<'a> {
         let at = |binding| tables.iter().find(|t| t.binding == binding).unwrap_or(&ABSENT);

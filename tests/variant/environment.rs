@@ -8,7 +8,7 @@ use diffraction_shaders::field::orders::OrderSum;
 use diffraction_shaders::field::reference::{Directions, Reference};
 use diffraction_shaders::input::load_surface;
 use diffraction_shaders::light::environment::filtered::ROWS;
-use diffraction_shaders::light::{Environment, Filtered, Light, Panorama, Sky};
+use diffraction_shaders::light::{Environment, Filtered, Light, Panorama, Sky, Surroundings};
 use diffraction_shaders::optics::colour::{from_rgb, to_rgb};
 use diffraction_shaders::optics::colour_difference::colour_difference;
 use diffraction_shaders::optics::{diffuser_scale, direction};
@@ -19,7 +19,8 @@ use diffraction_shaders::shader::specialise;
 use diffraction_shaders::surface::HeightField;
 use diffraction_shaders::tables::Table;
 use diffraction_shaders::variant::{
-    Arguments, Around, ENVIRONMENT, Form, Function, Twin, environment_error, nodes_for, skies,
+    Arguments, Around, ENVIRONMENT, Form, Function, Twin, environment_error, light_tolerance,
+    nodes_for, skies,
 };
 use glam::{DVec2, DVec3};
 
@@ -52,7 +53,8 @@ impl Shader {
     }
 
     fn among(&self, filtered: &Filtered, views: &[DVec3]) -> Vec<[f64; 3]> {
-        let twin = Twin::new(&self.form, &self.tables, self.rotate_deg).among(filtered);
+        let twin = Twin::new(&self.form, &self.tables, self.rotate_deg);
+        let twin = Twin { surroundings: Some(filtered), ..twin };
         let call = |wr: &DVec3| Arguments::Environment { around: Around::Host, wr: *wr };
         views.iter().map(|wr| twin.evaluate(call(wr)).unwrap()).collect()
     }
@@ -269,6 +271,37 @@ fn skies_come_back() {
         let xyz = twin.evaluate(Arguments::Environment { around, wr: DVec3::Z }).unwrap();
         let rgb = DVec3::from(to_rgb(xyz, Colour::Srgb)) / 0.04;
         assert!((rgb - colour).abs().max_element() < 2e-3 * colour.max_element(), "{rgb} {colour}");
+    }
+}
+
+/// The probes notice a host that does not blur.
+#[test]
+fn probes_see_the_spread() {
+    struct Sharp(Sky);
+    impl Surroundings for Sharp {
+        fn seen(&self, direction: DVec3, _: f64) -> DVec3 {
+            self.0.seen(direction, 0.0)
+        }
+    }
+    for grating in [CD, BLAZED, DVD] {
+        let own = subject(grating, "");
+        let shader = Shader::new(&own, 0.0);
+        let twin = Twin::new(&shader.form, &shader.tables, 0.0);
+        let mut worst = 0.0_f64;
+        for probe in ENVIRONMENT.probes(&own.0, 0.0, &own.1.optics).unwrap() {
+            let Arguments::Environment { around: Around::Sky(sky), wr } = probe.arguments else {
+                panic!("{probe:?}")
+            };
+            let right = twin.evaluate(probe.arguments).unwrap();
+            let sharp = Twin { surroundings: Some(&Sharp(sky)), ..twin };
+            let call = Arguments::Environment { around: Around::Host, wr };
+            let wrong = sharp.evaluate(call).unwrap();
+            let allowed = light_tolerance(&probe.arguments, shader.form.matter(), &right);
+            let apart = (0..3).map(|c| (right[c] - wrong[c]).abs()).fold(0.0, f64::max);
+            worst = worst.max(apart / allowed);
+        }
+        println!("without blur: {worst:.2} tolerances");
+        assert!(worst > 1.5, "{worst}");
     }
 }
 

@@ -214,7 +214,7 @@ fn wrong_maps_are_refused() {
     place.put("map", &head("", "4 +X 8"));
     assert_eq!(place.eval("").status.code(), Some(0), "{}", said(&place.eval("")));
     for (lines, size, wanted) in [
-        ("", "4000 +X 8000", "more than a file of"),
+        ("", "4000 +X 8000", "cannot be decoded"),
         ("", "40000 +X 80000", "40000 rows, above the limit"),
         ("", "0 +X 0", "is no panorama"),
         ("PRIMARIES=0.7347 0.2653 0 1 0.0001 -0.077 0.32168 0.33767\n", "4 +X 8", "primaries"),

@@ -51,7 +51,7 @@ pub(crate) struct Args {
     /// Direction towards the light, in degrees: THETA from the normal, PHI about it from the tangent. May be repeated.
     #[arg(long, value_name = "THETA,PHI", default_value = "20,0", allow_hyphen_values = true)]
     light: Vec<Light>,
-    /// TOML file of lights: single directions, discs, polygons. Compare the radiance of all variants that have functions for them,
+    /// TOML file of lights: single directions, discs, polygons, skies, maps. Compare the radiance of all variants that have functions for them,
     /// instead of colours under --light.
     #[arg(long, value_name = "FILE.toml", conflicts_with = "light")]
     lights: Option<PathBuf>,

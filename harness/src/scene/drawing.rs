@@ -26,7 +26,7 @@ use crate::drivers::gpu::{
 use crate::drivers::{Prepared, dark, table_texture};
 use crate::scene::Mesh;
 use crate::scene::lights::{MAX_LIGHTS, refused};
-use crate::scene::surroundings::{Surroundings, TABLE, filtered, surrounds};
+use crate::scene::surroundings::{Surroundings, TABLE, filtered};
 
 pub use truth::{Truth, truth, truth_under};
 
@@ -164,7 +164,7 @@ impl<'a> Drawing<'a> {
             true => check(&self.mesh.name, &self.variant, &self.form, &look.lights)?,
             false => check_counts(&self.mesh.name, &look.lights)?,
         }
-        if look.diffracts && !self.is_around && look.lights.iter().any(surrounds) {
+        if look.diffracts && !self.is_around && look.lights.iter().any(Light::is_all_round) {
             let cause = "was prepared without the skies and maps of its lights";
             return Err(Error::new(&self.mesh.name, cause));
         }
@@ -238,7 +238,7 @@ fn whites(lights: &[Light]) -> Vec<f32> {
 fn shade_numbers(look: &Look, scale: f64, [level, last, lobe]: [f32; 3]) -> [f32; SHADE_NUMBERS] {
     let mut numbers = [0.0; SHADE_NUMBERS];
     let flag = |is_set: bool| f32::from(u8::from(is_set));
-    let surrounded = look.lights.iter().any(surrounds);
+    let surrounded = look.lights.iter().any(Light::is_all_round);
     let blend = [look.texture_weight as f32, scale as f32, look.unlit as f32, level];
     let widening = [last, lobe, flag(surrounded), flag(look.diffracts)];
     numbers[..4].copy_from_slice(&blend);

@@ -4,11 +4,12 @@ use std::f64::consts::PI;
 
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::light::{Cap, Light, Polygon};
+use diffraction_shaders::optics::colour::luminance;
 use diffraction_shaders::runner::missing;
 use diffraction_shaders::variant::Form;
 use glam::DVec3;
 
-use super::surroundings::{Surroundings, luminance, surrounds, turned};
+use super::surroundings::{Surroundings, turned};
 
 /// Maximum number of lights of each kind in a picture.
 pub const MAX_LIGHTS: usize = 4;
@@ -53,7 +54,7 @@ pub fn refused(subject: &str, name: &str, form: &Form, light: &Light) -> Option<
         }
         (Light::Direction { .. }, _) => None,
         (light, _) => missing(name, form, light).map(|_| {
-            let function = if surrounds(light) { "environment" } else { kind };
+            let function = if light.is_all_round() { "environment" } else { kind };
             let cause =
                 format!("the variant {name} has no function for a light of kind \"{kind}\"");
             Error::new(subject, cause).remedy(format!(

@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use diffraction_shaders::light::{Emitter, Environment, Filtered, Light};
+use diffraction_shaders::optics::colour::luminance;
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::variant::mesh::MeshParams;
 use glam::{DVec3, DVec4};
@@ -15,11 +16,6 @@ pub const TABLE: [usize; 2] = [45, 90];
 const PARTS: [usize; 2] = [64, 128];
 /// Fewest rows at which a map is read.
 const ROWS: usize = 256;
-
-/// Whether a light surrounds a scene: a sky or a map.
-pub fn surrounds(light: &Light) -> bool {
-    light.is_all_round()
-}
 
 /// All skies and maps among lights in levels of blur, in the frame of the file of lights. `None` if there are none.
 pub fn filtered(lights: &[Light]) -> Option<Filtered> {
@@ -43,7 +39,7 @@ pub struct Surroundings {
 impl Surroundings {
     /// Of the lights in the world that are skies and maps. `None` if there are none.
     pub fn new(lights: &[Light]) -> Option<Surroundings> {
-        if !lights.iter().any(surrounds) {
+        if !lights.iter().any(Light::is_all_round) {
             return None;
         }
         let (mut even, mut parts) = (DVec3::ZERO, Vec::new());
@@ -90,11 +86,6 @@ impl Surroundings {
     }
 }
 
-/// Luminance of linear sRGB (IEC 61966-2-1).
-pub fn luminance(rgb: DVec3) -> f64 {
-    rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722))
-}
-
 /// Of a part of a map: integral of its red, green and blue radiance times the direction, in the world.
 type Moment = [DVec3; 3];
 
@@ -139,7 +130,7 @@ pub fn add_behind(
     params: &MeshParams,
     side: u32,
 ) {
-    if !lights.iter().any(surrounds) {
+    if !lights.iter().any(Light::is_all_round) {
         return;
     }
     let emitters: Vec<(bool, Box<dyn Emitter + '_>)> = lights

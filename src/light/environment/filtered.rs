@@ -107,9 +107,7 @@ fn spread_rad(level: usize) -> f64 {
 
 impl Surroundings for Filtered {
     fn seen(&self, direction: DVec3, spread_rad: f64) -> DVec3 {
-        let theta = direction.truncate().length().atan2(direction.z);
-        let phi = direction.y.atan2(direction.x);
-        let at = |level: usize| self.levels[level].at(theta, phi);
+        let at = |level: usize| self.levels[level].towards(direction);
         let blur = (spread_rad / FIRST_SPREAD_RAD).powi(2);
         if blur < 1.0 {
             return at(0).lerp(at(1), blur);
@@ -171,9 +169,7 @@ impl Panorama {
 
 /// Direction of the middle of a pixel of a picture of `rows` rows.
 fn middle(rows: usize, row: usize, column: usize) -> DVec3 {
-    let theta = (row as f64 + 0.5) / rows as f64 * PI;
-    let phi = (column as f64 + 0.5) / rows as f64 * PI - PI;
-    DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
+    Panorama::direction([2 * rows, rows], row as f64 + 0.5, column as f64 + 0.5)
 }
 
 #[cfg(test)]

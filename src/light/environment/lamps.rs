@@ -11,6 +11,7 @@ use glam::DVec3;
 
 use super::{Environment, Panorama};
 use crate::light::{Cap, Light};
+use crate::optics::colour::luminance;
 
 /// Angular radius of the widest lamp, degrees. Wider ones, such as softboxes and windows, stay in the map.
 pub const MAX_LAMP_DEG: f64 = 5.0;
@@ -29,9 +30,6 @@ const DOUBLINGS: u32 = 30;
 
 /// A lamp's radius by the spread of its light is at most this many times that by its solid angle: longer ones are tubes.
 const ROUND: f64 = 1.25;
-
-/// Luminance of linear sRGB (IEC 61966-2-1).
-const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 
 /// Whether lamps are taken out of a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +56,7 @@ pub struct Lamp {
 impl Lamp {
     /// The lamp as a disc. Its irradiance is the luminance of the lamp's, its colour the rest.
     pub fn light(&self) -> Light {
-        let irradiance = self.irradiance.dot(LUMINANCE);
+        let irradiance = luminance(self.irradiance);
         let colour = self.irradiance / irradiance;
         // grey but for rounding
         let is_white = (colour - DVec3::ONE).abs().max_element() < 1e-5;
@@ -140,7 +138,7 @@ struct Spot {
 
 impl Spot {
     fn light(&self) -> f64 {
-        self.integral.dot(LUMINANCE)
+        luminance(self.integral)
     }
 }
 
@@ -154,16 +152,16 @@ struct Picture<'a> {
 
 impl<'a> Picture<'a> {
     fn new(panorama: &'a Panorama) -> Picture<'a> {
-        let luminance = |texel: &[f32; 3]| DVec3::from(texel.map(f64::from)).dot(LUMINANCE);
+        let of_texel = |texel: &[f32; 3]| luminance(DVec3::from(texel.map(f64::from)));
         Picture {
             panorama,
-            luminance: panorama.texels.iter().map(luminance).collect(),
+            luminance: panorama.texels.iter().map(of_texel).collect(),
             solid_angles: panorama.solid_angles(),
         }
     }
 
     fn mean(&self) -> f64 {
-        self.panorama.integral().dot(LUMINANCE) / (4.0 * PI)
+        luminance(self.panorama.integral()) / (4.0 * PI)
     }
 
     fn part(&self, place: usize) -> f64 {
@@ -177,9 +175,8 @@ impl<'a> Picture<'a> {
     /// Direction of the centre of a pixel.
     fn direction(&self, place: usize) -> DVec3 {
         let Panorama { width, height, .. } = *self.panorama;
-        let theta = ((place / width) as f64 + 0.5) / height as f64 * PI;
-        let phi = ((place % width) as f64 + 0.5) / width as f64 * TAU - PI;
-        DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
+        let (row, column) = ((place / width) as f64, (place % width) as f64);
+        Panorama::direction([width, height], row + 0.5, column + 0.5)
     }
 
     /// The eight pixels around one. Columns go on at the other side, and all pixels of a row at a pole touch there.
@@ -256,7 +253,7 @@ impl<'a> Picture<'a> {
             return None;
         }
         let beside = mean(&dark);
-        if mean(group).dot(LUMINANCE) < contrast * beside.dot(LUMINANCE) {
+        if luminance(mean(group)) < contrast * luminance(beside) {
             return None;
         }
         let (mut integral, mut towards, mut light, mut squares) =
@@ -267,7 +264,7 @@ impl<'a> Picture<'a> {
             let below = beside.as_vec3().to_array();
             let stays: [f32; 3] = std::array::from_fn(|c| texel[c].min(below[c]));
             let excess = self.texel(*place) - DVec3::from(stays.map(f64::from));
-            let (part, bright) = (self.part(*place), excess.dot(LUMINANCE));
+            let (part, bright) = (self.part(*place), luminance(excess));
             integral += part * excess;
             towards += part * bright * self.direction(*place);
             light += part * bright;
@@ -278,7 +275,7 @@ impl<'a> Picture<'a> {
         let spread = whole.iter().zip(&kept).map(|(place, (_, stays))| {
             let excess = self.texel(*place) - DVec3::from(stays.map(f64::from));
             let away = (self.direction(*place) - axis).length_squared();
-            self.part(*place) * excess.dot(LUMINANCE) * away
+            self.part(*place) * luminance(excess) * away
         });
         // a uniform disc has half its squared radius; a pixel adds a twelfth of its squared sides
         let high = PI / self.panorama.height as f64;

@@ -1,4 +1,4 @@
-//! Panoramas from files: OpenEXR and Radiance HDR, told apart by their first bytes.
+//! Reads panoramas from OpenEXR and Radiance HDR files. The first bytes of a file tell which it is.
 
 use std::io::{Cursor, Read};
 
@@ -49,10 +49,6 @@ impl Panorama {
             }
         };
         let Picture { width, height, mut texels, mut notes } = picture;
-        if height == 0 || width != 2 * height && (width, height) != (1, 1) {
-            let cause = format!("has {width} × {height} pixels, so it is no panorama");
-            return Err(error(cause).remedy(PANORAMA));
-        }
         let mut negative = 0;
         for (i, texel) in texels.iter_mut().enumerate() {
             let place = || format!("column {}, row {}", i % width, i / width);
@@ -97,7 +93,7 @@ fn openexr(bytes: &[u8], subject: &str) -> Result<Picture> {
             let corners = [c.red, c.green, c.blue, c.white];
             primaries(&corners.map(|c| [c.x(), c.y()]).concat(), subject)?;
         }
-        rows(size.y(), subject)?;
+        check_size(size.x(), size.y(), subject)?;
     }
     let image = reader()
         .no_deep_data()
@@ -150,7 +146,7 @@ fn radiance(bytes: &[u8], subject: &str) -> Result<Picture> {
     let decoder = HdrDecoder::new(std::io::BufReader::new(whole)).map_err(broken)?;
     let meta = decoder.metadata();
     let (width, height) = (meta.width as usize, meta.height as usize);
-    rows(height, subject)?;
+    check_size(width, height, subject)?;
     if meta.color_correction.is_some_and(|factors| factors != (1.0, 1.0, 1.0)) {
         let cause = "states a colour correction (COLORCORR)".to_owned();
         return Err(error(cause).remedy("export it without one"));
@@ -162,14 +158,6 @@ fn radiance(bytes: &[u8], subject: &str) -> Result<Picture> {
     let exposure = meta.exposure.unwrap_or(1.0);
     if !(exposure.is_finite() && exposure > 0.0) {
         return Err(error(format!("states the exposure {exposure}")).remedy(AGAIN));
-    }
-    // a run takes four bytes for up to 127 pixels of one channel
-    if width.saturating_mul(height) / 32 > bytes.len() {
-        let cause = format!(
-            "states {width} × {height} pixels, more than a file of {} bytes can contain",
-            bytes.len()
-        );
-        return Err(error(cause).remedy(AGAIN));
     }
     let mut raw = vec![0; width * height * size_of::<[f32; 3]>()];
     decoder.read_image(&mut raw).map_err(broken)?;
@@ -184,7 +172,12 @@ fn radiance(bytes: &[u8], subject: &str) -> Result<Picture> {
     Ok(Picture { width, height, texels, notes })
 }
 
-fn rows(height: usize, subject: &str) -> Result<()> {
+/// Refuses a picture that is no panorama, or too large. It is asked before memory is allocated.
+fn check_size(width: usize, height: usize, subject: &str) -> Result<()> {
+    if height == 0 || width != 2 * height && (width, height) != (1, 1) {
+        let cause = format!("has {width} × {height} pixels, so it is no panorama");
+        return Err(Error::new(subject, cause).remedy(PANORAMA));
+    }
     if height <= MAX_ROWS {
         return Ok(());
     }

@@ -126,15 +126,11 @@ impl Arguments {
                 };
                 (1..last).step_by(2).map(part).collect()
             }
-            Light::Sky { .. } | Light::Environment(_) => {
+            light if light.is_all_round() => {
                 vec![(Arguments::Environment { around: Around::Host, wr }, 1.0)]
             }
-            Light::Coloured { light, .. }
-                if matches!(light.white().0, Light::Sky { .. } | Light::Environment(_)) =>
-            {
-                vec![(Arguments::Environment { around: Around::Host, wr }, 1.0)]
-            }
-            Light::Direction { .. } | Light::Coloured { .. } => Vec::new(),
+            // of coloured lamps there are no functions
+            _ => Vec::new(),
         }
     }
 

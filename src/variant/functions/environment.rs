@@ -14,7 +14,7 @@ use crate::variant::bound::environment_error;
 use crate::variant::cost::mean_and_worst_views;
 use crate::variant::{Cost, Form};
 
-use super::lamps::PROBES;
+use super::lamps::{CANDIDATES, PROBES, part, viewer};
 use super::{Arguments, Around, ExactProbe, Function, StatedError};
 
 /// Light from all around.
@@ -22,6 +22,9 @@ pub static ENVIRONMENT: Environment = Environment;
 
 /// Light from all around: `diffraction_environment(wr)`.
 pub struct Environment;
+
+/// Standard deviation of lobes, radians, below which probes look at them through an order.
+const NARROW_RAD: f64 = 0.05;
 
 /// The skies of probes: constant and white; a red and a blue lobe; a bright small one in a dim sky; wide ones near the horizon.
 pub fn skies() -> [Sky; 4] {
@@ -106,12 +109,20 @@ impl Function for Environment {
         let normal = Matter::new(optics)?.normal_reflectance();
         let orders = OrderSum::new(height, rotate_deg, optics)?;
         let mut found = Vec::with_capacity(PROBES);
-        for i in 0..4 * PROBES {
+        for i in 0..CANDIDATES {
             let sky = skies()[i % 4];
-            let part =
-                |power: i32| (0.5 + (i + 1) as f64 / 1.324_717_957_244_746_f64.powi(power)).fract();
-            let plane = 0.98 * part(1).sqrt() * DVec2::from_angle(TAU * part(2));
-            let wr = plane.extend((1.0 - plane.length_squared()).sqrt());
+            let [lobe, _] = sky.lobes;
+            let wr = if lobe.sigma_rad < NARROW_RAD {
+                // where an order shows the lobe, so that its blur counts
+                viewer(height, rotate_deg, i, lobe.axis, 2.0 * lobe.sigma_rad)
+            } else {
+                let plane = 0.98 * part(i, 1).sqrt() * DVec2::from_angle(TAU * part(i, 2));
+                plane.extend((1.0 - plane.length_squared()).sqrt())
+            };
+            // at grazing angles a rounded direction is another one
+            if wr.z <= 0.1 {
+                continue;
+            }
             let arguments = Arguments::Environment { around: Around::Sky(sky), wr }.rounded();
             let xyz = orders.radiance(&sky, arguments.wr());
             if xyz[1] > 1e-3 * normal * sky.brightest() {

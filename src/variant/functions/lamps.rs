@@ -19,7 +19,7 @@ use super::{Arguments, Around, ExactProbe};
 pub(super) const PROBES: usize = 16;
 
 /// Number of candidates that probes are chosen from.
-const CANDIDATES: usize = 40 * PROBES;
+pub(super) const CANDIDATES: usize = 40 * PROBES;
 
 /// A probe is lit if its Y is at least this part of what a mirror of the material shows.
 const LIT: f64 = 1e-3;
@@ -43,24 +43,8 @@ pub(super) fn probes(
     let orders = OrderSum::new(height, rotate_deg, optics)?;
     let mut found = Vec::with_capacity(PROBES);
     for i in 0..CANDIDATES {
-        // a sequence that fills the cube evenly (Roberts 2018)
-        let part =
-            |power: i32| (0.5 + (i + 1) as f64 / 1.220_744_084_605_759_5_f64.powi(power)).fract();
-        let axis = direction(88.0 * part(1), 360.0 * part(2));
-        let reach = |size_um: f64| (0.55 * size_um).floor().clamp(1.0, 6.0);
-        let sizes = DVec2::new(height.size_x_um(), height.size_y_um());
-        let whole = |part: f64, size_um: f64| {
-            let reach = if size_um < 0.35 { 0.0 } else { 2.0 * reach(size_um) };
-            (part * (2.0 * reach + 1.0)).floor() - reach
-        };
-        let order = DVec2::new(whole(part(3), sizes.x), whole(part(4), sizes.y));
-        let lambda_um = 0.43 + 0.22 * part(5);
-        let frequency = DVec2::from_angle(rotate_deg.to_radians()).rotate(order / sizes);
-        let near = |away: f64| {
-            let jitter = away * part(6).sqrt() * DVec2::from_angle(TAU * part(7));
-            let plane = -axis.truncate() - lambda_um * frequency + jitter;
-            plane.extend((1.0 - plane.length_squared()).max(0.0).sqrt())
-        };
+        let axis = direction(88.0 * part(i, 1), 360.0 * part(i, 2));
+        let near = |away: f64| viewer(height, rotate_deg, i, axis, away);
         let arguments = candidate(i, Place { axis, near: &near }).rounded();
         // at grazing angles a rounded direction is another one
         if arguments.wr().z <= 0.1 {
@@ -78,6 +62,34 @@ pub(super) fn probes(
     }
     let cause = format!("only {} of {PROBES} probes are lit", found.len());
     Err(Error::new("probe.json", cause))
+}
+
+/// The coordinate of that power of a candidate, 0 to 1: a sequence that fills the cube evenly (Roberts 2018).
+pub(super) fn part(candidate: usize, power: i32) -> f64 {
+    (0.5 + (candidate + 1) as f64 / 1.220_744_084_605_759_5_f64.powi(power)).fract()
+}
+
+/// A viewer to whom an order brings visible light from a direction at most `away` from `axis`, in direction cosines.
+pub(super) fn viewer(
+    height: &HeightField,
+    rotate_deg: f64,
+    candidate: usize,
+    axis: DVec3,
+    away: f64,
+) -> DVec3 {
+    let part = |power| part(candidate, power);
+    let reach = |size_um: f64| (0.55 * size_um).floor().clamp(1.0, 6.0);
+    let sizes = DVec2::new(height.size_x_um(), height.size_y_um());
+    let whole = |part: f64, size_um: f64| {
+        let reach = if size_um < 0.35 { 0.0 } else { 2.0 * reach(size_um) };
+        (part * (2.0 * reach + 1.0)).floor() - reach
+    };
+    let order = DVec2::new(whole(part(3), sizes.x), whole(part(4), sizes.y));
+    let lambda_um = 0.43 + 0.22 * part(5);
+    let frequency = DVec2::from_angle(rotate_deg.to_radians()).rotate(order / sizes);
+    let jitter = away * part(6).sqrt() * DVec2::from_angle(TAU * part(7));
+    let plane = -axis.truncate() - lambda_um * frequency + jitter;
+    plane.extend((1.0 - plane.length_squared()).max(0.0).sqrt())
 }
 
 /// Radiance of the light of a call, seen in a mirror of the material at normal incidence.

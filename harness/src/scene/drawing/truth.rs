@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use crate::drivers::Prepared;
 use crate::drivers::gpu::Gpu;
 use crate::scene::lights::{irradiance, middle};
-use crate::scene::surroundings::{Surroundings, filtered, surrounds, turned};
+use crate::scene::surroundings::{Surroundings, filtered, turned};
 use crate::scene::{Mesh, raster};
 
 use super::{axes, directions, lit_parts, relative_radiance};
@@ -100,7 +100,7 @@ pub fn truth_under(
         let around = map.as_ref().map(|map| InFrame { map, to_frame: frame });
         let seen = around.as_ref().map(|around| around as &dyn light::Surroundings);
         let twin = &Twin { surroundings: seen, ..*twin };
-        let each = lights.iter().filter(|light| !surrounds(light));
+        let each = lights.iter().filter(|light| !light.is_all_round());
         let each = each.map(|light| diffracted(twin, scale, light, frame, wr));
         let call = Arguments::Environment { around: Around::Host, wr };
         let all_round = seen.and_then(|_| twin.evaluate(call)).unwrap_or_default();
