@@ -8,14 +8,16 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::plan::{Container, LightFunction, Target, Variant};
+use crate::plan::{Container, Target, Variant};
 use crate::shader::emit::{self, BindingName, EmittedFile, EntryPoint};
 use crate::shader::limits::{Extent, Limits, Profile, fits};
 use crate::shader::module::Module;
 use crate::shader::template::GENERATED;
 use crate::tables::Table;
 use crate::tables::container::ContainerEntry;
-use crate::variant::{Cost, DIRECTIONAL, ErrorBound, Form, Function, LobeBounds, StatedError};
+use crate::variant::{
+    Cost, DIRECTIONAL, ErrorBound, Form, Function, FunctionKind, LobeBounds, StatedError,
+};
 
 pub use describe::describe;
 use interface::{bindings, uniforms, vertex_inputs};
@@ -333,7 +335,7 @@ pub fn manifest(subject: Described<'_>, module: &Module, files: &[EmittedFile]) 
 
 fn light_entries(form: &Form) -> Vec<LightEntry> {
     let functions = form.functions();
-    let lights = functions.into_iter().filter(|f| f.light() != LightFunction::Direction);
+    let lights = functions.into_iter().filter(|f| f.kind() != FunctionKind::Direction);
     let entry = |function: &dyn Function| LightEntry {
         name: function.name(),
         function: declared(function.name(), function),

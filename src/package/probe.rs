@@ -47,7 +47,7 @@ impl Probed {
 
 /// Numbers of a probe of a function in storage: arguments and exact result.
 pub fn width(function: &dyn Function) -> usize {
-    Arguments::width(function.light()) + 3
+    Arguments::width(function.kind()) + 3
 }
 
 /// The numbers of probes in storage order.
@@ -60,7 +60,7 @@ pub fn to_numbers(probes: &[ExactProbe]) -> Vec<f64> {
 pub fn from_numbers(function: &dyn Function, numbers: &[f64]) -> Vec<ExactProbe> {
     let probe = |numbers: &[f64]| {
         let (arguments, xyz) = numbers.split_at(numbers.len() - 3);
-        let arguments = Arguments::from_numbers(function.light(), arguments)?;
+        let arguments = Arguments::from_numbers(function.kind(), arguments)?;
         Some(ExactProbe { arguments, xyz: *xyz.first_chunk()? })
     };
     numbers.chunks_exact(width(function)).filter_map(probe).collect()

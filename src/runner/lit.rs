@@ -66,7 +66,7 @@ pub fn radiance_with(
 pub fn missing(name: &str, form: &Form, light: &Light) -> Option<Error> {
     let known = form.functions();
     let calls = Arguments::under(light, DVec3::Z);
-    let has = |(call, _): &(Arguments, f64)| known.iter().any(|f| f.light() == call.light());
+    let has = |(call, _): &(Arguments, f64)| known.iter().any(|f| f.kind() == call.kind());
     if !calls.is_empty() && calls.iter().all(has) {
         return None;
     }

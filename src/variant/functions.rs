@@ -42,8 +42,8 @@ pub trait Function: Sync {
         None
     }
 
-    /// The kind of light that it is for.
-    fn light(&self) -> LightFunction;
+    /// Which function it is.
+    fn kind(&self) -> FunctionKind;
 
     /// Unit of its result, in words.
     fn unit(&self, form: &Form) -> &'static str;
@@ -92,14 +92,44 @@ pub const HOSTS: [&str; 1] = ["environment_radiance"];
 /// All functions.
 pub static FUNCTIONS: [&dyn Function; 4] = [&DIRECTIONAL, &DISC, &RECTANGLE, &ENVIRONMENT];
 
-/// The function of a kind of light.
-pub fn function_of(light: LightFunction) -> &'static dyn Function {
-    match light {
-        LightFunction::Direction => &DIRECTIONAL,
-        LightFunction::Disc => &DISC,
-        LightFunction::Polygon => &RECTANGLE,
-        LightFunction::Environment => &ENVIRONMENT,
+/// Which function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FunctionKind {
+    /// `diffraction`.
+    Direction,
+    /// `diffraction_disc`.
+    Disc,
+    /// `diffraction_rectangle`.
+    Rectangle,
+    /// `diffraction_environment`.
+    Environment,
+}
+
+impl FunctionKind {
+    /// The function.
+    pub fn function(self) -> &'static dyn Function {
+        match self {
+            FunctionKind::Direction => &DIRECTIONAL,
+            FunctionKind::Disc => &DISC,
+            FunctionKind::Rectangle => &RECTANGLE,
+            FunctionKind::Environment => &ENVIRONMENT,
+        }
     }
+
+    /// The word of the plan that asks for it.
+    pub fn word(self) -> LightFunction {
+        match self {
+            FunctionKind::Direction => LightFunction::Direction,
+            FunctionKind::Disc => LightFunction::Disc,
+            FunctionKind::Rectangle => LightFunction::Polygon,
+            FunctionKind::Environment => LightFunction::Environment,
+        }
+    }
+}
+
+/// The functions that a word of the plan asks for.
+pub fn functions_of(word: LightFunction) -> impl Iterator<Item = &'static dyn Function> {
+    FUNCTIONS.into_iter().filter(move |function| function.kind().word() == word)
 }
 
 /// Radiance of the light of a call, seen in a mirror of the material at normal incidence, relative to a white. Probes'

@@ -10,7 +10,7 @@ use crate::optics::Matter;
 use crate::plan::{Basis, TableFormat};
 use crate::tables::Series;
 
-use super::{Arguments, Form, function_of, mirrored};
+use super::{Arguments, Form, mirrored};
 
 /// The part of the error that a comparison shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -261,8 +261,7 @@ pub fn tolerance_under(form: &Form, lights: &Lights, part: Part) -> Option<Toler
             let single = of_direction?.de2000_p95?;
             let of = |light: &Light| {
                 let calls = Arguments::under(light, DVec3::Z);
-                let errors =
-                    calls.iter().flat_map(|(call, _)| function_of(call.light()).errors(form));
+                let errors = calls.iter().flat_map(|(call, _)| call.kind().function().errors(form));
                 errors.map(|error| error.de2000_p95).fold(0.0, f64::max)
             };
             let mut most = lights.with_size().map(of).fold(0.0, f64::max);

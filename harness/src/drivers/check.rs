@@ -4,10 +4,11 @@ use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::field::comparison_directions::pool;
 use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::light::{Filtered, Sky};
-use diffraction_shaders::plan::LightFunction;
 use diffraction_shaders::runner::Placement;
 use diffraction_shaders::tables::Table;
-use diffraction_shaders::variant::{Arguments, Around, Twin, light_tolerance, probe_tolerances};
+use diffraction_shaders::variant::{
+    Arguments, Around, FunctionKind, Twin, light_tolerance, probe_tolerances,
+};
 
 use super::driver::{Driver, DriverRunner, Prepared, probe_calls};
 use super::limits;
@@ -99,7 +100,7 @@ struct Group {
 fn lit(prepared: &Prepared<'_>) -> Result<Vec<Group>> {
     let Placement { height, rotate_deg, variant } = prepared.placement;
     let functions = prepared.form.functions();
-    let sized = functions.into_iter().filter(|f| f.light() != LightFunction::Direction);
+    let sized = functions.into_iter().filter(|f| f.kind() != FunctionKind::Direction);
     let mut skies: Vec<(Option<Sky>, Vec<Arguments>)> = vec![(None, Vec::new())];
     for function in sized {
         for probe in function.probes(height, rotate_deg, &variant.optics)? {

@@ -417,10 +417,10 @@ fn single(
 fn text(prepared: &Prepared<'_>, around: Option<&(Table, f64)>) -> Result<String> {
     let module = prepared.module(prepared.spectrum.width)?;
     let known = prepared.form.functions();
-    let is_absent = |light| !known.iter().any(|function| function.light() == light);
+    let is_absent = |kind| !known.iter().any(|function| function.kind() == kind);
     let absent: String = FUNCTIONS
         .iter()
-        .filter(|function| is_absent(function.light()))
+        .filter(|function| is_absent(function.kind()))
         .map(|f| format!("fn {}{} {{ return vec3f(0.0); }}\n", f.name(), f.signature()))
         .collect();
     let matter = prepared.form.matter();

@@ -15,7 +15,7 @@ use crate::variant::judge::Light;
 use crate::variant::tolerance::{Promise, is_visible};
 use crate::variant::twin::arrivals;
 use crate::variant::{
-    Coat, Computation, Cost, Function, Ground, LobeBounds, function_of, lay, nodes_for,
+    Coat, Computation, Cost, Function, Ground, LobeBounds, functions_of, lay, nodes_for,
 };
 
 use super::LobeSum;
@@ -248,7 +248,7 @@ impl Computation for Orders {
     }
 
     fn functions(&self) -> Vec<&'static dyn Function> {
-        self.functions.iter().map(|light| function_of(*light)).collect()
+        self.functions.iter().flat_map(|word| functions_of(*word)).collect()
     }
 
     fn lobe_bounds(&self) -> Option<LobeBounds> {

@@ -4,7 +4,8 @@ use glam::DVec3;
 
 use crate::field::reference::Directions;
 use crate::light::{Cap, Light, Lobe, Polygon, Sky};
-use crate::plan::LightFunction;
+
+use super::FunctionKind;
 
 /// Arguments of one call. All directions are unit vectors in the tangent frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,13 +47,13 @@ pub enum Around {
 }
 
 impl Arguments {
-    /// The kind of light, which tells the function.
-    pub fn light(&self) -> LightFunction {
+    /// The function that has these arguments.
+    pub fn kind(&self) -> FunctionKind {
         match self {
-            Arguments::Direction(_) => LightFunction::Direction,
-            Arguments::Disc { .. } => LightFunction::Disc,
-            Arguments::Rectangle { .. } => LightFunction::Polygon,
-            Arguments::Environment { .. } => LightFunction::Environment,
+            Arguments::Direction(_) => FunctionKind::Direction,
+            Arguments::Disc { .. } => FunctionKind::Disc,
+            Arguments::Rectangle { .. } => FunctionKind::Rectangle,
+            Arguments::Environment { .. } => FunctionKind::Environment,
         }
     }
 
@@ -135,12 +136,12 @@ impl Arguments {
     }
 
     /// Number of numbers of [`Arguments::to_numbers`].
-    pub fn width(light: LightFunction) -> usize {
-        match light {
-            LightFunction::Direction => 6,
-            LightFunction::Disc => 7,
-            LightFunction::Polygon => 15,
-            LightFunction::Environment => 20,
+    pub fn width(kind: FunctionKind) -> usize {
+        match kind {
+            FunctionKind::Direction => 6,
+            FunctionKind::Disc => 7,
+            FunctionKind::Rectangle => 15,
+            FunctionKind::Environment => 20,
         }
     }
 
@@ -170,20 +171,20 @@ impl Arguments {
     }
 
     /// The inverse of [`Arguments::to_numbers`]. `None` if there are too few numbers.
-    pub fn from_numbers(light: LightFunction, numbers: &[f64]) -> Option<Arguments> {
+    pub fn from_numbers(kind: FunctionKind, numbers: &[f64]) -> Option<Arguments> {
         let vector = |at: usize| Some(DVec3::from(*numbers.get(at..)?.first_chunk::<3>()?));
-        Some(match light {
-            LightFunction::Direction => {
+        Some(match kind {
+            FunctionKind::Direction => {
                 Arguments::Direction(Directions { wi: vector(0)?, wr: vector(3)? })
             }
-            LightFunction::Disc => {
+            FunctionKind::Disc => {
                 Arguments::Disc { axis: vector(0)?, radius_rad: *numbers.get(3)?, wr: vector(4)? }
             }
-            LightFunction::Polygon => Arguments::Rectangle {
+            FunctionKind::Rectangle => Arguments::Rectangle {
                 corners: [vector(0)?, vector(3)?, vector(6)?, vector(9)?],
                 wr: vector(12)?,
             },
-            LightFunction::Environment => {
+            FunctionKind::Environment => {
                 let lobe = |at: usize| {
                     let (axis, radiance) = (vector(at)?, vector(at + 4)?);
                     Some(Lobe { axis, sigma_rad: *numbers.get(at + 3)?, radiance })

@@ -7,12 +7,11 @@ use crate::field::Scratch;
 use crate::field::comparison_directions::pool;
 use crate::field::reference::{Directions, Reference};
 use crate::optics::colour_difference::{LIT, auto_exposure};
-use crate::plan::LightFunction;
 use crate::plan::Optics;
 use crate::surface::HeightField;
 use crate::variant::{Cost, Form};
 
-use super::{Arguments, ExactProbe, Function};
+use super::{Arguments, ExactProbe, Function, FunctionKind};
 
 /// The function that every form has.
 pub static DIRECTIONAL: Directional = Directional;
@@ -40,8 +39,8 @@ impl Function for Directional {
         "unit vectors pointing away from the surface; wi to the light, wr to the viewer"
     }
 
-    fn light(&self) -> LightFunction {
-        LightFunction::Direction
+    fn kind(&self) -> FunctionKind {
+        FunctionKind::Direction
     }
 
     fn unit(&self, form: &Form) -> &'static str {

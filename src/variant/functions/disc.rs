@@ -4,12 +4,12 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::error::Result;
 use crate::optics::direction;
-use crate::plan::{LightFunction, Optics};
+use crate::plan::Optics;
 use crate::surface::HeightField;
 use crate::variant::{Cost, Form};
 
 use super::lamps::{self, Place};
-use super::{Arguments, ExactProbe, Function, StatedError};
+use super::{Arguments, ExactProbe, Function, FunctionKind, StatedError};
 
 /// Light from a disc.
 pub static DISC: Disc = Disc;
@@ -40,8 +40,8 @@ impl Function for Disc {
         "axis: unit vector to the middle of the disc; radius: angular radius, 1e-4 to π/2 rad; wr: unit vector to the viewer; both point away from the surface"
     }
 
-    fn light(&self) -> LightFunction {
-        LightFunction::Disc
+    fn kind(&self) -> FunctionKind {
+        FunctionKind::Disc
     }
 
     fn unit(&self, _: &Form) -> &'static str {

@@ -8,14 +8,14 @@ use crate::error::{Error, Result};
 use crate::field::orders::OrderSum;
 use crate::light::{Lobe, Sky};
 use crate::optics::{Matter, direction};
-use crate::plan::{LightFunction, Optics};
+use crate::plan::Optics;
 use crate::surface::HeightField;
 use crate::variant::bound::environment_error;
 use crate::variant::cost::mean_and_worst_views;
 use crate::variant::{Cost, Form};
 
 use super::lamps::{CANDIDATES, PROBES, part, viewer};
-use super::{Arguments, Around, ExactProbe, Function, StatedError};
+use super::{Arguments, Around, ExactProbe, Function, FunctionKind, StatedError};
 
 /// Light from all around.
 pub static ENVIRONMENT: Environment = Environment;
@@ -72,8 +72,8 @@ impl Function for Environment {
         )
     }
 
-    fn light(&self) -> LightFunction {
-        LightFunction::Environment
+    fn kind(&self) -> FunctionKind {
+        FunctionKind::Environment
     }
 
     fn unit(&self, _: &Form) -> &'static str {

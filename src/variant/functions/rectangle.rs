@@ -4,12 +4,12 @@ use glam::DVec3;
 
 use crate::error::Result;
 use crate::optics::direction;
-use crate::plan::{LightFunction, Optics};
+use crate::plan::Optics;
 use crate::surface::HeightField;
 use crate::variant::{Cost, Form};
 
 use super::lamps::{self, Place};
-use super::{Arguments, ExactProbe, Function, StatedError};
+use super::{Arguments, ExactProbe, Function, FunctionKind, StatedError};
 
 /// Light from a quadrilateral.
 pub static RECTANGLE: Rectangle = Rectangle;
@@ -41,8 +41,8 @@ impl Function for Rectangle {
         "a, b, c, d: unit vectors to the corners of a convex spherical quadrilateral within a hemisphere, in either order around it, neighbours may be the same; wr: unit vector to the viewer; all point away from the surface"
     }
 
-    fn light(&self) -> LightFunction {
-        LightFunction::Polygon
+    fn kind(&self) -> FunctionKind {
+        FunctionKind::Rectangle
     }
 
     fn unit(&self, _: &Form) -> &'static str {

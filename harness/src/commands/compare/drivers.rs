@@ -123,7 +123,7 @@ fn read(path: &Path, variants: &[Variant], console: &Console) -> Result<(String,
     lights.notes.iter().for_each(|note| console.note(note));
     for light in lights.with_size() {
         let calls = Arguments::under(light, DVec3::Z);
-        let has = |v: &Variant| calls.iter().all(|(call, _)| v.has_function(call.light()));
+        let has = |v: &Variant| calls.iter().all(|(call, _)| v.has_function(call.kind().word()));
         if calls.is_empty() || !variants.iter().any(has) {
             bail!(
                 "--lights {}: none of the variants has a function for a light of kind {:?}; these are functions of mode = \"orders\", for white lamps, skies and maps",

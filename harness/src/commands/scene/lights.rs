@@ -7,9 +7,9 @@ use anyhow::{Result, bail};
 use diffraction_cli::console::{Console, Errors};
 use diffraction_shaders::input;
 use diffraction_shaders::light::{Cap, LampSearch, Light, Lights};
-use diffraction_shaders::plan::{LightFunction, Variant};
+use diffraction_shaders::plan::Variant;
 use diffraction_shaders::runner::check_scaling;
-use diffraction_shaders::variant::Form;
+use diffraction_shaders::variant::{Form, FunctionKind};
 use glam::DVec3;
 
 use super::args::{Args, Filter};
@@ -122,7 +122,7 @@ impl Lamps {
 
 /// Whether a form has the function for discs.
 pub(super) fn has_disc(form: &Form) -> bool {
-    form.functions().iter().any(|function| function.light() == LightFunction::Disc)
+    form.functions().iter().any(|function| function.kind() == FunctionKind::Disc)
 }
 
 /// A light under which a white diffuser that faces it has the radiance 1.
