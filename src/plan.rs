@@ -294,6 +294,8 @@ pub enum LightFunction {
     Polygon,
     /// Surroundings: a sky, a map.
     Environment,
+    /// Random directions for path tracers.
+    Path,
 }
 
 /// A number, or `auto`: the tool chooses it.

@@ -15,6 +15,7 @@ mod period;
 mod scale;
 mod series;
 mod spec;
+pub mod paths;
 pub mod streaks;
 
 use serde::{Deserialize, Serialize};
@@ -257,6 +258,8 @@ pub const COEFFICIENTS: u32 = 4;
 pub const STREAKS: u32 = 6;
 /// Binding of the levels of the surroundings in whole shaders.
 pub const ENVIRONMENT: u32 = 7;
+/// Binding of the table of paths.
+pub const PATHS: u32 = 10;
 /// Binding of the sampler.
 pub const SAMPLER: u32 = 5;
 /// Name of the sampler in the templates. `linear` is a keyword of HLSL. From this name Unity derives the filter and the

@@ -15,6 +15,19 @@ fn in_surface(direction: vec3f) -> vec3f {
 #endif
 }
 
+#ifdef OUTWARD
+// Direction in the tangent frame, from one in the frame of the surface.
+fn from_surface(direction: vec3f) -> vec3f {
+#ifdef ROTATED
+    let turn = textureLoad(spectrum, vec2i(0, 1), 0);
+    let x = turn.x * direction.x - turn.y * direction.y;
+    return vec3f(x, turn.x * direction.y + turn.y * direction.x, direction.z);
+#else
+    return direction;
+#endif
+}
+
+#endif
 // Reflectance at normal incidence.
 fn normal_reflectance() -> f32 {
 #ifdef MATERIAL

@@ -31,6 +31,13 @@ fn diffraction_environment(wr: vec3f) -> vec3f {
 }
 
 #endif
+#ifdef PATH
+// Linear RGB of the weight of a path. The mean over many paths of weight times light is the radiance.
+fn diffraction_weight(wr: vec3f, path: vec4f) -> vec3f {
+    return to_rgb(tristimulus_weight(wr, path));
+}
+
+#endif
 // Linear RGB of X, Y, Z; negative where a colour lies outside the primaries.
 fn to_rgb(xyz: vec3f) -> vec3f {
 #ifdef COLOUR_THESIS

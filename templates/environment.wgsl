@@ -83,14 +83,3 @@ fn streak(order: vec2i, wr: vec3f) -> vec3f {
 fn streak_light(cell: i32, row: i32) -> vec4f {
     return textureLoad(streaks, vec2i(cell, row), 0);
 }
-
-// Direction in the tangent frame, from one in the frame of the surface.
-fn from_surface(direction: vec3f) -> vec3f {
-#ifdef ROTATED
-    let turn = textureLoad(spectrum, vec2i(0, 1), 0);
-    let x = turn.x * direction.x - turn.y * direction.y;
-    return vec3f(x, turn.x * direction.y + turn.y * direction.x, direction.z);
-#else
-    return direction;
-#endif
-}

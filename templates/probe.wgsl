@@ -6,7 +6,8 @@
 // Arguments of a function, in rows 5k to 5k+4 for row k of the picture, counted from the top. w of the first chooses the
 // function. 0: one direction to the light, then to the viewer. 1: a disc: its axis, then to the viewer, with the radius in
 // w. 2: a quadrilateral: a corner, then to the viewer, then the other corners. 3: the surroundings: any vector, then to
-// the viewer. xyz: unit vectors.
+// the viewer. 8: a path of light from a sky: its constant radiance, the viewer with the deviation of a lobe in w, the
+// lobe's axis, its radiance, three random numbers. xyz of the others: unit vectors.
 #else
 // xyz: unit vectors. Row 2k holds the directions to the light, row 2k+1 the directions to the viewer, for row k of the
 // picture, counted from the top.
@@ -33,6 +34,22 @@ fn probe(@location(0) place: vec2f) -> @location(0) vec4f {
         let third = textureLoad(directions, vec2i(column, 5 * row + 3), 0).xyz;
         let fourth = textureLoad(directions, vec2i(column, 5 * row + 4), 0).xyz;
         return vec4f(tristimulus_rectangle(first.xyz, second, third, fourth, viewer.xyz), 1.0);
+    }
+#endif
+#ifdef PATH
+    if (first.w == 8.0) {
+        let axis = textureLoad(directions, vec2i(column, 5 * row + 2), 0).xyz;
+        let radiance = textureLoad(directions, vec2i(column, 5 * row + 3), 0).xyz;
+        let random = textureLoad(directions, vec2i(column, 5 * row + 4), 0).xyz;
+        let path = diffraction_path(viewer.xyz, random);
+        let away = 0.5 * dot(path.xyz - axis, path.xyz - axis);
+        let light = first.xyz + exp(-away / (viewer.w * viewer.w)) * radiance;
+#ifdef MODE_ORDERS
+        let part = diffraction_light(light, path.w);
+#else
+        let part = (light.x + light.y + light.z) / 3.0;
+#endif
+        return vec4f(part * tristimulus_weight(viewer.xyz, path), 1.0);
     }
 #endif
 #ifdef ENVIRONMENT

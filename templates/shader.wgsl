@@ -60,6 +60,9 @@
 #endif
 #ifdef MODE_BAKED
 #import baked
+#ifdef PATH
+#import colour_path
+#endif
 #endif
 #ifdef MODE_GEMS
 #import gems
@@ -82,6 +85,9 @@
 #ifdef ENVIRONMENT
 #import surroundings
 #import environment
+#endif
+#ifdef PATH
+#import order_path
 #endif
 #endif
 #import colour

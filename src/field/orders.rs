@@ -24,7 +24,7 @@ use super::{MAX_BYTES, Nodes};
 /// Longest panel of the wavelength integral, nm. Each has four Gauss–Legendre nodes, so that they are about half a nm apart.
 const PANEL_NM: f64 = 2.0;
 
-/// Number of orders beyond which panels of [`OrderSum::white_sky`] grow with it: the errors of that many orders cancel.
+/// Number of orders beyond which panels of [`OrderSum::for_skies`] grow with it: the errors of that many orders cancel.
 const MANY: f64 = 1000.0;
 
 /// Largest table for which the radiance under a white sky is computed without being asked for, bytes.
@@ -153,11 +153,17 @@ impl OrderSum {
         rows.into_iter().sum::<DVec3>().to_array()
     }
 
+    /// Sets panels that are long enough under skies: the errors of many orders cancel.
+    #[must_use]
+    pub fn for_skies(self) -> OrderSum {
+        let many = (self.bins.len() as f64 / MANY).clamp(1.0, 20.0);
+        self.with_panel_nm(many * PANEL_NM)
+    }
+
     /// Radiance under a sky of radiance 1, X, Y, Z, towards the viewers of [`SKY_VIEWS_DEG`]: the sum of all shares. It is the
     /// surface's reflectance as the scalar theory has it, which may exceed that of the material.
     pub fn white_sky(self) -> [[f64; 3]; 4] {
-        let many = (self.bins.len() as f64 / MANY).clamp(1.0, 20.0);
-        let coarse = self.with_panel_nm(many * PANEL_NM);
+        let coarse = self.for_skies();
         let sky = Sky::everywhere(DVec3::ONE);
         SKY_VIEWS_DEG.map(|theta_deg| coarse.radiance(&sky, direction(theta_deg, 0.0)))
     }

@@ -111,6 +111,9 @@ pub struct LightEntry {
     pub function: String,
     /// Signature of the function that returns tristimulus values instead.
     pub tristimulus_function: String,
+    /// Signatures of functions that belong to it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub further: Vec<String>,
     /// Meaning of the arguments.
     pub arguments: &'static str,
     /// Meaning of the value 1.
@@ -338,8 +341,12 @@ fn light_entries(form: &Form) -> Vec<LightEntry> {
     let lights = functions.into_iter().filter(|f| f.kind() != FunctionKind::Direction);
     let entry = |function: &dyn Function| LightEntry {
         name: function.name(),
-        function: declared(function.name(), function),
-        tristimulus_function: declared(function.tristimulus_name(), function),
+        function: declared(function.name(), function.signature()),
+        tristimulus_function: declared(
+            function.tristimulus_name(),
+            function.tristimulus_signature(),
+        ),
+        further: function.further(Some(form)).iter().map(|(n, s)| declared(n, s)).collect(),
         arguments: function.arguments(),
         unit: function.unit(form),
         clamped: false,
@@ -350,22 +357,25 @@ fn light_entries(form: &Form) -> Vec<LightEntry> {
     lights.map(entry).collect()
 }
 
-/// The WGSL declaration of a function, under its own name or that of the one with the same arguments.
-fn declared(name: &str, function: &dyn Function) -> String {
-    format!("fn {name}{}", function.signature())
+/// The WGSL declaration of a function.
+fn declared(name: &str, signature: &str) -> String {
+    format!("fn {name}{signature}")
 }
 
 fn core(function: &dyn Function, variant: &Variant, form: &Form) -> Core {
     let optics = &variant.optics;
     Core {
-        function: declared(function.name(), function),
+        function: declared(function.name(), function.signature()),
         frame: "tangent frame: x along the tangent, y along the bitangent, z along the normal; right-handed",
         directions: function.arguments(),
         colour_space: form.colour_space(optics.colour),
         unit: function.unit(form),
         clamped: false,
         diffuser_scale: form.diffuser_scale(optics),
-        tristimulus_function: declared(function.tristimulus_name(), function),
+        tristimulus_function: declared(
+            function.tristimulus_name(),
+            function.tristimulus_signature(),
+        ),
     }
 }
 

@@ -91,6 +91,7 @@ pub fn json(surface: &str, variant: &Variant, form: &Form, probed: &[Probed]) ->
                 arguments => {
                     let tolerance = light_tolerance(&arguments, form.matter(), &xyz);
                     let (mut axis, mut radius, mut corners, mut sky) = (None, None, None, None);
+                    let mut random = None;
                     match arguments {
                         Arguments::Disc { axis: to, radius_rad, .. } => {
                             (axis, radius) = (Some(to.to_array()), Some(radius_rad));
@@ -101,6 +102,10 @@ pub fn json(surface: &str, variant: &Variant, form: &Form, probed: &[Probed]) ->
                         Arguments::Environment { around: Around::Sky(seen), .. } => {
                             sky = Some(SkyOf::new(&seen));
                         }
+                        Arguments::Path { sky: seen, random: numbers, .. } => {
+                            sky = Some(SkyOf::new(&seen));
+                            random = Some(numbers.to_array());
+                        }
                         Arguments::Direction(_) | Arguments::Environment { .. } => {}
                     }
                     let (function, wr) = (function.name(), arguments.wr().to_array());
@@ -110,6 +115,7 @@ pub fn json(surface: &str, variant: &Variant, form: &Form, probed: &[Probed]) ->
                         radius,
                         corners,
                         sky,
+                        random,
                         wr,
                         exact,
                         expected,
@@ -172,6 +178,8 @@ struct OfLight {
     corners: Option<[[f64; 3]; 4]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     sky: Option<SkyOf>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    random: Option<[f64; 3]>,
     wr: [f64; 3],
     exact: Xyz,
     expected: Expected,

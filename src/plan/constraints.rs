@@ -30,6 +30,18 @@ pub(super) fn broken(variant: &Variant) -> Vec<(&'static str, String)> {
         }
     };
     let prefiltered = is_prefiltered(variant);
+    let has_paths = variant.lights.contains(&LightFunction::Path);
+    let has_size = match mode {
+        Mode::Orders => variant.lights != [LightFunction::Direction],
+        Mode::Baked => has_paths,
+        _ => false,
+    };
+    let paths = [LightFunction::Direction, LightFunction::Path];
+    refuse(
+        mode == Mode::Baked && has_paths && variant.lights != paths,
+        "lights",
+        "a table of colours has functions for \"direction\" and \"path\" only; the others are of mode = \"orders\"",
+    );
     refuse(
         variant.filters() && variant.table == TableFormat::F32,
         "sampling",
@@ -71,9 +83,7 @@ pub(super) fn broken(variant: &Variant) -> Vec<(&'static str, String)> {
         "an order shows a light with a size at a range of wavelengths; make max_nm larger than min_nm",
     );
     refuse(
-        mode == Mode::Orders
-            && variant.lights != [LightFunction::Direction]
-            && optics.coherence_scaling == CoherenceScaling::Fixed,
+        has_size && optics.coherence_scaling == CoherenceScaling::Fixed,
         "coherence_scaling",
         "lights with a size have no meaning with a coherence length that is the same for all wavelengths; use coherence_scaling = \"wavelength\" or source_diameter_deg, or lights = [\"direction\"]",
     );

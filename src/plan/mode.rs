@@ -60,6 +60,8 @@ pub(super) enum When {
     AcceptsError,
     /// It has a function for surroundings.
     HasSurroundings,
+    /// It has functions for path tracers.
+    HasPaths,
     /// The number of wavelengths under surroundings is left to the tool.
     ChoosesNodes,
     /// The relief is a dielectric.
@@ -144,7 +146,7 @@ const BAKED: Declared = Declared {
         WINDOW,
         COLOURS,
     ],
-    sometimes: &[MATTER],
+    sometimes: &[MATTER, &[("lights", When::HasPaths)]],
     refused: &[],
 };
 

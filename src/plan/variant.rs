@@ -52,7 +52,7 @@ pub struct Variant {
     pub bake_error: f64,
     /// Maximum size of the table of colours, MiB. It takes precedence over the error. Read by `baked` only.
     pub bake_mib: f64,
-    /// Kinds of light that the shader has functions for, sorted; always with [`LightFunction::Direction`]. Read by `orders` only.
+    /// Kinds of light that the shader has functions for, sorted; always with [`LightFunction::Direction`]. Read by `orders`, and by `baked` for paths.
     pub lights: Vec<LightFunction>,
     /// Wavelengths per order under surroundings. Read by variants with [`LightFunction::Environment`].
     pub nodes: Auto<u32>,
@@ -87,7 +87,11 @@ impl Variant {
             hoist: true,
             bake_error: 0.5,
             bake_mib: 32.0,
-            lights: LIGHT_FUNCTIONS.iter().map(|(_, function)| *function).collect(),
+            lights: LIGHT_FUNCTIONS
+                .iter()
+                .map(|(_, function)| *function)
+                .filter(|function| *function != LightFunction::Path)
+                .collect(),
             nodes: Auto::Value(8),
             environment_error: 2.5,
             optics: optics.clone(),

@@ -36,6 +36,7 @@ pub(super) const LIGHT_FUNCTIONS: Words<LightFunction> = &[
     ("disc", LightFunction::Disc),
     ("polygon", LightFunction::Polygon),
     ("environment", LightFunction::Environment),
+    ("path", LightFunction::Path),
 ];
 
 pub(super) const COHERENCES: Words<Coherence> =

@@ -66,7 +66,7 @@ pub struct Contract {
 
 impl Contract {
     /// The contract of a shipped shader: [`Contract::standard`] and the two stages of a mesh.
-    pub fn package(functions: &[&dyn Function], filters: bool) -> Contract {
+    pub fn package(functions: &[&'static dyn Function], filters: bool) -> Contract {
         let mut contract = Contract::standard(filters);
         contract.functions = function_names(functions);
         let mesh = [("mesh_vert", Stage::Vertex), ("mesh", Stage::Fragment)];
@@ -87,9 +87,14 @@ impl Contract {
     }
 }
 
-/// Names of functions in a shader's text, each followed by the name of the one that returns tristimulus values.
-pub fn function_names(functions: &[&dyn Function]) -> Vec<&'static str> {
-    functions.iter().flat_map(|f| [f.name(), f.tristimulus_name()]).collect()
+/// Names of functions in a shader's text, each followed by the name of the one that returns tristimulus values and of those that
+/// belong to it.
+pub fn function_names(functions: &[&'static dyn Function]) -> Vec<&'static str> {
+    let names = |f: &&'static dyn Function| {
+        let further = f.further(None).iter().map(|(name, _)| *name);
+        [f.name(), f.tristimulus_name()].into_iter().chain(further)
+    };
+    functions.iter().flat_map(names).collect()
 }
 
 /// A valid shader in canonical form, with the text that it was parsed from.

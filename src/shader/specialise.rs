@@ -14,7 +14,7 @@ use crate::variant::{Form, Ground};
 pub const ROOT: &str = "shader";
 
 /// Flags that forms may set.
-const FLAGS: [&str; 16] = [
+const FLAGS: [&str; 18] = [
     "COHERENCE_SCALES",
     "DISC",
     "ENSEMBLE",
@@ -26,6 +26,8 @@ const FLAGS: [&str; 16] = [
     "MONOCHROMATIC",
     "PAIRED",
     "PREFILTERED",
+    "OUTWARD",
+    "PATH",
     "RECTANGLE",
     "SIZED",
     "SPECTRAL",

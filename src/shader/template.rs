@@ -48,6 +48,8 @@ const BUILTIN: &[(&str, &str)] = &[
     ("rectangle", include_str!("../../templates/rectangle.wgsl")),
     ("surroundings", include_str!("../../templates/surroundings.wgsl")),
     ("environment", include_str!("../../templates/environment.wgsl")),
+    ("order_path", include_str!("../../templates/order_path.wgsl")),
+    ("colour_path", include_str!("../../templates/colour_path.wgsl")),
     ("baked", include_str!("../../templates/baked.wgsl")),
     ("prefiltered", include_str!("../../templates/prefiltered.wgsl")),
     ("warped", include_str!("../../templates/warped.wgsl")),

@@ -6,6 +6,7 @@ use crate::field::transform::Bins;
 use crate::plan::Packing;
 
 use super::orders::{CENTRE_NM, EfficiencyAxes, UNIT_NM, moment_columns};
+use super::paths::{OrderPaths, path_columns, wavelength_cells};
 use super::spec::{CoefficientsSpec, LobesSpec};
 use super::{BakedAxes, MatterSpec, Series, Table, TableSpec, TermScale};
 
@@ -42,6 +43,8 @@ impl TableSpec {
             TableSpec::Efficiencies(spec) => efficiencies(&spec.axes),
             TableSpec::Moments(spec) => moments(spec.range_nm),
             TableSpec::Streaks(_) => streaks(),
+            TableSpec::OrderPaths(spec) => order_paths(&spec.of),
+            TableSpec::ColourPaths(_) => colour_paths(),
         };
         let axes = match self.matter() {
             Some(matter) => with_matter(axes, &self.shape(), matter),
@@ -259,6 +262,41 @@ fn streaks() -> Words {
     let column = "cells from short wavelengths to long ones, then the upper edge of the last; after that the same with twice as many cells";
     let row = "red, green, blue light";
     (channels.to_vec(), BTreeMap::from([("column", column.to_owned()), ("row", row.to_owned())]))
+}
+
+fn order_paths(of: &OrderPaths) -> Words {
+    let channels = [
+        "row 0: threshold of the alias table; row 1: probability of all shorter wavelengths; row 2: probability of the cell of wavelengths that begins here",
+        "row 0: the other order, as a column; row 1: X; row 2: share of red light",
+        "row 0: probability of the order; row 1: Y; row 2: share of green light",
+        "row 1: Z; row 2: share of blue light",
+    ];
+    let Bins { r_max, s_max } = of.bins;
+    let [min_nm, max_nm] = of.range_nm;
+    let column = format!(
+        "row 0: order (r, s): (s + {s_max})·{} + r + {r_max}; rows 1 and 2: {min_nm} nm + index·{} nm",
+        2 * r_max + 1,
+        (max_nm - min_nm) / wavelength_cells(of.range_nm) as f64
+    );
+    let row = "orders; wavelengths, X, Y, Z times the width of a cell; wavelengths";
+    let axes = BTreeMap::from([("column", column), ("row", row.to_owned())]);
+    (channels.map(str::to_owned).into(), axes)
+}
+
+fn colour_paths() -> Words {
+    let channels = [
+        "0: the angle of (u, v) is divided; 1: the radius",
+        "place of the division: share of a turn from -u, or |(u, v)|²/4",
+        "probability of the half below",
+        "",
+    ];
+    let columns = path_columns();
+    let column = format!(
+        "node of a binary tree from 1 on, modulo {columns}; halves of node n: 2n and 2n + 1"
+    );
+    let row = format!("node divided by {columns}");
+    let axes = BTreeMap::from([("column", column), ("row", row)]);
+    (channels.map(str::to_owned).into(), axes)
 }
 
 fn row(first: &str) -> String {

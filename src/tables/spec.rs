@@ -17,6 +17,9 @@ use super::lobes::lobes_table;
 use super::orders::{
     EfficiencyAxes, efficiencies_shape, efficiencies_table, moments_shape, moments_table,
 };
+use super::paths::{
+    OrderPaths, colour_paths_shape, colour_paths_table, order_paths_shape, order_paths_table,
+};
 use super::streaks::{streaks_shape, streaks_table};
 use super::{
     Aim, BakedAxes, LaidExpansion, LobeGeometry, MatterSpec, Series, Settings, Table, TermLayers,
@@ -51,6 +54,10 @@ pub enum TableSpec {
     Moments(MomentsSpec),
     /// Cells of wavelengths for orders under surroundings.
     Streaks(StreaksSpec),
+    /// Probabilities of orders and wavelengths.
+    OrderPaths(OrderPathsSpec),
+    /// Probabilities of `(u, v)`.
+    ColourPaths(ColourPathsSpec),
 }
 
 /// See [`terms_table`](super::terms_table).
@@ -303,6 +310,25 @@ pub struct StreaksSpec {
     pub cells: u32,
 }
 
+/// See [`order_paths_table`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OrderPathsSpec {
+    /// Identity of the heights.
+    pub surface: String,
+    /// The light.
+    #[serde(serialize_with = "Illuminant::serialize_identity")]
+    pub illuminant: Illuminant,
+    /// What else probabilities depend on.
+    pub of: OrderPaths,
+}
+
+/// See [`colour_paths_table`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ColourPathsSpec {
+    /// A table of colours that is coarser than that of the shader.
+    pub colours: ColoursSpec,
+}
+
 impl TableSpec {
     /// The name: the name of the binding, and a hash of this value and the tool's version.
     pub fn id(&self) -> String {
@@ -339,6 +365,8 @@ impl TableSpec {
             TableSpec::Efficiencies(spec) => efficiencies_shape(&spec.axes),
             TableSpec::Moments(spec) => moments_shape(spec.range_nm),
             TableSpec::Streaks(spec) => streaks_shape(spec.cells),
+            TableSpec::OrderPaths(spec) => order_paths_shape(&spec.of),
+            TableSpec::ColourPaths(_) => colour_paths_shape(),
         }
     }
 
@@ -387,6 +415,9 @@ impl TableSpec {
                 let range = range(spec.range_nm);
                 let sizes = [texels, table];
                 bake::working_bytes(height, spec.light(&range), spec.axes, sizes, threads)
+            }
+            TableSpec::ColourPaths(ColourPathsSpec { colours }) => {
+                TableSpec::Colours(colours.clone()).working_bytes(height, threads)
             }
             _ => texels + table,
         }
@@ -445,6 +476,15 @@ impl TableSpec {
             }
             TableSpec::Streaks(spec) => {
                 streaks_table(&Spectrum::new(&spec.illuminant)?, spec.range_nm, spec.cells)
+            }
+            TableSpec::OrderPaths(spec) => {
+                order_paths_table(height, &Spectrum::new(&spec.illuminant)?, &spec.of)
+            }
+            TableSpec::ColourPaths(ColourPathsSpec { colours: spec }) => {
+                let range = range(spec.range_nm);
+                let light = spec.light(&range);
+                let colours = bake::bake(height, light, &spec.illuminant, spec.axes, done)?;
+                colour_paths_table(&colours)
             }
         };
         table.check()?;

@@ -6,6 +6,7 @@ mod directional;
 mod disc;
 mod environment;
 mod lamps;
+mod path;
 mod rectangle;
 
 use serde::Serialize;
@@ -21,6 +22,7 @@ pub use arguments::{Arguments, Around};
 pub use directional::{DIRECTIONAL, Directional};
 pub use disc::{DISC, Disc};
 pub use environment::{ENVIRONMENT, Environment, skies};
+pub use path::{PATH, Paths};
 pub use rectangle::{RECTANGLE, Rectangle};
 
 /// A function of a shader. It has the same name in every language.
@@ -33,6 +35,16 @@ pub trait Function: Sync {
 
     /// Arguments and result in WGSL, as written after the name.
     fn signature(&self) -> &'static str;
+
+    /// The same of the function that returns tristimulus values.
+    fn tristimulus_signature(&self) -> &'static str {
+        self.signature()
+    }
+
+    /// Functions that belong to it, with their signatures, of a form or of any.
+    fn further(&self, _: Option<&Form>) -> &'static [(&'static str, &'static str)] {
+        &[]
+    }
 
     /// Meaning of the arguments, in words.
     fn arguments(&self) -> &'static str;
@@ -90,7 +102,7 @@ pub struct ExactProbe {
 pub const HOSTS: [&str; 1] = ["environment_radiance"];
 
 /// All functions.
-pub static FUNCTIONS: [&dyn Function; 4] = [&DIRECTIONAL, &DISC, &RECTANGLE, &ENVIRONMENT];
+pub static FUNCTIONS: [&dyn Function; 5] = [&DIRECTIONAL, &DISC, &RECTANGLE, &ENVIRONMENT, &PATH];
 
 /// Which function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,6 +115,8 @@ pub enum FunctionKind {
     Rectangle,
     /// `diffraction_environment`.
     Environment,
+    /// `diffraction_path`.
+    Path,
 }
 
 impl FunctionKind {
@@ -113,6 +127,7 @@ impl FunctionKind {
             FunctionKind::Disc => &DISC,
             FunctionKind::Rectangle => &RECTANGLE,
             FunctionKind::Environment => &ENVIRONMENT,
+            FunctionKind::Path => &PATH,
         }
     }
 
@@ -123,6 +138,7 @@ impl FunctionKind {
             FunctionKind::Disc => LightFunction::Disc,
             FunctionKind::Rectangle => LightFunction::Polygon,
             FunctionKind::Environment => LightFunction::Environment,
+            FunctionKind::Path => LightFunction::Path,
         }
     }
 }

@@ -8,6 +8,7 @@ mod adaptive;
 pub(super) mod arrivals;
 mod baked;
 mod bins;
+mod colour_path;
 mod disc;
 mod efficiencies;
 pub(super) mod environment;
@@ -17,6 +18,7 @@ pub(super) mod lamps;
 mod matter;
 pub mod mesh;
 mod nodes;
+mod order_path;
 mod pq;
 mod prefiltered;
 mod rectangle;
@@ -24,11 +26,13 @@ mod series;
 mod warped;
 mod window;
 
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 
 use crate::field::reference::Directions;
 use crate::light::Surroundings;
-use crate::tables::{COEFFICIENTS, SPECTRUM, STREAKS, Settings, TERMS, Table, single_wavelength};
+use crate::tables::{
+    COEFFICIENTS, PATHS, SPECTRUM, STREAKS, Settings, TERMS, Table, single_wavelength,
+};
 
 use super::{Arguments, Around, Form, FullPrefiltered, FullWindow, Pq};
 
@@ -45,6 +49,8 @@ pub struct Twin<'a> {
     pub coefficients: &'a Table,
     /// Table of streaks, rounded or not. Empty if the form has none.
     pub streaks: &'a Table,
+    /// Table of paths, rounded or not. Empty if the form has none.
+    pub paths: &'a Table,
     /// Rotation of the surface, degrees.
     pub rotate_deg: f64,
     /// What calls mean by [`Around::Host`].
@@ -61,6 +67,7 @@ impl<'a> Twin<'a> {
             spectrum: at(SPECTRUM),
             coefficients: at(COEFFICIENTS),
             streaks: at(STREAKS),
+            paths: at(PATHS),
             rotate_deg,
             surroundings: None,
         }
@@ -103,6 +110,42 @@ impl<'a> Twin<'a> {
                 };
                 Some(environment::tristimulus_environment(self, form, around, wr))
             }
+            (Arguments::Path { sky, random, wr }, _) => {
+                let path = self.path(wr, random)?;
+                let radiance = sky.seen(path.truncate(), 0.0);
+                let weight = DVec3::from(self.path_weight(wr, path)?);
+                let light = self.path_light(radiance, path.w);
+                Some((light.unwrap_or(radiance.element_sum() / 3.0) * weight).to_array())
+            }
+            _ => None,
+        }
+    }
+
+    /// A path from three numbers, 0 to 1: the direction to the light, and the wavelength in µm, 0 for all. z of the direction is
+    /// 0 where no light comes. `None` if the form has no paths.
+    pub fn path(&self, wr: DVec3, random: DVec3) -> Option<DVec4> {
+        match self.form {
+            Form::Orders(form) => Some(order_path::diffraction_path(self, form, wr, random)),
+            Form::Baked(_) => Some(colour_path::diffraction_path(self, wr, random)),
+            _ => None,
+        }
+    }
+
+    /// Tristimulus values of the weight of a path.
+    pub fn path_weight(&self, wr: DVec3, path: DVec4) -> Option<[f64; 3]> {
+        match self.form {
+            Form::Orders(form) => {
+                Some(order_path::tristimulus_weight(self, form, wr, path).to_array())
+            }
+            Form::Baked(form) => Some(colour_path::tristimulus_weight(self, form, wr, path)),
+            _ => None,
+        }
+    }
+
+    /// Light of a colour at a wavelength in µm, relative to white light. `None` if paths have no wavelengths.
+    pub fn path_light(&self, rgb: DVec3, lambda_um: f64) -> Option<f64> {
+        match self.form {
+            Form::Orders(form) => Some(order_path::diffraction_light(self, form, rgb, lambda_um)),
             _ => None,
         }
     }

@@ -129,6 +129,11 @@ fn inputs(spec: &TableSpec, surface: &SurfaceInput, variant: &Variant, forget: &
         TableSpec::Coefficients(_) => {
             json!([id, variant.basis, count, waves.min_nm, prefiltered, covered])
         }
+        TableSpec::OrderPaths(_) => json!([id, waves.min_nm, waves.max_nm, light, covered]),
+        TableSpec::ColourPaths(_) => json!([
+            [id, waves.min_nm, waves.max_nm, variant.table, variant.bake_error, variant.bake_mib],
+            [coherence_um, coherence, coherence_scaling, light, matter]
+        ]),
         TableSpec::Colours(_) => json!([
             [id, waves.min_nm, waves.max_nm, variant.table, variant.bake_error, variant.bake_mib],
             [coherence_um, coherence, coherence_scaling, light, matter]

@@ -14,6 +14,7 @@ mod matter;
 mod mesh_frame;
 mod modes;
 mod orders;
+mod path;
 mod pq;
 mod prefiltered;
 mod quantised;

@@ -92,6 +92,7 @@ pub fn prepared<'a>(
     sources.0.insert("gems".to_owned(), what.template().to_owned());
     Ok(Prepared {
         streaks: Table::ABSENT,
+        paths: Table::ABSENT,
         // a rotation would read the spectrum table, whose place the base colour takes
         placement: Placement { height, rotate_deg: 0.0, variant },
         sources,

@@ -84,6 +84,7 @@ fn place(call: &Arguments) -> String {
         }
         Arguments::Rectangle { corners, .. } => format!("quadrilateral {corners:.4?}"),
         Arguments::Environment { .. } => "surroundings of a probe".to_owned(),
+        Arguments::Path { random, .. } => format!("path of the numbers {random:.4}"),
     }
 }
 
@@ -146,6 +147,7 @@ fn twin<'a>(prepared: &'a Prepared<'_>, terms: &'a Table) -> Twin<'a> {
         spectrum: &prepared.spectrum,
         coefficients: &prepared.coefficients,
         streaks: &prepared.streaks,
+        paths: &prepared.paths,
         rotate_deg,
         surroundings: None,
     }

@@ -6,7 +6,7 @@ use std::ops::Range;
 use diffraction_shaders::diagnostic::Diagnostic;
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::field::reference::Directions;
-use diffraction_shaders::light::{Filtered, Light};
+use diffraction_shaders::light::{Filtered, Light, Sky};
 use diffraction_shaders::optics::brdf_map::{BrdfMap, view_direction};
 use diffraction_shaders::optics::colour::from_rgb;
 use diffraction_shaders::runner::{Placement, Progress, Runner, has_wavelengths, lit_by};
@@ -14,8 +14,8 @@ use diffraction_shaders::shader::module::Module;
 use diffraction_shaders::shader::specialise;
 use diffraction_shaders::shader::template::Sources;
 use diffraction_shaders::tables::{
-    COEFFICIENTS, DIRECTIONS, ENVIRONMENT, SPECTRUM, STREAKS, Settings, TERMS, Table, TermScale,
-    TexelFormat, environment_table, single_wavelength,
+    COEFFICIENTS, DIRECTIONS, ENVIRONMENT, PATHS, SPECTRUM, STREAKS, Settings, TERMS, Table,
+    TermScale, TexelFormat, environment_table, single_wavelength,
 };
 use diffraction_shaders::variant::{Arguments, Form};
 use glam::DVec3;
@@ -89,6 +89,8 @@ pub struct Prepared<'a> {
     pub coefficients: Table,
     /// The table of streaks; empty if the variant has no function for surroundings.
     pub streaks: Table,
+    /// The table of paths; empty if the variant has no function for them.
+    pub paths: Table,
 }
 
 impl<'a> Prepared<'a> {
@@ -101,10 +103,10 @@ impl<'a> Prepared<'a> {
             let place = tables.iter().position(|table| table.binding == binding);
             place.map_or(Table::ABSENT, |place| tables.swap_remove(place))
         };
-        let [terms, spectrum, coefficients, streaks] =
-            [TERMS, SPECTRUM, COEFFICIENTS, STREAKS].map(&mut take);
+        let [terms, spectrum, coefficients, streaks, paths] =
+            [TERMS, SPECTRUM, COEFFICIENTS, STREAKS, PATHS].map(&mut take);
         let sources = Sources::builtin();
-        Ok(Prepared { placement, sources, form, terms, spectrum, coefficients, streaks })
+        Ok(Prepared { placement, sources, form, terms, spectrum, coefficients, streaks, paths })
     }
 
     /// The shader for a spectrum table of `wavelengths` wavelengths.
@@ -126,7 +128,8 @@ impl<'a> Prepared<'a> {
 
     /// Its tables, without the spectrum.
     pub fn tables(&self) -> impl Iterator<Item = &Table> {
-        [&self.terms, &self.coefficients, &self.streaks].into_iter().filter(|table| table.width > 0)
+        let all = [&self.terms, &self.coefficients, &self.streaks, &self.paths];
+        all.into_iter().filter(|table| table.width > 0)
     }
 
     /// Compiles an entry point with its tables. Only `probe` has `further` ones: directions, surroundings.
@@ -312,6 +315,13 @@ fn directions_table(calls: &[Arguments], rows: usize) -> Table {
                 &[(a, 2.0), (wr, 0.0), (b, 0.0), (c, 0.0), (d, 0.0)]
             }
             Arguments::Environment { wr, .. } => &[(wr, 3.0), (wr, 0.0)],
+            Arguments::Path { sky: Sky { constant, lobes: [lobe, _] }, random, wr } => &[
+                (constant, 8.0),
+                (wr, lobe.sigma_rad),
+                (lobe.axis, 0.0),
+                (lobe.radiance, 0.0),
+                (random, 0.0),
+            ],
         };
         for (line, (vector, number)) in arguments.iter().enumerate() {
             let row = rows * (i / PROBE_WIDTH) + line;

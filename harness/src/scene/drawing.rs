@@ -16,7 +16,7 @@ use diffraction_shaders::plan::Coherence;
 use diffraction_shaders::runner::Placement;
 use diffraction_shaders::tables::{Table, environment_table};
 use diffraction_shaders::variant::mesh::{MeshParams, OrientationMap};
-use diffraction_shaders::variant::{FUNCTIONS, Form};
+use diffraction_shaders::variant::{FUNCTIONS, Form, FunctionKind};
 use glam::{DMat3, DMat4, DVec3, Vec3};
 
 use crate::drivers::gpu::{
@@ -420,7 +420,8 @@ fn text(prepared: &Prepared<'_>, around: Option<&(Table, f64)>) -> Result<String
     let is_absent = |kind| !known.iter().any(|function| function.kind() == kind);
     let absent: String = FUNCTIONS
         .iter()
-        .filter(|function| is_absent(function.kind()))
+        // pictures are not traced by paths
+        .filter(|function| is_absent(function.kind()) && function.kind() != FunctionKind::Path)
         .map(|f| format!("fn {}{} {{ return vec3f(0.0); }}\n", f.name(), f.signature()))
         .collect();
     let matter = prepared.form.matter();

@@ -62,7 +62,7 @@ fn shells(language: &str, text: &str) -> Result<Vec<(String, String)>, String> {
     match language {
         "wgsl" => Ok(vec![(format!("{NAME}.wgsl"), wgsl(text)?)]),
         "glsl" => {
-            let sum = calls(text, "vec3")?;
+            let sum = calls(text, ["vec3", "vec4"])?;
             let whole = |head: &str| {
                 format!(
                     "{head}\n{text}\nout vec4 colour;\nvoid main() {{\n    colour = vec4({sum}, 1.0);\n}}\n"
@@ -79,7 +79,7 @@ fn shells(language: &str, text: &str) -> Result<Vec<(String, String)>, String> {
             ])
         }
         _ => {
-            let sum = calls(text, "float3")?;
+            let sum = calls(text, ["float3", "float4"])?;
             let main =
                 format!("float4 main() : SV_Target0 {{\n    return float4({sum}, 1.0);\n}}\n");
             Ok(vec![(format!("{NAME}.hlsl"), format!("{text}\n{main}"))])
@@ -105,14 +105,21 @@ fn host(language: &str, text: &str) -> &'static str {
     }
 }
 
-/// The sum of all functions, each called with some arguments. `vector`: the type of directions and results.
-fn calls(text: &str, vector: &str) -> Result<String, String> {
+/// The sum of all functions, each called with some arguments. `vectors`: the types with three and four numbers.
+fn calls(text: &str, [three, four]: [&str; 2]) -> Result<String, String> {
     let call = |name: &str| {
-        let (_, declared) = text.split_once(&format!("\n{vector} {name}("))?;
+        let (before, declared) = text.split_once(&format!(" {name}("))?;
+        let result = before.rsplit('\n').next()?;
         let (parameters, _) = declared.split_once(')')?;
         let types = parameters.split(", ").filter_map(|parameter| parameter.split(' ').next());
         let arguments: Vec<String> = types.map(argument).collect();
-        Some(format!("{name}({})", arguments.join(", ")))
+        let call = format!("{name}({})", arguments.join(", "));
+        match result {
+            result if result == three => Some(call),
+            result if result == four => Some(format!("{call}.xyz")),
+            "float" => Some(format!("{call} * {}", argument(three))),
+            _ => None,
+        }
     };
     let calls: Vec<String> = function_names(&FUNCTIONS).into_iter().filter_map(call).collect();
     let first = DIRECTIONAL.name();
@@ -126,6 +133,7 @@ fn calls(text: &str, vector: &str) -> Result<String, String> {
 fn argument(ty: &str) -> String {
     match ty {
         "f32" | "float" => "0.1".to_owned(),
+        vector if vector.contains('4') => format!("{vector}(0.0, 0.6, 0.8, 0.5)"),
         vector => format!("{vector}(0.0, 0.6, 0.8)"),
     }
 }
@@ -144,7 +152,8 @@ fn wgsl(text: &str) -> Result<String, String> {
         let Some(parameters) = lines.find_map(|l| l.strip_prefix(&format!("fn {name}("))) else {
             continue;
         };
-        let parameters = parameters.split_once(") -> ").ok_or("a signature spans several lines")?.0;
+        let (parameters, result) =
+            parameters.split_once(") -> ").ok_or("a signature spans several lines")?;
         let mut arguments = Vec::new();
         for parameter in parameters.split(", ") {
             let (name, ty) = parameter.split_once(": ").ok_or("a parameter has no type")?;
@@ -160,7 +169,12 @@ fn wgsl(text: &str) -> Result<String, String> {
             }
             arguments.push(bound_name);
         }
-        calls.push(format!("{name}({})", arguments.join(", ")));
+        let call = format!("{name}({})", arguments.join(", "));
+        calls.push(match result {
+            _ if result.starts_with("vec4") => format!("{call}.xyz"),
+            _ if result.starts_with("f32") => format!("vec3f({call})"),
+            _ => call,
+        });
     }
     let sum = calls.join(" + ");
     shell += &format!(

@@ -6,7 +6,10 @@ use diffraction_harness::drivers::{DriverRunner, Prepared, ShaderRunner, check};
 use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::optics::colour_difference::colour_difference;
 use diffraction_shaders::optics::direction;
-use diffraction_shaders::plan::{Auto, Basis, Optics, Packing, Variant, Wavelengths};
+use diffraction_shaders::plan::{
+    Auto, Basis, Coherence, CoherenceScaling, LightFunction, Mode, Optics, Packing, Sampling,
+    TableFormat, Variant, Wavelengths,
+};
 use diffraction_shaders::runner::{Exact, Placement, Runner, TwinRunner, rounded};
 use diffraction_shaders::surface::HeightField;
 use diffraction_shaders::surface::synthetic::synthesise;
@@ -101,6 +104,69 @@ fn a_wrong_shader_does_not_pass() {
     let black =
         runner.tristimulus(&[Directions { wi: direction(0.0, 0.0), wr: direction(0.0, 0.0) }]);
     assert_eq!(black.unwrap(), [[0.0; 3]]);
+}
+
+/// Random paths: sound shaders pass on both drivers, each fault is refused.
+#[test]
+fn wrong_paths_do_not_pass() {
+    let height = synthesise(
+        &serde_json::from_str(
+            r#"{ "kind": "blazed", "period_um": 2.5, "height_um": 0.3, "pixels": 60 }"#,
+        )
+        .unwrap(),
+        "blazed",
+    )
+    .unwrap()
+    .field;
+    let optics = Optics {
+        coherence: Coherence::Ensemble,
+        coherence_scaling: CoherenceScaling::Wavelength,
+        ..Optics::standard()
+    };
+    let variant = |mode, table, sampling| Variant {
+        mode,
+        table,
+        sampling,
+        bake_mib: 1.0,
+        lights: vec![LightFunction::Direction, LightFunction::Path],
+        name: "paths".into(),
+        ..Variant::texts(&optics)
+    };
+    let orders = variant(Mode::Orders, TableFormat::F32, Sampling::Load);
+    let baked = variant(Mode::Baked, TableFormat::F32, Sampling::Load);
+    let filtered = variant(Mode::Baked, TableFormat::F16, Sampling::Filter);
+    let of_orders: [(&str, &str, &str); 6] = [
+        ("order_path", "share / chance * light", "share * light"),
+        ("order_path", " / textureLoad(paths, vec2i(cell, 2), 0).x", ""),
+        ("order_path", "drawn_wavelength(random.z)", "drawn_wavelength(random.x)"),
+        ("order_path", "from_surface(wi), lambda_um", "wi, lambda_um"),
+        ("order_path", "random.y < pair.x", "random.y > pair.x"),
+        ("order_path", "return dot(rgb, mix(", "return dot(rgb.zyx, mix("),
+    ];
+    let of_baked: [(&str, &str, &str); 4] = [
+        ("colour_path", ".xy) * path.z;", ".xy);"),
+        ("colour_path", "chance *= select(", "chance = select("),
+        ("colour_path", "turn.x * uv.x - turn.y * uv.y", "turn.x * uv.x + turn.y * uv.y"),
+        ("colour_path", "RADIANCE_SCALE / chance", "3.1415927 * RADIANCE_SCALE / chance"),
+    ];
+    let cases: [(&Variant, &[_]); 3] =
+        [(&orders, &of_orders), (&baked, &of_baked), (&filtered, &of_baked[..1])];
+    for (variant, faults) in cases {
+        let placement = Placement { height: &height, rotate_deg: 30.0, variant };
+        let sound = Prepared::new(placement).unwrap();
+        for backend in [Backend::Vulkan, Backend::Gl] {
+            let Some(gpu) = found(Gpu::open(backend, None)) else { continue };
+            check(&sound, &gpu).unwrap();
+            for (template, right, wrong) in faults {
+                let mut prepared = sound.clone();
+                let text = prepared.sources.0.get_mut(*template).unwrap();
+                assert!(text.contains(right), "{template}: {right}");
+                *text = text.replace(right, wrong);
+                let error = check(&prepared, &gpu).expect_err(wrong);
+                assert!(error.is_finding() && error.to_string().contains("wrong"), "{error}");
+            }
+        }
+    }
 }
 
 #[test]

@@ -17,7 +17,9 @@ use crate::shader::emit::emit;
 use crate::shader::specialise;
 use crate::tables::container::encode;
 use crate::tables::{Table, TableSpec, TexelFormat};
-use crate::variant::{Form, Function, MAX_PROBE_ERROR, Twin, is_whole_light, probe_error};
+use crate::variant::{
+    Form, Function, FunctionKind, MAX_PROBE_ERROR, Twin, is_whole_light, probe_error,
+};
 
 use super::identity;
 use super::work::{Loaded, Work};
@@ -145,7 +147,9 @@ impl Built<'_> {
                 )
             })
         };
-        Ok(probed.iter().find_map(error))
+        // one path is not the mean of all
+        let means = probed.iter().filter(|of| of.function.kind() != FunctionKind::Path);
+        Ok(means.into_iter().find_map(error))
     }
 
     fn insert_table(

@@ -1,16 +1,26 @@
 //! `baked`: a table of colours over `(u, v, w)`. The integral over wavelengths is in the table.
 
+use std::f64::consts::PI;
+
 use crate::defines::Defines;
 use crate::error::Result;
-use crate::plan::{Illuminant, TableFormat, Variant, Window};
+use crate::optics::{REFERENCE_NM, window_sigma_um};
+use crate::plan::{Illuminant, LightFunction, TableFormat, Variant, Window};
 use crate::surface::HeightField;
-use crate::tables::{Aim, BEND, BakedAxes, ColoursSpec, RotationSpec, TableSpec, colour_format};
+use crate::tables::paths::{PATH_LEVELS, colour_paths_shape, path_columns};
+use crate::tables::{
+    Aim, BEND, BakedAxes, ColourPathsSpec, ColoursSpec, RotationSpec, TableSpec, colour_format,
+};
 use crate::variant::judge::Light;
 use crate::variant::tolerance::{Promise, is_visible};
-use crate::variant::{Coat, Computation, Cost, Ground, lay};
+use crate::variant::{Coat, Computation, Cost, Function, Ground, functions_of, lay};
 
 /// Range of the heights from which on layers for the phase are enough for the reflectance of a metal in air, µm.
 const FLATTEST_UM: f64 = 0.15;
+
+/// Error at which the axes of the colours are chosen that probabilities of paths follow: a fraction of the time of the table
+/// itself.
+const PATH_ERROR: f64 = 4.0;
 
 /// Numbers of the form.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +38,11 @@ pub struct Baked {
     pub coat: Coat,
     illuminant: Illuminant,
     filters: bool,
+    functions: Vec<LightFunction>,
+    /// Axes of the colours that probabilities of paths follow.
+    path_axes: BakedAxes,
+    /// Radiance relative to a white diffuser per unit of the result, divided by π.
+    pub radiance_scale: f64,
 }
 
 impl Baked {
@@ -51,8 +66,16 @@ impl Baked {
             }
         };
         let axes = sized(aim);
+        let has_paths = variant.has_function(LightFunction::Path);
+        let sigma_um = window_sigma_um(window, REFERENCE_NM);
         Ok(Baked {
             axes,
+            functions: match has_paths {
+                true => vec![LightFunction::Direction, LightFunction::Path],
+                false => vec![LightFunction::Direction],
+            },
+            path_axes: sized(Aim { error: aim.error.max(PATH_ERROR), ..aim }),
+            radiance_scale: coat.matter.diffuser_scale(sigma_um) / PI,
             format: variant.table,
             aim,
             is_uncut: axes == sized(Aim { mib: f64::INFINITY, ..aim }),
@@ -65,11 +88,25 @@ impl Baked {
     }
 }
 
+impl Baked {
+    fn has_paths(&self) -> bool {
+        self.functions.contains(&LightFunction::Path)
+    }
+}
+
 impl Computation for Baked {
     fn define(&self, _: usize, into: &mut Defines) {
         let BakedAxes { columns, levels, pages, rows, pace, stretch, .. } = self.axes;
         let BakedAxes { least_w_squared, even_w, .. } = self.axes;
         into.flag("EVEN_LEVELS", even_w);
+        let path = self.has_paths();
+        into.flag("PATH", path);
+        into.flag("SIZED", path);
+        into.count("PATH_LEVELS", PATH_LEVELS as usize, "number of divisions of a path");
+        let columns_of_paths = "number of columns of the table of paths";
+        into.count("PATH_COLUMNS", path_columns(), columns_of_paths);
+        let radiance = "radiance relative to a white diffuser per unit of the result, divided by π";
+        into.number("RADIANCE_SCALE", self.radiance_scale, radiance);
         let least = "least square of w, under a cover";
         into.number("LEAST_W_SQUARED", least_w_squared, least);
         into.number("BEND", BEND, "slope at 0 of the parabola that replaces the arc tangent");
@@ -114,7 +151,10 @@ impl Computation for Baked {
         };
         let rotation = TableSpec::Rotation(RotationSpec { rotate_deg: on.rotate_deg });
         let rotation = (on.rotate_deg != 0.0).then_some(rotation);
-        [TableSpec::Colours(colours)].into_iter().chain(rotation).collect()
+        let coarse = ColoursSpec { axes: self.path_axes, ..colours.clone() };
+        let paths = TableSpec::ColourPaths(ColourPathsSpec { colours: coarse });
+        let paths = self.has_paths().then_some(paths);
+        [TableSpec::Colours(colours)].into_iter().chain(rotation).chain(paths).collect()
     }
 
     fn cost(&self) -> Cost {
@@ -123,7 +163,8 @@ impl Computation for Baked {
         Cost {
             fetches,
             fetches_mean: fetches as f64,
-            table_bytes: self.axes.texels() * colour_format(self.format).texel_bytes() as u64,
+            table_bytes: self.axes.texels() * colour_format(self.format).texel_bytes() as u64
+                + if self.has_paths() { colour_paths_shape().byte_count() as u64 } else { 0 },
             ..Cost::default()
         }
     }
@@ -139,6 +180,10 @@ impl Computation for Baked {
 
     fn filters(&self) -> bool {
         self.filters
+    }
+
+    fn functions(&self) -> Vec<&'static dyn Function> {
+        self.functions.iter().flat_map(|word| functions_of(*word)).collect()
     }
 
     fn no_wavelength_axis(&self) -> Option<&'static str> {

@@ -9,8 +9,11 @@ use crate::optics::spectrum::Spectrum;
 use crate::plan::{Auto, LightFunction, Variant};
 use crate::surface::HeightField;
 use crate::tables::orders::{EfficiencyAxes, moment_columns};
+use crate::tables::paths::{FLOOR, OrderPaths, order_paths_shape, wavelength_cells};
 use crate::tables::streaks::{LONG_CPUM, streaks_table};
-use crate::tables::{EfficienciesSpec, MomentsSpec, SettingsSpec, StreaksSpec, TableSpec};
+use crate::tables::{
+    EfficienciesSpec, MomentsSpec, OrderPathsSpec, SettingsSpec, StreaksSpec, TableSpec,
+};
 use crate::variant::judge::Light;
 use crate::variant::tolerance::{Promise, is_visible};
 use crate::variant::twin::arrivals;
@@ -102,7 +105,11 @@ impl Orders {
         let mut form = Orders { sum, axes, functions, panel_pace, nodes, edges_um, cost };
         let moments = if form.has_lamps() { 4 * form.moment_columns() } else { 0 };
         let streaks = 3 * form.edges_um.len();
-        let bytes = (orders * columns as usize + moments + streaks) as u64 * 16;
+        let paths = match form.has(LightFunction::Path) {
+            true => order_paths_shape(&form.paths()).texel_count(),
+            false => 0,
+        };
+        let bytes = (orders * columns as usize + moments + streaks + paths) as u64 * 16;
         form.cost = form.sum.cost(1, 0, bytes);
         Ok(form)
     }
@@ -159,6 +166,18 @@ impl Orders {
         if frequency.length() > LONG_CPUM { (cells + 1, 2 * cells) } else { (0, cells) }
     }
 
+    /// What the probabilities of paths depend on.
+    pub fn paths(&self) -> OrderPaths {
+        let (least, most) = self.sum.coat.matter.w_span(0.0, 2.0);
+        OrderPaths {
+            bins: self.axes.bins,
+            range_nm: self.sum.range_nm,
+            steepness: [least, most],
+            floor: FLOOR,
+            averaged: [16, 8],
+        }
+    }
+
     fn has(&self, light: LightFunction) -> bool {
         self.functions.contains(&light)
     }
@@ -177,7 +196,12 @@ impl Computation for Orders {
         let environment = self.has(LightFunction::Environment);
         into.flag("LAMPS", self.has_lamps());
         into.flag("ENVIRONMENT", environment);
-        into.flag("SIZED", self.has_lamps() || environment);
+        let path = self.has(LightFunction::Path);
+        into.flag("PATH", path);
+        into.flag("OUTWARD", environment || path);
+        into.flag("SIZED", self.has_lamps() || environment || path);
+        let edges = "number of cells of wavelengths in the table of paths";
+        into.count("PATH_CELLS", wavelength_cells(self.sum.range_nm), edges);
         let long =
             "frequency of an order, cycles per µm, above which it has twice as many wavelengths";
         into.number("LONG_CPUM", LONG_CPUM, long);
@@ -232,7 +256,13 @@ impl Computation for Orders {
         }
         if self.nodes > 0 {
             let cells = self.nodes;
+            let illuminant = illuminant.clone();
             tables.push(TableSpec::Streaks(StreaksSpec { illuminant, range_nm, cells }));
+        }
+        if self.has(LightFunction::Path) {
+            let surface = on.surface.to_owned();
+            let spec = OrderPathsSpec { surface, illuminant, of: self.paths() };
+            tables.push(TableSpec::OrderPaths(spec));
         }
         tables
     }

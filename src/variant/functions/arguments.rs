@@ -35,6 +35,15 @@ pub enum Arguments {
         /// To the viewer.
         wr: DVec3,
     },
+    /// Of `diffraction_path`; the result is the light of the path.
+    Path {
+        /// Where the light comes from. Only the first lobe counts.
+        sky: Sky,
+        /// Random numbers, 0 to 1.
+        random: DVec3,
+        /// To the viewer.
+        wr: DVec3,
+    },
 }
 
 /// What surrounds the surface in a call.
@@ -54,6 +63,7 @@ impl Arguments {
             Arguments::Disc { .. } => FunctionKind::Disc,
             Arguments::Rectangle { .. } => FunctionKind::Rectangle,
             Arguments::Environment { .. } => FunctionKind::Environment,
+            Arguments::Path { .. } => FunctionKind::Path,
         }
     }
 
@@ -76,6 +86,9 @@ impl Arguments {
             Arguments::Environment { around, wr } => {
                 Arguments::Environment { around, wr: single(wr) }
             }
+            Arguments::Path { sky, random, wr } => {
+                Arguments::Path { sky, random: single(random), wr: single(wr) }
+            }
         }
     }
 
@@ -83,7 +96,9 @@ impl Arguments {
     /// no convex polygon.
     pub fn lamp(&self) -> Option<Light> {
         match *self {
-            Arguments::Direction(_) | Arguments::Environment { .. } => None,
+            Arguments::Direction(_) | Arguments::Environment { .. } | Arguments::Path { .. } => {
+                None
+            }
             Arguments::Disc { axis, radius_rad, .. } => {
                 Some(Light::Disc { cap: Cap { axis, radius_rad }, irradiance: 1.0 })
             }
@@ -105,7 +120,8 @@ impl Arguments {
             Arguments::Direction(Directions { wr, .. })
             | Arguments::Disc { wr, .. }
             | Arguments::Rectangle { wr, .. }
-            | Arguments::Environment { wr, .. } => wr,
+            | Arguments::Environment { wr, .. }
+            | Arguments::Path { wr, .. } => wr,
         }
     }
 
@@ -142,6 +158,7 @@ impl Arguments {
             FunctionKind::Disc => 7,
             FunctionKind::Rectangle => 15,
             FunctionKind::Environment => 20,
+            FunctionKind::Path => 23,
         }
     }
 
@@ -160,12 +177,10 @@ impl Arguments {
                     Around::Sky(sky) => sky,
                     Around::Host => Sky::default(),
                 };
-                let lobe = |lobe: &Lobe| {
-                    let Lobe { axis, sigma_rad, radiance } = *lobe;
-                    [&axis.to_array()[..], &[sigma_rad], &radiance.to_array()].concat()
-                };
-                let lobes = sky.lobes.iter().flat_map(lobe).collect();
-                [sky.constant.to_array().to_vec(), lobes, wr.to_array().to_vec()].concat()
+                [of_sky(&sky), wr.to_array().to_vec()].concat()
+            }
+            Arguments::Path { sky, random, wr } => {
+                [of_sky(&sky), random.to_array().to_vec(), wr.to_array().to_vec()].concat()
             }
         }
     }
@@ -173,6 +188,11 @@ impl Arguments {
     /// The inverse of [`Arguments::to_numbers`]. `None` if there are too few numbers.
     pub fn from_numbers(kind: FunctionKind, numbers: &[f64]) -> Option<Arguments> {
         let vector = |at: usize| Some(DVec3::from(*numbers.get(at..)?.first_chunk::<3>()?));
+        let lobe = |at: usize| {
+            let (axis, radiance) = (vector(at)?, vector(at + 4)?);
+            Some(Lobe { axis, sigma_rad: *numbers.get(at + 3)?, radiance })
+        };
+        let sky = || Some(Sky { constant: vector(0)?, lobes: [lobe(3)?, lobe(10)?] });
         Some(match kind {
             FunctionKind::Direction => {
                 Arguments::Direction(Directions { wi: vector(0)?, wr: vector(3)? })
@@ -185,13 +205,21 @@ impl Arguments {
                 wr: vector(12)?,
             },
             FunctionKind::Environment => {
-                let lobe = |at: usize| {
-                    let (axis, radiance) = (vector(at)?, vector(at + 4)?);
-                    Some(Lobe { axis, sigma_rad: *numbers.get(at + 3)?, radiance })
-                };
-                let sky = Sky { constant: vector(0)?, lobes: [lobe(3)?, lobe(10)?] };
-                Arguments::Environment { around: Around::Sky(sky), wr: vector(17)? }
+                Arguments::Environment { around: Around::Sky(sky()?), wr: vector(17)? }
+            }
+            FunctionKind::Path => {
+                Arguments::Path { sky: sky()?, random: vector(17)?, wr: vector(20)? }
             }
         })
     }
+}
+
+/// The numbers of a sky.
+fn of_sky(sky: &Sky) -> Vec<f64> {
+    let lobe = |lobe: &Lobe| {
+        let Lobe { axis, sigma_rad, radiance } = *lobe;
+        [&axis.to_array()[..], &[sigma_rad], &radiance.to_array()].concat()
+    };
+    let lobes = sky.lobes.iter().flat_map(lobe).collect();
+    [sky.constant.to_array().to_vec(), lobes].concat()
 }

@@ -98,7 +98,9 @@ pub(super) fn mirrored(arguments: &Arguments, matter: &Matter) -> f64 {
         Arguments::Disc { radius_rad, .. } => {
             1.0 / (std::f64::consts::PI * radius_rad.sin().powi(2))
         }
-        Arguments::Environment { around: Around::Sky(sky), .. } => sky.brightest(),
+        Arguments::Environment { around: Around::Sky(sky), .. } | Arguments::Path { sky, .. } => {
+            sky.brightest()
+        }
         _ => 1.0,
     };
     matter.normal_reflectance() * radiance
@@ -114,7 +116,9 @@ pub(super) fn cost(
     let panels = |arguments: Arguments| {
         let mut count = 0;
         let caps = match arguments {
-            Arguments::Direction(_) | Arguments::Environment { .. } => return 0,
+            Arguments::Direction(_) | Arguments::Environment { .. } | Arguments::Path { .. } => {
+                return 0;
+            }
             Arguments::Disc { axis, radius_rad, .. } => Caps::disc(axis, radius_rad),
             Arguments::Rectangle { corners, .. } => Caps::rectangle(corners),
         };

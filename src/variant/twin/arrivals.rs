@@ -17,6 +17,12 @@ pub fn in_surface(twin: &Twin<'_>, v: DVec3) -> DVec3 {
     DVec3::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x, v.z)
 }
 
+/// Direction in the tangent frame, from one in the frame of the surface.
+pub fn from_surface(twin: &Twin<'_>, v: DVec3) -> DVec3 {
+    let (sin, cos) = twin.rotate_deg.to_radians().sin_cos();
+    DVec3::new(cos * v.x - sin * v.y, cos * v.y + sin * v.x, v.z)
+}
+
 /// Reflectance at normal incidence.
 pub fn normal_reflectance(form: &Orders) -> f64 {
     form.sum.coat.matter.normal_reflectance()

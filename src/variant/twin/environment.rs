@@ -7,7 +7,8 @@ use crate::variant::Orders;
 
 use super::Twin;
 use super::arrivals::{
-    arrival, in_surface, normal_reflectance, order_frequency, order_share, propagating,
+    arrival, from_surface, in_surface, normal_reflectance, order_frequency, order_share,
+    propagating,
 };
 
 /// Tristimulus values of the radiance under surroundings.
@@ -85,10 +86,4 @@ fn streak(
 
 fn streak_light(twin: &Twin<'_>, cell: i64, row: i64) -> DVec4 {
     DVec4::from(twin.streaks.load(cell, row, 0))
-}
-
-/// Direction in the tangent frame, from one in the frame of the surface.
-fn from_surface(twin: &Twin<'_>, v: DVec3) -> DVec3 {
-    let (sin, cos) = twin.rotate_deg.to_radians().sin_cos();
-    DVec3::new(cos * v.x - sin * v.y, cos * v.y + sin * v.x, v.z)
 }

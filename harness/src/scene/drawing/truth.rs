@@ -162,7 +162,9 @@ fn diffracted(twin: &Twin<'_>, scale: f64, light: &Light, to_frame: DMat3, wr: D
             Arguments::Rectangle { corners, wr } => {
                 Arguments::Rectangle { corners: corners.map(|corner| to_frame * corner), wr }
             }
-            Arguments::Direction(_) | Arguments::Environment { .. } => call,
+            Arguments::Direction(_) | Arguments::Environment { .. } | Arguments::Path { .. } => {
+                call
+            }
         };
         factor * DVec3::from(twin.evaluate(call).unwrap_or([f64::NAN; 3]))
     });
@@ -205,7 +207,7 @@ fn transmitted(matter: &Matter, wi: DVec3, wr: DVec3) -> f64 {
 struct Scene<'a> {
     prepared: &'a Prepared<'a>,
     /// The tables as the driver got them.
-    tables: [Table; 4],
+    tables: Vec<Table>,
     /// The mesh with its numbers rounded as the driver got them.
     mesh: Mesh,
     params: MeshParams,
@@ -243,9 +245,9 @@ impl<'a> Scene<'a> {
             let cause = "is not visible in any pixel, so nothing can be compared";
             return Err(Error::new(&mesh.name, cause));
         }
-        let tables =
-            [&prepared.terms, &prepared.spectrum, &prepared.coefficients, &prepared.streaks];
-        let tables = tables.map(|table| table.clone().rounded());
+        let spectrum = (prepared.spectrum.width > 0).then_some(&prepared.spectrum);
+        let tables = prepared.tables().chain(spectrum).map(|table| table.clone().rounded());
+        let tables = tables.collect();
         Ok(Scene { prepared, tables, mesh, params, pixels, edges })
     }
 

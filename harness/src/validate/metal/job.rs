@@ -39,6 +39,9 @@ struct Expected {
 /// The function whose probes have surroundings.
 const AROUND: &str = "diffraction_environment";
 
+/// The function whose probes are paths.
+const PATH: &str = "diffraction_path";
+
 /// Whether a probe is evaluated: of those among surroundings, the ones under a sky of radiance 1 everywhere, which is one texel.
 fn is_evaluated(probe: &Value) -> bool {
     let sky = &probe["sky"];
@@ -57,6 +60,16 @@ fn arguments(probe: &Value) -> Vec<[f64; 4]> {
         None => vec![row(&probe["wi"], 0.0), row(&probe["wr"], 0.0)],
         Some("diffraction_disc") => {
             vec![row(&probe["axis"], 1.0), row(&probe["wr"], number(&probe["radius"]))]
+        }
+        Some(PATH) => {
+            let (sky, lobe) = (&probe["sky"], &probe["sky"]["lobes"][0]);
+            vec![
+                row(&sky["constant"], 8.0),
+                row(&probe["wr"], number(&lobe["sigma"])),
+                row(&lobe["axis"], 0.0),
+                row(&lobe["radiance"], 0.0),
+                row(&probe["random"], 0.0),
+            ]
         }
         Some(AROUND) => vec![row(&probe["wr"], 3.0), row(&probe["wr"], 0.0)],
         Some(_) => {
