@@ -108,18 +108,17 @@ fn host(language: &str, text: &str) -> &'static str {
 /// The sum of all functions, each called with some arguments. `vectors`: the types with three and four numbers.
 fn calls(text: &str, [three, four]: [&str; 2]) -> Result<String, String> {
     let call = |name: &str| {
-        let (before, declared) = text.split_once(&format!(" {name}("))?;
-        let result = before.rsplit('\n').next()?;
+        let declared = |result| Some((result, text.split_once(&format!("\n{result} {name}("))?.1));
+        let (result, declared) = [three, four, "float"].into_iter().find_map(declared)?;
         let (parameters, _) = declared.split_once(')')?;
         let types = parameters.split(", ").filter_map(|parameter| parameter.split(' ').next());
         let arguments: Vec<String> = types.map(argument).collect();
         let call = format!("{name}({})", arguments.join(", "));
-        match result {
-            result if result == three => Some(call),
-            result if result == four => Some(format!("{call}.xyz")),
-            "float" => Some(format!("{call} * {}", argument(three))),
-            _ => None,
-        }
+        Some(match result {
+            "float" => format!("{call} * {}", argument(three)),
+            _ if result == four => format!("{call}.xyz"),
+            _ => call,
+        })
     };
     let calls: Vec<String> = function_names(&FUNCTIONS).into_iter().filter_map(call).collect();
     let first = DIRECTIONAL.name();

@@ -314,6 +314,10 @@ vec3 in_surface(vec3 direction) {
     return direction;
 }
 
+vec3 from_surface(vec3 direction_1) {
+    return direction_1;
+}
+
 float normal_reflectance() {
     return 0.040000003;
 }
@@ -419,8 +423,8 @@ vec2 crossings(vec2 frequency_4, vec3 wr_7, vec3 axis, float chord_squared) {
     return mix(vec2(1000000000.0), ((vec2(start_2.x) - places) / vec2(_e4.z)), greaterThan(heights, vec2(0.0)));
 }
 
-bool within(vec3 direction_1, vec3 axis_1, float chord_squared_1) {
-    vec3 chord = (direction_1 - axis_1);
+bool within(vec3 direction_2, vec3 axis_1, float chord_squared_1) {
+    vec3 chord = (direction_2 - axis_1);
     return (dot(chord, chord) < chord_squared_1);
 }
 
@@ -911,15 +915,11 @@ vec3 tristimulus_rectangle(vec3 a, vec3 b, vec3 c, vec3 d, vec3 wr_13) {
 }
 
 // Radiance of the surroundings: the host defines it.
-vec3 environment_radiance(vec3 direction_2, float spread);
+vec3 environment_radiance(vec3 direction_3, float spread);
 
 vec4 streak_light(int cell, int row_6) {
     vec4 _e5 = texelFetch(streaks, ivec2(cell, row_6), 0);
     return _e5;
-}
-
-vec3 from_surface(vec3 direction_3) {
-    return direction_3;
 }
 
 vec3 mirror_image(vec3 wr_14) {

@@ -328,6 +328,10 @@ vec3 in_surface(vec3 direction) {
     return direction;
 }
 
+vec3 from_surface(vec3 direction_1) {
+    return direction_1;
+}
+
 float normal_reflectance() {
     return 0.040000003;
 }
@@ -433,8 +437,8 @@ vec2 crossings(vec2 frequency_4, vec3 wr_7, vec3 axis, float chord_squared) {
     return mix(vec2(1000000000.0), ((vec2(start_2.x) - places) / vec2(_e4.z)), greaterThan(heights, vec2(0.0)));
 }
 
-bool within(vec3 direction_1, vec3 axis_1, float chord_squared_1) {
-    vec3 chord = (direction_1 - axis_1);
+bool within(vec3 direction_2, vec3 axis_1, float chord_squared_1) {
+    vec3 chord = (direction_2 - axis_1);
     return (dot(chord, chord) < chord_squared_1);
 }
 
@@ -933,9 +937,9 @@ vec3 environment_level(int level, vec2 place_2) {
     return _e41.xyz;
 }
 
-vec3 environment_radiance(vec3 direction_2, float spread) {
-    float across_3 = length(direction_2.xy);
-    vec2 place_7 = vec2(((atan(direction_2.y, (direction_2.x + ((across_3 == 0.0) ? 1e-12 : 0.0))) / 6.2831855) + 0.5), (atan(across_3, direction_2.z) / 3.1415927));
+vec3 environment_radiance(vec3 direction_3, float spread) {
+    float across_3 = length(direction_3.xy);
+    vec2 place_7 = vec2(((atan(direction_3.y, (direction_3.x + ((across_3 == 0.0) ? 1e-12 : 0.0))) / 6.2831855) + 0.5), (atan(across_3, direction_3.z) / 3.1415927));
     float blur = ((spread * spread) / 8.471149e-5);
     if ((blur < 1.0)) {
         vec3 _e28 = environment_level(0, place_7);
@@ -953,10 +957,6 @@ vec3 environment_radiance(vec3 direction_2, float spread) {
 vec4 streak_light(int cell, int row_6) {
     vec4 _e5 = texelFetch(_group_0_binding_6_fs, ivec2(cell, row_6), 0);
     return _e5;
-}
-
-vec3 from_surface(vec3 direction_3) {
-    return direction_3;
 }
 
 vec3 mirror_image(vec3 wr_14) {

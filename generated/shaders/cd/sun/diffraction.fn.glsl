@@ -380,6 +380,10 @@ vec3 in_surface(vec3 direction_1) {
     return direction_1;
 }
 
+vec3 from_surface(vec3 direction_2) {
+    return direction_2;
+}
+
 float normal_reflectance() {
     vec4 _e5 = texelFetch(spectrum, ivec2(0, 40), 0);
     return _e5.y;
@@ -491,8 +495,8 @@ vec2 crossings(vec2 frequency_4, vec3 wr_9, vec3 axis, float chord_squared) {
     return mix(vec2(1000000000.0), ((vec2(start_2.x) - places) / vec2(_e4.z)), greaterThan(heights, vec2(0.0)));
 }
 
-bool within(vec3 direction_2, vec3 axis_1, float chord_squared_1) {
-    vec3 chord = (direction_2 - axis_1);
+bool within(vec3 direction_3, vec3 axis_1, float chord_squared_1) {
+    vec3 chord = (direction_3 - axis_1);
     return (dot(chord, chord) < chord_squared_1);
 }
 
@@ -987,15 +991,11 @@ vec3 tristimulus_rectangle(vec3 a, vec3 b, vec3 c, vec3 d, vec3 wr_15) {
 }
 
 // Radiance of the surroundings: the host defines it.
-vec3 environment_radiance(vec3 direction_3, float spread);
+vec3 environment_radiance(vec3 direction_4, float spread);
 
 vec4 streak_light(int cell, int row_7) {
     vec4 _e5 = texelFetch(streaks, ivec2(cell, row_7), 0);
     return _e5;
-}
-
-vec3 from_surface(vec3 direction_4) {
-    return direction_4;
 }
 
 vec3 mirror_image(vec3 wr_16) {

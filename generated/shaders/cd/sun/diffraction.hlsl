@@ -483,6 +483,11 @@ float3 in_surface(float3 direction_1)
     return direction_1;
 }
 
+float3 from_surface(float3 direction_2)
+{
+    return direction_2;
+}
+
 float normal_reflectance()
 {
     float4 _e5 = spectrum.Load(int3(int2(int(0), int(40)), int(0)));
@@ -607,9 +612,9 @@ float2 crossings(float2 frequency_4, float3 wr_9, float3 axis, float chord_squar
     return ((heights > (0.0).xx) ? (((start_2.x).xx - places) / (_e4.z).xx) : (1000000000.0).xx);
 }
 
-bool within(float3 direction_2, float3 axis_1, float chord_squared_1)
+bool within(float3 direction_3, float3 axis_1, float chord_squared_1)
 {
-    float3 chord = (direction_2 - axis_1);
+    float3 chord = (direction_3 - axis_1);
     return (dot(chord, chord) < chord_squared_1);
 }
 
@@ -1129,10 +1134,10 @@ float3 environment_level(int level, float2 place_4)
     return _e41.xyz;
 }
 
-float3 environment_radiance(float3 direction_3, float spread)
+float3 environment_radiance(float3 direction_4, float spread)
 {
-    float across_3 = length(direction_3.xy);
-    float2 place_15 = float2(((atan2(direction_3.y, (direction_3.x + ((across_3 == 0.0) ? 1e-12 : 0.0))) / 6.2831855) + 0.5), (atan2(across_3, direction_3.z) / 3.1415927));
+    float across_3 = length(direction_4.xy);
+    float2 place_15 = float2(((atan2(direction_4.y, (direction_4.x + ((across_3 == 0.0) ? 1e-12 : 0.0))) / 6.2831855) + 0.5), (atan2(across_3, direction_4.z) / 3.1415927));
     float blur = ((spread * spread) / 8.471149e-5);
     if ((blur < 1.0)) {
         const float3 _e28 = environment_level(int(0), place_15);
@@ -1151,11 +1156,6 @@ float4 streak_light(int cell, int row_7)
 {
     float4 _e5 = streaks.Load(int3(int2(cell, row_7), int(0)));
     return _e5;
-}
-
-float3 from_surface(float3 direction_4)
-{
-    return direction_4;
 }
 
 float3 mirror_image(float3 wr_16)

@@ -514,6 +514,12 @@ metal::float3 in_surface(
     return direction_1;
 }
 
+metal::float3 from_surface(
+    metal::float3 direction_2
+) {
+    return direction_2;
+}
+
 float normal_reflectance(
     metal::texture2d<float, metal::access::sample> spectrum
 ) {
@@ -671,11 +677,11 @@ metal::float2 crossings(
 }
 
 bool within(
-    metal::float3 direction_2,
+    metal::float3 direction_3,
     metal::float3 axis_1,
     float chord_squared_1
 ) {
-    metal::float3 chord = direction_2 - axis_1;
+    metal::float3 chord = direction_3 - axis_1;
     return metal::dot(chord, chord) < chord_squared_1;
 }
 
@@ -1247,13 +1253,13 @@ metal::float3 environment_level(
 }
 
 metal::float3 environment_radiance(
-    metal::float3 direction_3,
+    metal::float3 direction_4,
     float spread,
     metal::texture2d<float, metal::access::sample> environment,
     metal::sampler linear_clamp
 ) {
-    float across_3 = metal::length(direction_3.xy);
-    metal::float2 place_10 = metal::float2((metal::atan2(direction_3.y, direction_3.x + ((across_3 == 0.0) ? 0.000000000001 : 0.0)) / 6.2831855) + 0.5, metal::atan2(across_3, direction_3.z) / 3.1415927);
+    float across_3 = metal::length(direction_4.xy);
+    metal::float2 place_10 = metal::float2((metal::atan2(direction_4.y, direction_4.x + ((across_3 == 0.0) ? 0.000000000001 : 0.0)) / 6.2831855) + 0.5, metal::atan2(across_3, direction_4.z) / 3.1415927);
     float blur = (spread * spread) / 0.00008471149;
     if (blur < 1.0) {
         metal::float3 _e28 = environment_level(0, place_10, environment, linear_clamp);
@@ -1275,12 +1281,6 @@ metal::float4 streak_light(
 ) {
     metal::float4 _e5 = streaks.read(metal::uint2(metal::int2(cell, row_7)), 0);
     return _e5;
-}
-
-metal::float3 from_surface(
-    metal::float3 direction_4
-) {
-    return direction_4;
 }
 
 metal::float3 mirror_image(

@@ -328,6 +328,11 @@ fn in_surface(direction: vec3f) -> vec3f {
     return direction;
 }
 
+// Direction in the tangent frame, from one in the frame of the surface.
+fn from_surface(direction: vec3f) -> vec3f {
+    return direction;
+}
+
 // Reflectance at normal incidence.
 fn normal_reflectance(spectrum: texture_2d<f32>) -> f32 {
     return textureLoad(spectrum, vec2i(0, MATTER_ROW), 0).y;
@@ -782,11 +787,6 @@ fn streak(order: vec2i, wr: vec3f, efficiencies: texture_2d<f32>, spectrum: text
 // Light of a cell. Row: red, green, blue.
 fn streak_light(cell: i32, row: i32, streaks: texture_2d<f32>) -> vec4f {
     return textureLoad(streaks, vec2i(cell, row), 0);
-}
-
-// Direction in the tangent frame, from one in the frame of the surface.
-fn from_surface(direction: vec3f) -> vec3f {
-    return direction;
 }
 
 // Linear RGB of the radiance under a disc, a cap of the sphere: a lamp, the sun. `axis` points to its middle, `radius` is

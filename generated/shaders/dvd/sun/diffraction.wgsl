@@ -351,6 +351,11 @@ fn in_surface(direction: vec3f) -> vec3f {
     return direction;
 }
 
+// Direction in the tangent frame, from one in the frame of the surface.
+fn from_surface(direction: vec3f) -> vec3f {
+    return direction;
+}
+
 // Reflectance at normal incidence.
 fn normal_reflectance() -> f32 {
     return textureLoad(spectrum, vec2i(0, MATTER_ROW), 0).y;
@@ -864,11 +869,6 @@ fn streak_light(cell: i32, row: i32) -> vec4f {
     return textureLoad(streaks, vec2i(cell, row), 0);
 }
 
-// Direction in the tangent frame, from one in the frame of the surface.
-fn from_surface(direction: vec3f) -> vec3f {
-    return direction;
-}
-
 // From tristimulus values to linear RGB.
 
 // Linear RGB for one pair of directions.
@@ -953,7 +953,8 @@ fn map(@location(0) place: vec2f) -> @location(0) vec4f {
 // Arguments of a function, in rows 5k to 5k+4 for row k of the picture, counted from the top. w of the first chooses the
 // function. 0: one direction to the light, then to the viewer. 1: a disc: its axis, then to the viewer, with the radius in
 // w. 2: a quadrilateral: a corner, then to the viewer, then the other corners. 3: the surroundings: any vector, then to
-// the viewer. xyz: unit vectors.
+// the viewer. 8: a path of light from a sky: its constant radiance, the viewer with the deviation of a lobe in w, the
+// lobe's axis, its radiance, three random numbers. xyz of the others: unit vectors.
 @group(0) @binding(3) var directions: texture_2d<f32>;
 
 // X, Y, Z of a pixel, alpha 1.

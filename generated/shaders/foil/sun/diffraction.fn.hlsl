@@ -415,6 +415,11 @@ float3 in_surface(float3 direction_1)
     return direction_1;
 }
 
+float3 from_surface(float3 direction_2)
+{
+    return direction_2;
+}
+
 float normal_reflectance()
 {
     float4 _e5 = spectrum.Load(int3(int2(int(0), int(40)), int(0)));
@@ -538,9 +543,9 @@ float2 crossings(float2 frequency_4, float3 wr_9, float3 axis, float chord_squar
     return ((heights > (0.0).xx) ? (((start_2.x).xx - places) / (_e4.z).xx) : (1000000000.0).xx);
 }
 
-bool within(float3 direction_2, float3 axis_1, float chord_squared_1)
+bool within(float3 direction_3, float3 axis_1, float chord_squared_1)
 {
-    float3 chord = (direction_2 - axis_1);
+    float3 chord = (direction_3 - axis_1);
     return (dot(chord, chord) < chord_squared_1);
 }
 
@@ -1055,17 +1060,12 @@ float3 ZeroValuefloat3() {
 }
 
 // Radiance of the surroundings: the host defines it.
-float3 environment_radiance(float3 direction_3, float spread);
+float3 environment_radiance(float3 direction_4, float spread);
 
 float4 streak_light(int cell, int row_7)
 {
     float4 _e5 = streaks.Load(int3(int2(cell, row_7), int(0)));
     return _e5;
-}
-
-float3 from_surface(float3 direction_4)
-{
-    return direction_4;
 }
 
 float3 mirror_image(float3 wr_16)

@@ -387,6 +387,10 @@ vec3 in_surface(vec3 direction_1) {
     return direction_1;
 }
 
+vec3 from_surface(vec3 direction_2) {
+    return direction_2;
+}
+
 float normal_reflectance() {
     vec4 _e5 = texelFetch(_group_0_binding_2_fs, ivec2(0, 40), 0);
     return _e5.y;
@@ -497,8 +501,8 @@ vec2 crossings(vec2 frequency_4, vec3 wr_9, vec3 axis, float chord_squared) {
     return mix(vec2(1000000000.0), ((vec2(start_2.x) - places) / vec2(_e4.z)), greaterThan(heights, vec2(0.0)));
 }
 
-bool within(vec3 direction_2, vec3 axis_1, float chord_squared_1) {
-    vec3 chord = (direction_2 - axis_1);
+bool within(vec3 direction_3, vec3 axis_1, float chord_squared_1) {
+    vec3 chord = (direction_3 - axis_1);
     return (dot(chord, chord) < chord_squared_1);
 }
 
@@ -1001,9 +1005,9 @@ vec3 environment_level(int level, vec2 place_2) {
     return _e41.xyz;
 }
 
-vec3 environment_radiance(vec3 direction_3, float spread) {
-    float across_3 = length(direction_3.xy);
-    vec2 place_8 = vec2(((atan(direction_3.y, (direction_3.x + ((across_3 == 0.0) ? 1e-12 : 0.0))) / 6.2831855) + 0.5), (atan(across_3, direction_3.z) / 3.1415927));
+vec3 environment_radiance(vec3 direction_4, float spread) {
+    float across_3 = length(direction_4.xy);
+    vec2 place_8 = vec2(((atan(direction_4.y, (direction_4.x + ((across_3 == 0.0) ? 1e-12 : 0.0))) / 6.2831855) + 0.5), (atan(across_3, direction_4.z) / 3.1415927));
     float blur = ((spread * spread) / 8.471149e-5);
     if ((blur < 1.0)) {
         vec3 _e28 = environment_level(0, place_8);
@@ -1021,10 +1025,6 @@ vec3 environment_radiance(vec3 direction_3, float spread) {
 vec4 streak_light(int cell, int row_7) {
     vec4 _e5 = texelFetch(_group_0_binding_6_fs, ivec2(cell, row_7), 0);
     return _e5;
-}
-
-vec3 from_surface(vec3 direction_4) {
-    return direction_4;
 }
 
 vec3 mirror_image(vec3 wr_16) {
