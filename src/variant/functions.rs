@@ -2,6 +2,7 @@
 //! probes and cost follow from that.
 
 mod arguments;
+mod coloured;
 mod directional;
 mod disc;
 mod environment;
@@ -18,6 +19,7 @@ use crate::surface::HeightField;
 use super::{Cost, Form};
 
 pub use arguments::{Arguments, Around};
+pub use coloured::{Coloured, DISC_COLOURED, RECTANGLE_COLOURED};
 pub use directional::{DIRECTIONAL, Directional};
 pub use disc::{DISC, Disc};
 pub use environment::{ENVIRONMENT, Environment, skies};
@@ -90,7 +92,8 @@ pub struct ExactProbe {
 pub const HOSTS: [&str; 1] = ["environment_radiance"];
 
 /// All functions.
-pub static FUNCTIONS: [&dyn Function; 4] = [&DIRECTIONAL, &DISC, &RECTANGLE, &ENVIRONMENT];
+pub static FUNCTIONS: [&dyn Function; 6] =
+    [&DIRECTIONAL, &DISC, &DISC_COLOURED, &RECTANGLE, &RECTANGLE_COLOURED, &ENVIRONMENT];
 
 /// Which function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,8 +102,12 @@ pub enum FunctionKind {
     Direction,
     /// `diffraction_disc`.
     Disc,
+    /// `diffraction_disc_coloured`.
+    DiscColoured,
     /// `diffraction_rectangle`.
     Rectangle,
+    /// `diffraction_rectangle_coloured`.
+    RectangleColoured,
     /// `diffraction_environment`.
     Environment,
 }
@@ -111,7 +118,9 @@ impl FunctionKind {
         match self {
             FunctionKind::Direction => &DIRECTIONAL,
             FunctionKind::Disc => &DISC,
+            FunctionKind::DiscColoured => &DISC_COLOURED,
             FunctionKind::Rectangle => &RECTANGLE,
+            FunctionKind::RectangleColoured => &RECTANGLE_COLOURED,
             FunctionKind::Environment => &ENVIRONMENT,
         }
     }
@@ -120,8 +129,8 @@ impl FunctionKind {
     pub fn word(self) -> LightFunction {
         match self {
             FunctionKind::Direction => LightFunction::Direction,
-            FunctionKind::Disc => LightFunction::Disc,
-            FunctionKind::Rectangle => LightFunction::Polygon,
+            FunctionKind::Disc | FunctionKind::DiscColoured => LightFunction::Disc,
+            FunctionKind::Rectangle | FunctionKind::RectangleColoured => LightFunction::Polygon,
             FunctionKind::Environment => LightFunction::Environment,
         }
     }

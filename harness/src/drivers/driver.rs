@@ -307,9 +307,16 @@ fn directions_table(calls: &[Arguments], rows: usize) -> Table {
     for (i, call) in calls.iter().enumerate() {
         let arguments: &[(DVec3, f64)] = match *call {
             Arguments::Direction(Directions { wi, wr }) => &[(wi, 0.0), (wr, 0.0)],
-            Arguments::Disc { axis, radius_rad, wr } => &[(axis, 1.0), (wr, radius_rad)],
-            Arguments::Rectangle { corners: [a, b, c, d], wr } => {
-                &[(a, 2.0), (wr, 0.0), (b, 0.0), (c, 0.0), (d, 0.0)]
+            Arguments::Disc { axis, radius_rad, colour: None, wr } => {
+                &[(axis, 1.0), (wr, radius_rad)]
+            }
+            Arguments::Disc { axis, radius_rad, colour: Some(of), wr } => {
+                &[(axis, 4.0), (wr, radius_rad), (axis, of.x), (axis, of.y), (axis, of.z)]
+            }
+            Arguments::Rectangle { corners: [a, b, c, d], colour, wr } => {
+                let of = colour.unwrap_or_default();
+                let function = if colour.is_some() { 5.0 } else { 2.0 };
+                &[(a, function), (wr, 0.0), (b, of.x), (c, of.y), (d, of.z)]
             }
             Arguments::Environment { wr, .. } => &[(wr, 3.0), (wr, 0.0)],
         };
