@@ -116,7 +116,17 @@ impl<'a> Prepared<'a> {
 
     /// Compiles the entry point `map` with its tables. Its uniform block is [`params`].
     pub fn map_pipeline<D: Driver>(&self, driver: &D) -> Result<D::Pipeline> {
-        self.pipeline(driver, "map", &self.spectrum, &[])
+        self.map_pipeline_in(driver, None)
+    }
+
+    /// The same with surroundings, for maps that were changed to call their function.
+    pub fn map_pipeline_in<D: Driver>(
+        &self,
+        driver: &D,
+        around: Option<&Table>,
+    ) -> Result<D::Pipeline> {
+        let further: Vec<&Table> = around.into_iter().collect();
+        self.pipeline(driver, "map", &self.spectrum, &further)
     }
 
     /// Rows of arguments of each pixel of the entry point `probe`.
