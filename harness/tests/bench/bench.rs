@@ -108,7 +108,8 @@ fn a_studio_is_timed_by_look_ups() {
         let mut optics = Optics::standard();
         optics.coherence = Coherence::Ensemble;
         optics.coherence_scaling = CoherenceScaling::Wavelength;
-        let variant = Variant { mode: Mode::Orders, name: "orders".into(), ..Variant::texts(&optics) };
+        let variant =
+            Variant { mode: Mode::Orders, name: "orders".into(), ..Variant::texts(&optics) };
         let lit = |under| {
             let variant = Box::new(variant.clone());
             Case::Map { variant, height: None, frame: [SIZE; 2], under }
