@@ -178,27 +178,18 @@ fn panel_colour(
 // Integral of the colour weights between two wavelengths, times a polynomial in the distance from the middle relative to
 // half the range. A moment about the middle is at most the integral itself, and rounding must not make it larger.
 fn moments_between(from_um: f32, to_um: f32, powers: vec4f, colour: vec3f) -> vec3f {
-    let first_column = moment_column(from_um);
-    let last_column = moment_column(to_um);
-    let from_powers = column_powers(first_column);
-    let to_powers = column_powers(last_column);
-    // Blue is what red and green leave of white. Grey light needs the rows of white alone.
-    var shares = vec3f(colour.z, colour.x - colour.z, colour.y - colour.z);
-    var x = vec4f(0.0);
-    var y = vec4f(0.0);
-    var z = vec4f(0.0);
-    for (var row = 0; row < 12; row += 4) {
-        if (shares.x != 0.0) {
-            let before = column_part(from_um, first_column, row + 3);
-            let after = column_part(to_um, last_column, row + 3);
-            let x_columns = moment(last_column, row) - moment(first_column, row);
-            let y_columns = moment(last_column, row + 1) - moment(first_column, row + 1);
-            let z_columns = moment(last_column, row + 2) - moment(first_column, row + 2);
-            x += shares.x * (x_columns + after.x * to_powers - before.x * from_powers);
-            y += shares.x * (y_columns + after.y * to_powers - before.y * from_powers);
-            z += shares.x * (z_columns + after.z * to_powers - before.z * from_powers);
-        }
-        shares = shares.yzx;
+    let white = moments_of(0, from_um, to_um);
+    var x = colour.z * white[0];
+    var y = colour.z * white[1];
+    var z = colour.z * white[2];
+    // blue is what red and green leave of white, and grey light needs no more than white
+    let more = colour.xy - colour.z;
+    if (more.x != 0.0 || more.y != 0.0) {
+        let red = moments_of(4, from_um, to_um);
+        let green = moments_of(8, from_um, to_um);
+        x += more.x * red[0] + more.y * green[0];
+        y += more.x * red[1] + more.y * green[1];
+        z += more.x * red[2] + more.y * green[2];
     }
     let centre = 5.0 * (0.5 * (from_um + to_um) - 0.58);
     let scale = 1.0 / max(2.5 * (to_um - from_um), 1e-9);
@@ -214,6 +205,22 @@ fn moments_between(from_um: f32, to_um: f32, powers: vec4f, colour: vec3f) -> ve
         + powers.y * clamp(linear, -light, light)
         + powers.z * clamp(square, -light, light)
         + powers.w * clamp(cube, -light, light);
+}
+
+// Moments between two wavelengths of one light of the table, whose first row it is. The columns are X, Y, Z and nothing.
+fn moments_of(row: i32, from_um: f32, to_um: f32) -> mat4x4f {
+    let first_column = moment_column(from_um);
+    let last_column = moment_column(to_um);
+    let before = column_part(from_um, first_column, row + 3);
+    let after = column_part(to_um, last_column, row + 3);
+    let from_powers = column_powers(first_column);
+    let to_powers = column_powers(last_column);
+    return mat4x4f(
+        moment(last_column, row) + after.x * to_powers - moment(first_column, row) - before.x * from_powers,
+        moment(last_column, row + 1) + after.y * to_powers - moment(first_column, row + 1) - before.y * from_powers,
+        moment(last_column, row + 2) + after.z * to_powers - moment(first_column, row + 2) - before.z * from_powers,
+        vec4f(0.0),
+    );
 }
 
 // Place of a wavelength in columns of the table of moments.

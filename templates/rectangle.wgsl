@@ -8,14 +8,7 @@ fn tristimulus_rectangle(a: vec3f, b: vec3f, c: vec3f, d: vec3f, wr: vec3f) -> v
 }
 
 // The same under a quadrilateral whose radiance is a colour in linear sRGB.
-fn tristimulus_rectangle_coloured(
-    a: vec3f,
-    b: vec3f,
-    c: vec3f,
-    d: vec3f,
-    colour: vec3f,
-    wr: vec3f,
-) -> vec3f {
+fn tristimulus_rectangle_coloured(a: vec3f, b: vec3f, c: vec3f, d: vec3f, colour: vec3f, wr: vec3f) -> vec3f {
     if (!(wr.z > 1e-6)) {
         return vec3f(0.0);
     }

@@ -212,9 +212,13 @@ pub const LAMP_CONTROLS: [Control; 8] = [
         matter: false,
         around: false,
         spoil: |p, _| {
-            let right = "vec3f(colour.z, colour.x - colour.z, colour.y - colour.z)";
-            let wrong = "vec3f(colour.x, colour.z - colour.x, colour.y - colour.x)";
-            replace(p, "lamps", right, wrong);
+            // blue takes the rows of red, and red is what the others leave
+            replace(
+                p,
+                "lamps",
+                "moments_between(from_um, to_um, powers, colour)",
+                "moments_between(from_um, to_um, powers, colour.zyx)",
+            );
         },
     },
     Control {

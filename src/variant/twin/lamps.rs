@@ -173,14 +173,9 @@ fn moments_between(
     let shares = [colour.z, colour.x - colour.z, colour.y - colour.z];
     let mut sums = [DVec4::ZERO; 3];
     for (row, share) in (0..).step_by(4).zip(shares) {
-        let ends = [from_um, to_um].map(|um| {
-            let column = moment_column(form, um);
-            let part = column_part(twin, form, um, column, row + 3).to_array();
-            let powers = column_powers(form, column);
-            [0, 1, 2].map(|c| moment(twin, column, row + c as i64) + part[c] * powers)
-        });
-        for (c, sum) in sums.iter_mut().enumerate() {
-            *sum += share * (ends[1][c] - ends[0][c]);
+        let moments = moments_of(twin, form, row, [from_um, to_um]);
+        for (sum, moments) in sums.iter_mut().zip(moments) {
+            *sum += share * moments;
         }
     }
     let channel = |sum: DVec4| {
@@ -194,6 +189,17 @@ fn moments_between(
         powers.dot(DVec4::new(light, about(linear), about(square), about(cube)))
     };
     DVec3::from(sums.map(channel))
+}
+
+/// Moments of X, Y, Z between two wavelengths of the light of the table whose first row that is.
+fn moments_of(twin: &Twin<'_>, form: &Orders, row: i64, [from_um, to_um]: [f64; 2]) -> [DVec4; 3] {
+    let [before, after] = [from_um, to_um].map(|um| {
+        let column = moment_column(form, um);
+        let part = column_part(twin, form, um, column, row + 3).to_array();
+        let powers = column_powers(form, column);
+        [0, 1, 2].map(|c| moment(twin, column, row + c as i64) + part[c] * powers)
+    });
+    [0, 1, 2].map(|c| after[c] - before[c])
 }
 
 /// Place of a wavelength in columns of the table of moments.

@@ -520,19 +520,19 @@ int moment_column(float lambda_um_3)
     return clamp(naga_f2i32(_e1), int(0), int(399));
 }
 
-float4 column_powers(int column)
-{
-    float share_1 = ((float(column) + 0.5) / 400.0);
-    float t = (5.0 * (lerp(WAVELENGTH_MIN_UM, WAVELENGTH_MAX_UM, share_1) - 0.58));
-    return float4(1.0, t, (t * t), ((t * t) * t));
-}
-
-float3 column_part(float lambda_um_4, int column_1, int row_3)
+float3 column_part(float lambda_um_4, int column, int row_3)
 {
     const float _e3 = moment_place(lambda_um_4);
-    float part_2 = clamp((_e3 - float(column_1)), 0.0, 1.0);
-    float4 _e12 = moments.Load(int3(int2(column_1, row_3), int(0)));
+    float part_2 = clamp((_e3 - float(column)), 0.0, 1.0);
+    float4 _e12 = moments.Load(int3(int2(column, row_3), int(0)));
     return (part_2 * _e12.xyz);
+}
+
+float4 column_powers(int column_1)
+{
+    float share_1 = ((float(column_1) + 0.5) / 400.0);
+    float t = (5.0 * (lerp(WAVELENGTH_MIN_UM, WAVELENGTH_MAX_UM, share_1) - 0.58));
+    return float4(1.0, t, (t * t), ((t * t) * t));
 }
 
 float4 moment(int column_2, int row_4)
@@ -541,85 +541,69 @@ float4 moment(int column_2, int row_4)
     return _e5;
 }
 
-float3 moments_between(float from_um_2, float to_um_2, float4 powers, float3 colour)
+float4x4 moments_of(int row_5, float from_um_2, float to_um_2)
 {
-    float3 shares = (float3)0;
-    float4 x = (0.0).xxxx;
-    float4 y = (0.0).xxxx;
-    float4 z = (0.0).xxxx;
-    int row_5 = int(0);
+    const int _e3 = moment_column(from_um_2);
+    const int _e4 = moment_column(to_um_2);
+    const float3 _e7 = column_part(from_um_2, _e3, asint(asuint(row_5) + asuint(int(3))));
+    const float3 _e10 = column_part(to_um_2, _e4, asint(asuint(row_5) + asuint(int(3))));
+    const float4 _e11 = column_powers(_e3);
+    const float4 _e12 = column_powers(_e4);
+    const float4 _e13 = moment(_e4, row_5);
+    const float4 _e14 = moment(_e3, row_5);
+    const float4 _e17 = moment(_e4, asint(asuint(row_5) + asuint(int(1))));
+    const float4 _e20 = moment(_e3, asint(asuint(row_5) + asuint(int(1))));
+    const float4 _e23 = moment(_e4, asint(asuint(row_5) + asuint(int(2))));
+    const float4 _e26 = moment(_e3, asint(asuint(row_5) + asuint(int(2))));
+    return float4x4((((_e13 + (_e10.x * _e12)) - _e14) - (_e7.x * _e11)), (((_e17 + (_e10.y * _e12)) - _e20) - (_e7.y * _e11)), (((_e23 + (_e10.z * _e12)) - _e26) - (_e7.z * _e11)), (0.0).xxxx);
+}
 
-    const int _e16 = moment_column(from_um_2);
-    const int _e17 = moment_column(to_um_2);
-    const float4 _e18 = column_powers(_e16);
-    const float4 _e19 = column_powers(_e17);
-    shares = float3(colour.z, (colour.x - colour.z), (colour.y - colour.z));
-    bool loop_init_2 = true;
-    while(true) {
-        if (!loop_init_2) {
-            int _e101 = row_5;
-            row_5 = asint(asuint(_e101) + asuint(int(4)));
-        }
-        loop_init_2 = false;
-        int _e28 = row_5;
-        if ((_e28 < int(12))) {
-        } else {
-            break;
-        }
-        {
-            float _e32 = shares.x;
-            if ((_e32 != 0.0)) {
-                int _e35 = row_5;
-                const float3 _e38 = column_part(from_um_2, _e16, asint(asuint(_e35) + asuint(int(3))));
-                int _e39 = row_5;
-                const float3 _e42 = column_part(to_um_2, _e17, asint(asuint(_e39) + asuint(int(3))));
-                int _e43 = row_5;
-                const float4 _e44 = moment(_e17, _e43);
-                int _e45 = row_5;
-                const float4 _e46 = moment(_e16, _e45);
-                float4 x_columns = (_e44 - _e46);
-                int _e48 = row_5;
-                const float4 _e51 = moment(_e17, asint(asuint(_e48) + asuint(int(1))));
-                int _e52 = row_5;
-                const float4 _e55 = moment(_e16, asint(asuint(_e52) + asuint(int(1))));
-                float4 y_columns = (_e51 - _e55);
-                int _e57 = row_5;
-                const float4 _e60 = moment(_e17, asint(asuint(_e57) + asuint(int(2))));
-                int _e61 = row_5;
-                const float4 _e64 = moment(_e16, asint(asuint(_e61) + asuint(int(2))));
-                float4 z_columns = (_e60 - _e64);
-                float4 _e66 = x;
-                float _e68 = shares.x;
-                x = (_e66 + (_e68 * ((x_columns + (_e42.x * _e19)) - (_e38.x * _e18))));
-                float4 _e77 = y;
-                float _e79 = shares.x;
-                y = (_e77 + (_e79 * ((y_columns + (_e42.y * _e19)) - (_e38.y * _e18))));
-                float4 _e88 = z;
-                float _e90 = shares.x;
-                z = (_e88 + (_e90 * ((z_columns + (_e42.z * _e19)) - (_e38.z * _e18))));
-            }
-            float3 _e99 = shares;
-            shares = _e99.yzx;
-        }
+float3 moments_between(float from_um_3, float to_um_3, float4 powers, float3 colour)
+{
+    float4 x = (float4)0;
+    float4 y = (float4)0;
+    float4 z = (float4)0;
+    bool local_2 = (bool)0;
+
+    const float4x4 _e9 = moments_of(int(0), from_um_3, to_um_3);
+    x = (colour.z * _e9[0]);
+    y = (colour.z * _e9[1]);
+    z = (colour.z * _e9[2]);
+    float2 more = (colour.xy - (colour.z).xx);
+    if (!((more.x != 0.0))) {
+        local_2 = (more.y != 0.0);
+    } else {
+        local_2 = true;
     }
-    float centre_2 = (5.0 * ((0.5 * (from_um_2 + to_um_2)) - 0.58));
-    float scale_1 = (1.0 / max((2.5 * (to_um_2 - from_um_2)), 1e-9));
-    float _e119 = x.x;
-    float _e121 = y.x;
-    float _e123 = z.x;
-    float3 light = max(float3(_e119, _e121, _e123), (0.0).xxx);
-    float _e129 = x.y;
-    float _e131 = y.y;
-    float _e133 = z.y;
-    float3 first_2 = float3(_e129, _e131, _e133);
-    float _e136 = x.z;
-    float _e138 = y.z;
-    float _e140 = z.z;
-    float3 second = float3(_e136, _e138, _e140);
-    float _e143 = x.w;
-    float _e145 = y.w;
-    float _e147 = z.w;
-    float3 third = float3(_e143, _e145, _e147);
+    bool _e31 = local_2;
+    if (_e31) {
+        const float4x4 _e33 = moments_of(int(4), from_um_3, to_um_3);
+        const float4x4 _e35 = moments_of(int(8), from_um_3, to_um_3);
+        float4 _e36 = x;
+        x = (_e36 + ((more.x * _e33[0]) + (more.y * _e35[0])));
+        float4 _e45 = y;
+        y = (_e45 + ((more.x * _e33[1]) + (more.y * _e35[1])));
+        float4 _e54 = z;
+        z = (_e54 + ((more.x * _e33[2]) + (more.y * _e35[2])));
+    }
+    float centre_2 = (5.0 * ((0.5 * (from_um_3 + to_um_3)) - 0.58));
+    float scale_1 = (1.0 / max((2.5 * (to_um_3 - from_um_3)), 1e-9));
+    float _e78 = x.x;
+    float _e80 = y.x;
+    float _e82 = z.x;
+    float3 light = max(float3(_e78, _e80, _e82), (0.0).xxx);
+    float _e88 = x.y;
+    float _e90 = y.y;
+    float _e92 = z.y;
+    float3 first_2 = float3(_e88, _e90, _e92);
+    float _e95 = x.z;
+    float _e97 = y.z;
+    float _e99 = z.z;
+    float3 second = float3(_e95, _e97, _e99);
+    float _e102 = x.w;
+    float _e104 = y.w;
+    float _e106 = z.w;
+    float3 third = float3(_e102, _e104, _e106);
     float3 linear_ = ((first_2 - (centre_2 * light)) * scale_1);
     float3 square = (((second - (centre_2 * ((2.0 * first_2) - (centre_2 * light)))) * scale_1) * scale_1);
     float3 cubic = ((third - ((3.0 * centre_2) * (second - (centre_2 * first_2)))) - (((centre_2 * centre_2) * centre_2) * light));
@@ -627,10 +611,10 @@ float3 moments_between(float from_um_2, float to_um_2, float4 powers, float3 col
     return ((((powers.x * light) + (powers.y * clamp(linear_, -(light), light))) + (powers.z * clamp(square, -(light), light))) + (powers.w * clamp(cube, -(light), light)));
 }
 
-float3 panel_colour(int2 order_3, float2 frequency_7, float from_um_3, float to_um_3, float3 colour_1, float3 wr_10)
+float3 panel_colour(int2 order_3, float2 frequency_7, float from_um_4, float to_um_4, float3 colour_1, float3 wr_10)
 {
-    float middle_1 = (0.5 * (from_um_3 + to_um_3));
-    float half_3 = (0.5 * (to_um_3 - from_um_3));
+    float middle_1 = (0.5 * (from_um_4 + to_um_4));
+    float half_3 = (0.5 * (to_um_4 - from_um_4));
     float outer = (0.9238795 * half_3);
     float inner_1 = (0.38268343 * half_3);
     const float _e17 = order_share(order_3, frequency_7, (middle_1 + outer), wr_10);
@@ -642,11 +626,11 @@ float3 panel_colour(int2 order_3, float2 frequency_7, float from_um_3, float to_
     float square_1 = (0.35355338 * (((_e17 - _e19) - _e21) + _e23));
     float cube_1 = (0.5 * ((0.38268343 * (_e17 - _e23)) - (0.9238795 * (_e19 - _e21))));
     float4 powers_1 = float4((mean - square_1), (linear_1 - (3.0 * cube_1)), (2.0 * square_1), (4.0 * cube_1));
-    const float3 _e61 = moments_between(from_um_3, to_um_3, powers_1, colour_1);
+    const float3 _e61 = moments_between(from_um_4, to_um_4, powers_1, colour_1);
     return _e61;
 }
 
-float3 order_colour(int2 order_4, float from_um_4, float to_um_4, float3 colour_2, float3 wr_11)
+float3 order_colour(int2 order_4, float from_um_5, float to_um_5, float3 colour_2, float3 wr_11)
 {
     float3 xyz_1 = (0.0).xxx;
     float start_um = (float)0;
@@ -654,26 +638,26 @@ float3 order_colour(int2 order_4, float from_um_4, float to_um_4, float3 colour_
     float end_um = (float)0;
 
     const float2 _e12 = order_frequency(order_4);
-    const int _e13 = panel_count(_e12, from_um_4, to_um_4, wr_11);
-    start_um = from_um_4;
-    bool loop_init_3 = true;
+    const int _e13 = panel_count(_e12, from_um_5, to_um_5, wr_11);
+    start_um = from_um_5;
+    bool loop_init_2 = true;
     while(true) {
-        if (!loop_init_3) {
+        if (!loop_init_2) {
             int _e29 = panel;
             panel = asint(asuint(_e29) + asuint(int(1)));
         }
-        loop_init_3 = false;
+        loop_init_2 = false;
         int _e14 = panel;
         if ((_e14 <= _e13)) {
         } else {
             break;
         }
         {
-            end_um = to_um_4;
+            end_um = to_um_5;
             int _e16 = panel;
             if ((_e16 < _e13)) {
                 int _e18 = panel;
-                const float _e22 = wavelength_between(_e12, from_um_4, to_um_4, (float(_e18) / float(_e13)), wr_11);
+                const float _e22 = wavelength_between(_e12, from_um_5, to_um_5, (float(_e18) / float(_e13)), wr_11);
                 end_um = _e22;
             }
             float3 _e23 = xyz_1;
@@ -695,17 +679,17 @@ float3 tristimulus_disc_coloured(float3 axis_2, float radius_1, float3 colour_3,
     int2 columns = (int2)0;
     int column_3 = (int)0;
     int2 order_5 = int2(int(0), int(0));
-    float from_um_5 = 0.0;
-    float to_um_5 = 0.0;
+    float from_um_6 = 0.0;
+    float to_um_6 = 0.0;
     float passed_um = 0.0;
     bool lit_ = false;
     float3 xyz_2 = (0.0).xxx;
     int hit_1 = int(0);
     int tried_1 = (int)0;
-    bool local_2 = (bool)0;
     bool local_3 = (bool)0;
     bool local_4 = (bool)0;
     bool local_5 = (bool)0;
+    bool local_6 = (bool)0;
 
     if (!((wr_12.z > 1e-6))) {
         return (0.0).xxx;
@@ -722,13 +706,13 @@ float3 tristimulus_disc_coloured(float3 axis_2, float radius_1, float3 colour_3,
     columns = _e45;
     int _e47 = columns.x;
     column_3 = _e47;
-    bool loop_init_4 = true;
+    bool loop_init_3 = true;
     while(true) {
-        if (!loop_init_4) {
+        if (!loop_init_3) {
             int _e135 = hit_1;
             hit_1 = asint(asuint(_e135) + asuint(int(1)));
         }
-        loop_init_4 = false;
+        loop_init_3 = false;
         int _e48 = hit_1;
         if ((_e48 < int(243))) {
         } else {
@@ -737,13 +721,13 @@ float3 tristimulus_disc_coloured(float3 axis_2, float radius_1, float3 colour_3,
         {
             lit_ = false;
             tried_1 = int(0);
-            bool loop_init_5 = true;
+            bool loop_init_4 = true;
             while(true) {
-                if (!loop_init_5) {
+                if (!loop_init_4) {
                     int _e124 = tried_1;
                     tried_1 = asint(asuint(_e124) + asuint(int(1)));
                 }
-                loop_init_5 = false;
+                loop_init_4 = false;
                 int _e53 = tried_1;
                 if ((_e53 < int(324))) {
                 } else {
@@ -753,11 +737,11 @@ float3 tristimulus_disc_coloured(float3 axis_2, float radius_1, float3 colour_3,
                     bool _e56 = lit_;
                     if (!(_e56)) {
                         int _e58 = row_6;
-                        local_2 = (_e58 > _e42.y);
+                        local_3 = (_e58 > _e42.y);
                     } else {
-                        local_2 = true;
+                        local_3 = true;
                     }
-                    bool _e62 = local_2;
+                    bool _e62 = local_3;
                     if (_e62) {
                         break;
                     }
@@ -769,37 +753,37 @@ float3 tristimulus_disc_coloured(float3 axis_2, float radius_1, float3 colour_3,
                     const float2 _e68 = propagating(_e67, _e35);
                     const float2 _e69 = crossings(_e67, _e35, _e36, _e37);
                     float _e70 = passed_um;
-                    from_um_5 = max(_e68.x, _e70);
-                    float _e73 = from_um_5;
+                    from_um_6 = max(_e68.x, _e70);
+                    float _e73 = from_um_6;
                     float2 beyond = ((_e69 > (_e73).xx) ? _e69 : _e68.yy);
-                    to_um_5 = min(_e68.y, min(beyond.x, beyond.y));
-                    float _e83 = from_um_5;
-                    float _e84 = to_um_5;
+                    to_um_6 = min(_e68.y, min(beyond.x, beyond.y));
+                    float _e83 = from_um_6;
+                    float _e84 = to_um_6;
                     const float3 _e88 = arrival(_e67, (0.5 * (_e83 + _e84)), _e35);
                     int _e89 = column_3;
                     int _e91 = columns.y;
                     if ((_e89 <= _e91)) {
-                        float _e93 = from_um_5;
-                        local_3 = (_e93 < _e68.y);
-                    } else {
-                        local_3 = false;
-                    }
-                    bool is_open = local_3;
-                    if (is_open) {
-                        const bool _e98 = within(_e88, _e36, _e37);
-                        local_4 = _e98;
+                        float _e93 = from_um_6;
+                        local_4 = (_e93 < _e68.y);
                     } else {
                         local_4 = false;
                     }
-                    bool _e100 = local_4;
+                    bool is_open = local_4;
+                    if (is_open) {
+                        const bool _e98 = within(_e88, _e36, _e37);
+                        local_5 = _e98;
+                    } else {
+                        local_5 = false;
+                    }
+                    bool _e100 = local_5;
                     lit_ = _e100;
                     if (!(!(is_open))) {
-                        float _e103 = to_um_5;
-                        local_5 = (_e103 >= _e68.y);
+                        float _e103 = to_um_6;
+                        local_6 = (_e103 >= _e68.y);
                     } else {
-                        local_5 = true;
+                        local_6 = true;
                     }
-                    bool _e107 = local_5;
+                    bool _e107 = local_6;
                     if (_e107) {
                         int _e108 = column_3;
                         column_3 = asint(asuint(_e108) + asuint(int(1)));
@@ -816,7 +800,7 @@ float3 tristimulus_disc_coloured(float3 axis_2, float radius_1, float3 colour_3,
                         }
                         passed_um = 0.0;
                     } else {
-                        float _e123 = to_um_5;
+                        float _e123 = to_um_6;
                         passed_um = _e123;
                     }
                 }
@@ -827,8 +811,8 @@ float3 tristimulus_disc_coloured(float3 axis_2, float radius_1, float3 colour_3,
             }
             float3 _e129 = xyz_2;
             int2 _e130 = order_5;
-            float _e131 = from_um_5;
-            float _e132 = to_um_5;
+            float _e131 = from_um_6;
+            float _e132 = to_um_6;
             const float3 _e133 = order_colour(_e130, _e131, _e132, colour_3, _e35);
             xyz_2 = (_e129 + _e133);
         }
@@ -851,20 +835,20 @@ float3 tristimulus_rectangle_coloured(float3 a, float3 b, float3 c, float3 d, fl
     int2 columns_1 = (int2)0;
     int column_4 = (int)0;
     int2 order_6 = int2(int(0), int(0));
-    float from_um_6 = 0.0;
-    float to_um_6 = 0.0;
+    float from_um_7 = 0.0;
+    float to_um_7 = 0.0;
     float passed_um_1 = 0.0;
     bool lit_1 = false;
     float3 xyz_3 = (0.0).xxx;
     int hit_2 = int(0);
     int tried_2 = (int)0;
-    bool local_6 = (bool)0;
     bool local_7 = (bool)0;
     bool local_8 = (bool)0;
     bool local_9 = (bool)0;
     bool local_10 = (bool)0;
     bool local_11 = (bool)0;
     bool local_12 = (bool)0;
+    bool local_13 = (bool)0;
 
     if (!((wr_14.z > 1e-6))) {
         return (0.0).xxx;
@@ -892,13 +876,13 @@ float3 tristimulus_rectangle_coloured(float3 a, float3 b, float3 c, float3 d, fl
     columns_1 = _e80;
     int _e82 = columns_1.x;
     column_4 = _e82;
-    bool loop_init_6 = true;
+    bool loop_init_5 = true;
     while(true) {
-        if (!loop_init_6) {
+        if (!loop_init_5) {
             int _e204 = hit_2;
             hit_2 = asint(asuint(_e204) + asuint(int(1)));
         }
-        loop_init_6 = false;
+        loop_init_5 = false;
         int _e83 = hit_2;
         if ((_e83 < int(729))) {
         } else {
@@ -907,13 +891,13 @@ float3 tristimulus_rectangle_coloured(float3 a, float3 b, float3 c, float3 d, fl
         {
             lit_1 = false;
             tried_2 = int(0);
-            bool loop_init_7 = true;
+            bool loop_init_6 = true;
             while(true) {
-                if (!loop_init_7) {
+                if (!loop_init_6) {
                     int _e193 = tried_2;
                     tried_2 = asint(asuint(_e193) + asuint(int(1)));
                 }
-                loop_init_7 = false;
+                loop_init_6 = false;
                 int _e88 = tried_2;
                 if ((_e88 < int(810))) {
                 } else {
@@ -923,11 +907,11 @@ float3 tristimulus_rectangle_coloured(float3 a, float3 b, float3 c, float3 d, fl
                     bool _e91 = lit_1;
                     if (!(_e91)) {
                         int _e93 = row_7;
-                        local_6 = (_e93 > _e77.y);
+                        local_7 = (_e93 > _e77.y);
                     } else {
-                        local_6 = true;
+                        local_7 = true;
                     }
-                    bool _e97 = local_6;
+                    bool _e97 = local_7;
                     if (_e97) {
                         break;
                     }
@@ -944,61 +928,61 @@ float3 tristimulus_rectangle_coloured(float3 a, float3 b, float3 c, float3 d, fl
                     float4 early = float4(_e105, _e107);
                     float4 late = float4(_e109, _e111);
                     float _e114 = passed_um_1;
-                    from_um_6 = max(_e103.x, _e114);
-                    float _e117 = from_um_6;
+                    from_um_7 = max(_e103.x, _e114);
+                    float _e117 = from_um_7;
                     float4 ahead = ((early > (_e117).xxxx) ? early : (_e103.y).xxxx);
-                    float _e123 = from_um_6;
+                    float _e123 = from_um_7;
                     float4 behind = ((late > (_e123).xxxx) ? late : (_e103.y).xxxx);
                     float4 nearest = min(ahead, behind);
-                    to_um_6 = min(_e103.y, min(min(nearest.x, nearest.y), min(nearest.z, nearest.w)));
-                    float _e139 = from_um_6;
-                    float _e140 = to_um_6;
+                    to_um_7 = min(_e103.y, min(min(nearest.x, nearest.y), min(nearest.z, nearest.w)));
+                    float _e139 = from_um_7;
+                    float _e140 = to_um_7;
                     const float3 _e144 = arrival(_e102, (0.5 * (_e139 + _e140)), _e40);
                     int _e145 = column_4;
                     int _e147 = columns_1.y;
                     if ((_e145 <= _e147)) {
-                        float _e149 = from_um_6;
-                        local_7 = (_e149 < _e103.y);
-                    } else {
-                        local_7 = false;
-                    }
-                    bool is_open_1 = local_7;
-                    const bool _e155 = within(_e144, _e60, 2.0);
-                    if (_e155) {
-                        const bool _e157 = within(_e144, _e62, 2.0);
-                        local_8 = _e157;
+                        float _e149 = from_um_7;
+                        local_8 = (_e149 < _e103.y);
                     } else {
                         local_8 = false;
                     }
-                    bool upper = local_8;
-                    if (is_open_1) {
-                        local_9 = upper;
+                    bool is_open_1 = local_8;
+                    const bool _e155 = within(_e144, _e60, 2.0);
+                    if (_e155) {
+                        const bool _e157 = within(_e144, _e62, 2.0);
+                        local_9 = _e157;
                     } else {
                         local_9 = false;
                     }
-                    bool _e161 = local_9;
-                    if (_e161) {
-                        const bool _e163 = within(_e144, _e64, 2.0);
-                        local_10 = _e163;
+                    bool upper = local_9;
+                    if (is_open_1) {
+                        local_10 = upper;
                     } else {
                         local_10 = false;
                     }
-                    bool _e165 = local_10;
-                    if (_e165) {
-                        const bool _e167 = within(_e144, _e66, 2.0);
-                        local_11 = _e167;
+                    bool _e161 = local_10;
+                    if (_e161) {
+                        const bool _e163 = within(_e144, _e64, 2.0);
+                        local_11 = _e163;
                     } else {
                         local_11 = false;
                     }
-                    bool _e169 = local_11;
+                    bool _e165 = local_11;
+                    if (_e165) {
+                        const bool _e167 = within(_e144, _e66, 2.0);
+                        local_12 = _e167;
+                    } else {
+                        local_12 = false;
+                    }
+                    bool _e169 = local_12;
                     lit_1 = _e169;
                     if (!(!(is_open_1))) {
-                        float _e172 = to_um_6;
-                        local_12 = (_e172 >= _e103.y);
+                        float _e172 = to_um_7;
+                        local_13 = (_e172 >= _e103.y);
                     } else {
-                        local_12 = true;
+                        local_13 = true;
                     }
-                    bool _e176 = local_12;
+                    bool _e176 = local_13;
                     if (_e176) {
                         int _e177 = column_4;
                         column_4 = asint(asuint(_e177) + asuint(int(1)));
@@ -1015,7 +999,7 @@ float3 tristimulus_rectangle_coloured(float3 a, float3 b, float3 c, float3 d, fl
                         }
                         passed_um_1 = 0.0;
                     } else {
-                        float _e192 = to_um_6;
+                        float _e192 = to_um_7;
                         passed_um_1 = _e192;
                     }
                 }
@@ -1026,8 +1010,8 @@ float3 tristimulus_rectangle_coloured(float3 a, float3 b, float3 c, float3 d, fl
             }
             float3 _e198 = xyz_3;
             int2 _e199 = order_6;
-            float _e200 = from_um_6;
-            float _e201 = to_um_6;
+            float _e200 = from_um_7;
+            float _e201 = to_um_7;
             const float3 _e202 = order_colour(_e199, _e200, _e201, colour_4, _e40);
             xyz_3 = (_e198 + _e202);
         }
@@ -1068,13 +1052,13 @@ float3 mirror_image(float3 wr_16)
     float3 blue = (0.0).xxx;
     int cell_1 = int(0);
 
-    bool loop_init_8 = true;
+    bool loop_init_7 = true;
     while(true) {
-        if (!loop_init_8) {
+        if (!loop_init_7) {
             int _e43 = cell_1;
             cell_1 = asint(asuint(_e43) + asuint(int(1)));
         }
-        loop_init_8 = false;
+        loop_init_7 = false;
         int _e12 = cell_1;
         if ((_e12 < STREAK_CELLS)) {
         } else {
@@ -1119,13 +1103,13 @@ float3 streak(int2 order_7, float3 wr_17)
     const float4 _e20 = streak_light(first_3, int(1));
     first_um = _e20.w;
     cell_2 = first_3;
-    bool loop_init_9 = true;
+    bool loop_init_8 = true;
     while(true) {
-        if (!loop_init_9) {
+        if (!loop_init_8) {
             int _e88 = cell_2;
             cell_2 = asint(asuint(_e88) + asuint(int(1)));
         }
-        loop_init_9 = false;
+        loop_init_8 = false;
         int _e22 = cell_2;
         if ((_e22 < end_1)) {
         } else {
@@ -1173,7 +1157,7 @@ float3 tristimulus_environment(float3 wr_18)
     float3 xyz_5 = (float3)0;
     int row_9 = int(-1);
     int column_5 = (int)0;
-    bool local_13 = (bool)0;
+    bool local_14 = (bool)0;
 
     if (!((wr_18.z > 1e-6))) {
         return (0.0).xxx;
@@ -1181,13 +1165,13 @@ float3 tristimulus_environment(float3 wr_18)
     const float3 _e12 = in_surface(wr_18);
     const float3 _e13 = mirror_image(_e12);
     xyz_5 = _e13;
-    bool loop_init_10 = true;
+    bool loop_init_9 = true;
     while(true) {
-        if (!loop_init_10) {
+        if (!loop_init_9) {
             int _e39 = row_9;
             row_9 = asint(asuint(_e39) + asuint(int(1)));
         }
-        loop_init_10 = false;
+        loop_init_9 = false;
         int _e14 = row_9;
         if ((_e14 <= ORDER_REACH_Y)) {
         } else {
@@ -1195,13 +1179,13 @@ float3 tristimulus_environment(float3 wr_18)
         }
         {
             column_5 = int(-13);
-            bool loop_init_11 = true;
+            bool loop_init_10 = true;
             while(true) {
-                if (!loop_init_11) {
+                if (!loop_init_10) {
                     int _e36 = column_5;
                     column_5 = asint(asuint(_e36) + asuint(int(1)));
                 }
-                loop_init_11 = false;
+                loop_init_10 = false;
                 int _e18 = column_5;
                 if ((_e18 <= ORDER_REACH_X)) {
                 } else {
@@ -1211,11 +1195,11 @@ float3 tristimulus_environment(float3 wr_18)
                     int _e21 = row_9;
                     if (!((_e21 != int(0)))) {
                         int _e25 = column_5;
-                        local_13 = (_e25 != int(0));
+                        local_14 = (_e25 != int(0));
                     } else {
-                        local_13 = true;
+                        local_14 = true;
                     }
-                    bool _e29 = local_13;
+                    bool _e29 = local_14;
                     if (_e29) {
                         float3 _e30 = xyz_5;
                         int _e31 = column_5;

@@ -740,24 +740,24 @@ int moment_column(
     return metal::clamp(naga_f2i32(_e1), 0, 399);
 }
 
-metal::float4 column_powers(
-    int column
-) {
-    float share_4 = (static_cast<float>(column) + 0.5) / 400.0;
-    float t = 5.0 * (metal::mix(WAVELENGTH_MIN_UM, WAVELENGTH_MAX_UM, share_4) - 0.58);
-    return metal::float4(1.0, t, t * t, (t * t) * t);
-}
-
 metal::float3 column_part(
     float lambda_um_9,
-    int column_1,
+    int column,
     int row_4,
     metal::texture2d<float, metal::access::sample> moments
 ) {
     float _e3 = moment_place(lambda_um_9);
-    float part_3 = metal::clamp(_e3 - static_cast<float>(column_1), 0.0, 1.0);
-    metal::float4 _e12 = moments.read(metal::uint2(metal::int2(column_1, row_4)), 0);
+    float part_3 = metal::clamp(_e3 - static_cast<float>(column), 0.0, 1.0);
+    metal::float4 _e12 = moments.read(metal::uint2(metal::int2(column, row_4)), 0);
     return part_3 * _e12.xyz;
+}
+
+metal::float4 column_powers(
+    int column_1
+) {
+    float share_4 = (static_cast<float>(column_1) + 0.5) / 400.0;
+    float t = 5.0 * (metal::mix(WAVELENGTH_MIN_UM, WAVELENGTH_MAX_UM, share_4) - 0.58);
+    return metal::float4(1.0, t, t * t, (t * t) * t);
 }
 
 metal::float4 moment(
@@ -769,89 +769,77 @@ metal::float4 moment(
     return _e5;
 }
 
-metal::float3 moments_between(
+metal::float4x4 moments_of(
+    int row_6,
     float from_um_2,
     float to_um_2,
+    metal::texture2d<float, metal::access::sample> moments
+) {
+    int _e3 = moment_column(from_um_2);
+    int _e4 = moment_column(to_um_2);
+    metal::float3 _e7 = column_part(from_um_2, _e3, as_type<int>(as_type<uint>(row_6) + as_type<uint>(3)), moments);
+    metal::float3 _e10 = column_part(to_um_2, _e4, as_type<int>(as_type<uint>(row_6) + as_type<uint>(3)), moments);
+    metal::float4 _e11 = column_powers(_e3);
+    metal::float4 _e12 = column_powers(_e4);
+    metal::float4 _e13 = moment(_e4, row_6, moments);
+    metal::float4 _e14 = moment(_e3, row_6, moments);
+    metal::float4 _e17 = moment(_e4, as_type<int>(as_type<uint>(row_6) + as_type<uint>(1)), moments);
+    metal::float4 _e20 = moment(_e3, as_type<int>(as_type<uint>(row_6) + as_type<uint>(1)), moments);
+    metal::float4 _e23 = moment(_e4, as_type<int>(as_type<uint>(row_6) + as_type<uint>(2)), moments);
+    metal::float4 _e26 = moment(_e3, as_type<int>(as_type<uint>(row_6) + as_type<uint>(2)), moments);
+    return metal::float4x4(((_e13 + (_e10.x * _e12)) - _e14) - (_e7.x * _e11), ((_e17 + (_e10.y * _e12)) - _e20) - (_e7.y * _e11), ((_e23 + (_e10.z * _e12)) - _e26) - (_e7.z * _e11), metal::float4(0.0));
+}
+
+metal::float3 moments_between(
+    float from_um_3,
+    float to_um_3,
     metal::float4 powers,
     metal::float3 colour,
     metal::texture2d<float, metal::access::sample> moments
 ) {
-    metal::float3 shares = {};
-    metal::float4 x = metal::float4(0.0);
-    metal::float4 y = metal::float4(0.0);
-    metal::float4 z = metal::float4(0.0);
-    int row_6 = 0;
-    int _e16 = moment_column(from_um_2);
-    int _e17 = moment_column(to_um_2);
-    metal::float4 _e18 = column_powers(_e16);
-    metal::float4 _e19 = column_powers(_e17);
-    shares = metal::float3(colour.z, colour.x - colour.z, colour.y - colour.z);
-    bool loop_init_2 = true;
-    while(true) {
-        if (!loop_init_2) {
-            int _e101 = row_6;
-            row_6 = as_type<int>(as_type<uint>(_e101) + as_type<uint>(4));
-        }
-        loop_init_2 = false;
-        int _e28 = row_6;
-        if (_e28 < 12) {
-        } else {
-            break;
-        }
-        {
-            float _e32 = shares.x;
-            if (_e32 != 0.0) {
-                int _e35 = row_6;
-                metal::float3 _e38 = column_part(from_um_2, _e16, as_type<int>(as_type<uint>(_e35) + as_type<uint>(3)), moments);
-                int _e39 = row_6;
-                metal::float3 _e42 = column_part(to_um_2, _e17, as_type<int>(as_type<uint>(_e39) + as_type<uint>(3)), moments);
-                int _e43 = row_6;
-                metal::float4 _e44 = moment(_e17, _e43, moments);
-                int _e45 = row_6;
-                metal::float4 _e46 = moment(_e16, _e45, moments);
-                metal::float4 x_columns = _e44 - _e46;
-                int _e48 = row_6;
-                metal::float4 _e51 = moment(_e17, as_type<int>(as_type<uint>(_e48) + as_type<uint>(1)), moments);
-                int _e52 = row_6;
-                metal::float4 _e55 = moment(_e16, as_type<int>(as_type<uint>(_e52) + as_type<uint>(1)), moments);
-                metal::float4 y_columns = _e51 - _e55;
-                int _e57 = row_6;
-                metal::float4 _e60 = moment(_e17, as_type<int>(as_type<uint>(_e57) + as_type<uint>(2)), moments);
-                int _e61 = row_6;
-                metal::float4 _e64 = moment(_e16, as_type<int>(as_type<uint>(_e61) + as_type<uint>(2)), moments);
-                metal::float4 z_columns = _e60 - _e64;
-                metal::float4 _e66 = x;
-                float _e68 = shares.x;
-                x = _e66 + (_e68 * ((x_columns + (_e42.x * _e19)) - (_e38.x * _e18)));
-                metal::float4 _e77 = y;
-                float _e79 = shares.x;
-                y = _e77 + (_e79 * ((y_columns + (_e42.y * _e19)) - (_e38.y * _e18)));
-                metal::float4 _e88 = z;
-                float _e90 = shares.x;
-                z = _e88 + (_e90 * ((z_columns + (_e42.z * _e19)) - (_e38.z * _e18)));
-            }
-            metal::float3 _e99 = shares;
-            shares = _e99.yzx;
-        }
+    metal::float4 x = {};
+    metal::float4 y = {};
+    metal::float4 z = {};
+    bool local_4 = {};
+    metal::float4x4 _e9 = moments_of(0, from_um_3, to_um_3, moments);
+    x = colour.z * _e9[0];
+    y = colour.z * _e9[1];
+    z = colour.z * _e9[2];
+    metal::float2 more = colour.xy - metal::float2(colour.z);
+    if (!((more.x != 0.0))) {
+        local_4 = more.y != 0.0;
+    } else {
+        local_4 = true;
     }
-    float centre_2 = 5.0 * ((0.5 * (from_um_2 + to_um_2)) - 0.58);
-    float scale_1 = 1.0 / metal::max(2.5 * (to_um_2 - from_um_2), 0.000000001);
-    float _e119 = x.x;
-    float _e121 = y.x;
-    float _e123 = z.x;
-    metal::float3 light_1 = metal::max(metal::float3(_e119, _e121, _e123), metal::float3(0.0));
-    float _e129 = x.y;
-    float _e131 = y.y;
-    float _e133 = z.y;
-    metal::float3 first_3 = metal::float3(_e129, _e131, _e133);
-    float _e136 = x.z;
-    float _e138 = y.z;
-    float _e140 = z.z;
-    metal::float3 second = metal::float3(_e136, _e138, _e140);
-    float _e143 = x.w;
-    float _e145 = y.w;
-    float _e147 = z.w;
-    metal::float3 third = metal::float3(_e143, _e145, _e147);
+    bool _e31 = local_4;
+    if (_e31) {
+        metal::float4x4 _e33 = moments_of(4, from_um_3, to_um_3, moments);
+        metal::float4x4 _e35 = moments_of(8, from_um_3, to_um_3, moments);
+        metal::float4 _e36 = x;
+        x = _e36 + ((more.x * _e33[0]) + (more.y * _e35[0]));
+        metal::float4 _e45 = y;
+        y = _e45 + ((more.x * _e33[1]) + (more.y * _e35[1]));
+        metal::float4 _e54 = z;
+        z = _e54 + ((more.x * _e33[2]) + (more.y * _e35[2]));
+    }
+    float centre_2 = 5.0 * ((0.5 * (from_um_3 + to_um_3)) - 0.58);
+    float scale_1 = 1.0 / metal::max(2.5 * (to_um_3 - from_um_3), 0.000000001);
+    float _e78 = x.x;
+    float _e80 = y.x;
+    float _e82 = z.x;
+    metal::float3 light_1 = metal::max(metal::float3(_e78, _e80, _e82), metal::float3(0.0));
+    float _e88 = x.y;
+    float _e90 = y.y;
+    float _e92 = z.y;
+    metal::float3 first_3 = metal::float3(_e88, _e90, _e92);
+    float _e95 = x.z;
+    float _e97 = y.z;
+    float _e99 = z.z;
+    metal::float3 second = metal::float3(_e95, _e97, _e99);
+    float _e102 = x.w;
+    float _e104 = y.w;
+    float _e106 = z.w;
+    metal::float3 third = metal::float3(_e102, _e104, _e106);
     metal::float3 linear = (first_3 - (centre_2 * light_1)) * scale_1;
     metal::float3 square = ((second - (centre_2 * ((2.0 * first_3) - (centre_2 * light_1)))) * scale_1) * scale_1;
     metal::float3 cubic = (third - ((3.0 * centre_2) * (second - (centre_2 * first_3)))) - (((centre_2 * centre_2) * centre_2) * light_1);
@@ -862,16 +850,16 @@ metal::float3 moments_between(
 metal::float3 panel_colour(
     metal::int2 order_3,
     metal::float2 frequency_7,
-    float from_um_3,
-    float to_um_3,
+    float from_um_4,
+    float to_um_4,
     metal::float3 colour_1,
     metal::float3 wr_12,
     metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> moments
 ) {
-    float middle_1 = 0.5 * (from_um_3 + to_um_3);
-    float half_3 = 0.5 * (to_um_3 - from_um_3);
+    float middle_1 = 0.5 * (from_um_4 + to_um_4);
+    float half_3 = 0.5 * (to_um_4 - from_um_4);
     float outer = 0.9238795 * half_3;
     float inner_1 = 0.38268343 * half_3;
     float _e17 = order_share(order_3, frequency_7, middle_1 + outer, wr_12, spectrum, efficiencies);
@@ -883,14 +871,14 @@ metal::float3 panel_colour(
     float square_1 = 0.35355338 * (((_e17 - _e19) - _e21) + _e23);
     float cube_1 = 0.5 * ((0.38268343 * (_e17 - _e23)) - (0.9238795 * (_e19 - _e21)));
     metal::float4 powers_1 = metal::float4(mean - square_1, linear_1 - (3.0 * cube_1), 2.0 * square_1, 4.0 * cube_1);
-    metal::float3 _e61 = moments_between(from_um_3, to_um_3, powers_1, colour_1, moments);
+    metal::float3 _e61 = moments_between(from_um_4, to_um_4, powers_1, colour_1, moments);
     return _e61;
 }
 
 metal::float3 order_colour(
     metal::int2 order_4,
-    float from_um_4,
-    float to_um_4,
+    float from_um_5,
+    float to_um_5,
     metal::float3 colour_2,
     metal::float3 wr_13,
     metal::texture2d<float, metal::access::sample> spectrum,
@@ -902,26 +890,26 @@ metal::float3 order_colour(
     int panel = 1;
     float end_um = {};
     metal::float2 _e12 = order_frequency(order_4);
-    int _e13 = panel_count(_e12, from_um_4, to_um_4, wr_13);
-    start_um = from_um_4;
-    bool loop_init_3 = true;
+    int _e13 = panel_count(_e12, from_um_5, to_um_5, wr_13);
+    start_um = from_um_5;
+    bool loop_init_2 = true;
     while(true) {
-        if (!loop_init_3) {
+        if (!loop_init_2) {
             int _e29 = panel;
             panel = as_type<int>(as_type<uint>(_e29) + as_type<uint>(1));
         }
-        loop_init_3 = false;
+        loop_init_2 = false;
         int _e14 = panel;
         if (_e14 <= _e13) {
         } else {
             break;
         }
         {
-            end_um = to_um_4;
+            end_um = to_um_5;
             int _e16 = panel;
             if (_e16 < _e13) {
                 int _e18 = panel;
-                float _e22 = wavelength_between(_e12, from_um_4, to_um_4, static_cast<float>(_e18) / static_cast<float>(_e13), wr_13);
+                float _e22 = wavelength_between(_e12, from_um_5, to_um_5, static_cast<float>(_e18) / static_cast<float>(_e13), wr_13);
                 end_um = _e22;
             }
             metal::float3 _e23 = xyz_1;
@@ -950,17 +938,17 @@ metal::float3 tristimulus_disc_coloured(
     metal::int2 columns = {};
     int column_3 = {};
     metal::int2 order_5 = metal::int2(0, 0);
-    float from_um_5 = 0.0;
-    float to_um_5 = 0.0;
+    float from_um_6 = 0.0;
+    float to_um_6 = 0.0;
     float passed_um = 0.0;
     bool lit = false;
     metal::float3 xyz_2 = metal::float3(0.0);
     int hit_1 = 0;
     int tried_1 = {};
-    bool local_4 = {};
     bool local_5 = {};
     bool local_6 = {};
     bool local_7 = {};
+    bool local_8 = {};
     if (!((wr_14.z > 0.000001))) {
         return metal::float3(0.0);
     }
@@ -976,13 +964,13 @@ metal::float3 tristimulus_disc_coloured(
     columns = _e45;
     int _e47 = columns.x;
     column_3 = _e47;
-    bool loop_init_4 = true;
+    bool loop_init_3 = true;
     while(true) {
-        if (!loop_init_4) {
+        if (!loop_init_3) {
             int _e135 = hit_1;
             hit_1 = as_type<int>(as_type<uint>(_e135) + as_type<uint>(1));
         }
-        loop_init_4 = false;
+        loop_init_3 = false;
         int _e48 = hit_1;
         if (_e48 < 51) {
         } else {
@@ -991,13 +979,13 @@ metal::float3 tristimulus_disc_coloured(
         {
             lit = false;
             tried_1 = 0;
-            bool loop_init_5 = true;
+            bool loop_init_4 = true;
             while(true) {
-                if (!loop_init_5) {
+                if (!loop_init_4) {
                     int _e124 = tried_1;
                     tried_1 = as_type<int>(as_type<uint>(_e124) + as_type<uint>(1));
                 }
-                loop_init_5 = false;
+                loop_init_4 = false;
                 int _e53 = tried_1;
                 if (_e53 < 68) {
                 } else {
@@ -1007,11 +995,11 @@ metal::float3 tristimulus_disc_coloured(
                     bool _e56 = lit;
                     if (!(_e56)) {
                         int _e58 = row_7;
-                        local_4 = _e58 > _e42.y;
+                        local_5 = _e58 > _e42.y;
                     } else {
-                        local_4 = true;
+                        local_5 = true;
                     }
-                    bool _e62 = local_4;
+                    bool _e62 = local_5;
                     if (_e62) {
                         break;
                     }
@@ -1023,37 +1011,37 @@ metal::float3 tristimulus_disc_coloured(
                     metal::float2 _e68 = propagating(_e67, _e35);
                     metal::float2 _e69 = crossings(_e67, _e35, _e36, _e37);
                     float _e70 = passed_um;
-                    from_um_5 = metal::max(_e68.x, _e70);
-                    float _e73 = from_um_5;
+                    from_um_6 = metal::max(_e68.x, _e70);
+                    float _e73 = from_um_6;
                     metal::float2 beyond = metal::select(_e68.yy, _e69, _e69 > metal::float2(_e73));
-                    to_um_5 = metal::min(_e68.y, metal::min(beyond.x, beyond.y));
-                    float _e83 = from_um_5;
-                    float _e84 = to_um_5;
+                    to_um_6 = metal::min(_e68.y, metal::min(beyond.x, beyond.y));
+                    float _e83 = from_um_6;
+                    float _e84 = to_um_6;
                     metal::float3 _e88 = arrival(_e67, 0.5 * (_e83 + _e84), _e35);
                     int _e89 = column_3;
                     int _e91 = columns.y;
                     if (_e89 <= _e91) {
-                        float _e93 = from_um_5;
-                        local_5 = _e93 < _e68.y;
-                    } else {
-                        local_5 = false;
-                    }
-                    bool is_open = local_5;
-                    if (is_open) {
-                        bool _e98 = within(_e88, _e36, _e37);
-                        local_6 = _e98;
+                        float _e93 = from_um_6;
+                        local_6 = _e93 < _e68.y;
                     } else {
                         local_6 = false;
                     }
-                    bool _e100 = local_6;
+                    bool is_open = local_6;
+                    if (is_open) {
+                        bool _e98 = within(_e88, _e36, _e37);
+                        local_7 = _e98;
+                    } else {
+                        local_7 = false;
+                    }
+                    bool _e100 = local_7;
                     lit = _e100;
                     if (!(!(is_open))) {
-                        float _e103 = to_um_5;
-                        local_7 = _e103 >= _e68.y;
+                        float _e103 = to_um_6;
+                        local_8 = _e103 >= _e68.y;
                     } else {
-                        local_7 = true;
+                        local_8 = true;
                     }
-                    bool _e107 = local_7;
+                    bool _e107 = local_8;
                     if (_e107) {
                         int _e108 = column_3;
                         column_3 = as_type<int>(as_type<uint>(_e108) + as_type<uint>(1));
@@ -1070,7 +1058,7 @@ metal::float3 tristimulus_disc_coloured(
                         }
                         passed_um = 0.0;
                     } else {
-                        float _e123 = to_um_5;
+                        float _e123 = to_um_6;
                         passed_um = _e123;
                     }
                 }
@@ -1081,8 +1069,8 @@ metal::float3 tristimulus_disc_coloured(
             }
             metal::float3 _e129 = xyz_2;
             metal::int2 _e130 = order_5;
-            float _e131 = from_um_5;
-            float _e132 = to_um_5;
+            float _e131 = from_um_6;
+            float _e132 = to_um_6;
             metal::float3 _e133 = order_colour(_e130, _e131, _e132, colour_3, _e35, spectrum, efficiencies, moments);
             xyz_2 = _e129 + _e133;
         }
@@ -1120,20 +1108,20 @@ metal::float3 tristimulus_rectangle_coloured(
     metal::int2 columns_1 = {};
     int column_4 = {};
     metal::int2 order_6 = metal::int2(0, 0);
-    float from_um_6 = 0.0;
-    float to_um_6 = 0.0;
+    float from_um_7 = 0.0;
+    float to_um_7 = 0.0;
     float passed_um_1 = 0.0;
     bool lit_1 = false;
     metal::float3 xyz_3 = metal::float3(0.0);
     int hit_2 = 0;
     int tried_2 = {};
-    bool local_8 = {};
     bool local_9 = {};
     bool local_10 = {};
     bool local_11 = {};
     bool local_12 = {};
     bool local_13 = {};
     bool local_14 = {};
+    bool local_15 = {};
     if (!((wr_16.z > 0.000001))) {
         return metal::float3(0.0);
     }
@@ -1160,13 +1148,13 @@ metal::float3 tristimulus_rectangle_coloured(
     columns_1 = _e80;
     int _e82 = columns_1.x;
     column_4 = _e82;
-    bool loop_init_6 = true;
+    bool loop_init_5 = true;
     while(true) {
-        if (!loop_init_6) {
+        if (!loop_init_5) {
             int _e204 = hit_2;
             hit_2 = as_type<int>(as_type<uint>(_e204) + as_type<uint>(1));
         }
-        loop_init_6 = false;
+        loop_init_5 = false;
         int _e83 = hit_2;
         if (_e83 < 153) {
         } else {
@@ -1175,13 +1163,13 @@ metal::float3 tristimulus_rectangle_coloured(
         {
             lit_1 = false;
             tried_2 = 0;
-            bool loop_init_7 = true;
+            bool loop_init_6 = true;
             while(true) {
-                if (!loop_init_7) {
+                if (!loop_init_6) {
                     int _e193 = tried_2;
                     tried_2 = as_type<int>(as_type<uint>(_e193) + as_type<uint>(1));
                 }
-                loop_init_7 = false;
+                loop_init_6 = false;
                 int _e88 = tried_2;
                 if (_e88 < 170) {
                 } else {
@@ -1191,11 +1179,11 @@ metal::float3 tristimulus_rectangle_coloured(
                     bool _e91 = lit_1;
                     if (!(_e91)) {
                         int _e93 = row_8;
-                        local_8 = _e93 > _e77.y;
+                        local_9 = _e93 > _e77.y;
                     } else {
-                        local_8 = true;
+                        local_9 = true;
                     }
-                    bool _e97 = local_8;
+                    bool _e97 = local_9;
                     if (_e97) {
                         break;
                     }
@@ -1212,61 +1200,61 @@ metal::float3 tristimulus_rectangle_coloured(
                     metal::float4 early = metal::float4(_e105, _e107);
                     metal::float4 late = metal::float4(_e109, _e111);
                     float _e114 = passed_um_1;
-                    from_um_6 = metal::max(_e103.x, _e114);
-                    float _e117 = from_um_6;
+                    from_um_7 = metal::max(_e103.x, _e114);
+                    float _e117 = from_um_7;
                     metal::float4 ahead = metal::select(metal::float4(_e103.y), early, early > metal::float4(_e117));
-                    float _e123 = from_um_6;
+                    float _e123 = from_um_7;
                     metal::float4 behind = metal::select(metal::float4(_e103.y), late, late > metal::float4(_e123));
                     metal::float4 nearest = metal::min(ahead, behind);
-                    to_um_6 = metal::min(_e103.y, metal::min(metal::min(nearest.x, nearest.y), metal::min(nearest.z, nearest.w)));
-                    float _e139 = from_um_6;
-                    float _e140 = to_um_6;
+                    to_um_7 = metal::min(_e103.y, metal::min(metal::min(nearest.x, nearest.y), metal::min(nearest.z, nearest.w)));
+                    float _e139 = from_um_7;
+                    float _e140 = to_um_7;
                     metal::float3 _e144 = arrival(_e102, 0.5 * (_e139 + _e140), _e40);
                     int _e145 = column_4;
                     int _e147 = columns_1.y;
                     if (_e145 <= _e147) {
-                        float _e149 = from_um_6;
-                        local_9 = _e149 < _e103.y;
-                    } else {
-                        local_9 = false;
-                    }
-                    bool is_open_1 = local_9;
-                    bool _e155 = within(_e144, _e60, 2.0);
-                    if (_e155) {
-                        bool _e157 = within(_e144, _e62, 2.0);
-                        local_10 = _e157;
+                        float _e149 = from_um_7;
+                        local_10 = _e149 < _e103.y;
                     } else {
                         local_10 = false;
                     }
-                    bool upper = local_10;
-                    if (is_open_1) {
-                        local_11 = upper;
+                    bool is_open_1 = local_10;
+                    bool _e155 = within(_e144, _e60, 2.0);
+                    if (_e155) {
+                        bool _e157 = within(_e144, _e62, 2.0);
+                        local_11 = _e157;
                     } else {
                         local_11 = false;
                     }
-                    bool _e161 = local_11;
-                    if (_e161) {
-                        bool _e163 = within(_e144, _e64, 2.0);
-                        local_12 = _e163;
+                    bool upper = local_11;
+                    if (is_open_1) {
+                        local_12 = upper;
                     } else {
                         local_12 = false;
                     }
-                    bool _e165 = local_12;
-                    if (_e165) {
-                        bool _e167 = within(_e144, _e66, 2.0);
-                        local_13 = _e167;
+                    bool _e161 = local_12;
+                    if (_e161) {
+                        bool _e163 = within(_e144, _e64, 2.0);
+                        local_13 = _e163;
                     } else {
                         local_13 = false;
                     }
-                    bool _e169 = local_13;
+                    bool _e165 = local_13;
+                    if (_e165) {
+                        bool _e167 = within(_e144, _e66, 2.0);
+                        local_14 = _e167;
+                    } else {
+                        local_14 = false;
+                    }
+                    bool _e169 = local_14;
                     lit_1 = _e169;
                     if (!(!(is_open_1))) {
-                        float _e172 = to_um_6;
-                        local_14 = _e172 >= _e103.y;
+                        float _e172 = to_um_7;
+                        local_15 = _e172 >= _e103.y;
                     } else {
-                        local_14 = true;
+                        local_15 = true;
                     }
-                    bool _e176 = local_14;
+                    bool _e176 = local_15;
                     if (_e176) {
                         int _e177 = column_4;
                         column_4 = as_type<int>(as_type<uint>(_e177) + as_type<uint>(1));
@@ -1283,7 +1271,7 @@ metal::float3 tristimulus_rectangle_coloured(
                         }
                         passed_um_1 = 0.0;
                     } else {
-                        float _e192 = to_um_6;
+                        float _e192 = to_um_7;
                         passed_um_1 = _e192;
                     }
                 }
@@ -1294,8 +1282,8 @@ metal::float3 tristimulus_rectangle_coloured(
             }
             metal::float3 _e198 = xyz_3;
             metal::int2 _e199 = order_6;
-            float _e200 = from_um_6;
-            float _e201 = to_um_6;
+            float _e200 = from_um_7;
+            float _e201 = to_um_7;
             metal::float3 _e202 = order_colour(_e199, _e200, _e201, colour_4, _e40, spectrum, efficiencies, moments);
             xyz_3 = _e198 + _e202;
         }
@@ -1382,13 +1370,13 @@ metal::float3 mirror_image(
     metal::float3 green = metal::float3(0.0);
     metal::float3 blue = metal::float3(0.0);
     int cell_1 = 0;
-    bool loop_init_8 = true;
+    bool loop_init_7 = true;
     while(true) {
-        if (!loop_init_8) {
+        if (!loop_init_7) {
             int _e43 = cell_1;
             cell_1 = as_type<int>(as_type<uint>(_e43) + as_type<uint>(1));
         }
-        loop_init_8 = false;
+        loop_init_7 = false;
         int _e12 = cell_1;
         if (_e12 < STREAK_CELLS) {
         } else {
@@ -1439,13 +1427,13 @@ metal::float3 streak(
     metal::float4 _e20 = streak_light(first_4, 1, streaks);
     first_um = _e20.w;
     cell_2 = first_4;
-    bool loop_init_9 = true;
+    bool loop_init_8 = true;
     while(true) {
-        if (!loop_init_9) {
+        if (!loop_init_8) {
             int _e88 = cell_2;
             cell_2 = as_type<int>(as_type<uint>(_e88) + as_type<uint>(1));
         }
-        loop_init_9 = false;
+        loop_init_8 = false;
         int _e22 = cell_2;
         if (_e22 < end_1) {
         } else {
@@ -1499,20 +1487,20 @@ metal::float3 tristimulus_environment(
     metal::float3 xyz_5 = {};
     int row_10 = 0;
     int column_5 = {};
-    bool local_15 = {};
+    bool local_16 = {};
     if (!((wr_20.z > 0.000001))) {
         return metal::float3(0.0);
     }
     metal::float3 _e12 = in_surface(wr_20);
     metal::float3 _e13 = mirror_image(_e12, spectrum, efficiencies, environment, linear_clamp, streaks);
     xyz_5 = _e13;
-    bool loop_init_10 = true;
+    bool loop_init_9 = true;
     while(true) {
-        if (!loop_init_10) {
+        if (!loop_init_9) {
             int _e39 = row_10;
             row_10 = as_type<int>(as_type<uint>(_e39) + as_type<uint>(1));
         }
-        loop_init_10 = false;
+        loop_init_9 = false;
         int _e14 = row_10;
         if (_e14 <= ORDER_REACH_Y) {
         } else {
@@ -1520,13 +1508,13 @@ metal::float3 tristimulus_environment(
         }
         {
             column_5 = -8;
-            bool loop_init_11 = true;
+            bool loop_init_10 = true;
             while(true) {
-                if (!loop_init_11) {
+                if (!loop_init_10) {
                     int _e36 = column_5;
                     column_5 = as_type<int>(as_type<uint>(_e36) + as_type<uint>(1));
                 }
-                loop_init_11 = false;
+                loop_init_10 = false;
                 int _e18 = column_5;
                 if (_e18 <= ORDER_REACH_X) {
                 } else {
@@ -1536,11 +1524,11 @@ metal::float3 tristimulus_environment(
                     int _e21 = row_10;
                     if (!((_e21 != 0))) {
                         int _e25 = column_5;
-                        local_15 = _e25 != 0;
+                        local_16 = _e25 != 0;
                     } else {
-                        local_15 = true;
+                        local_16 = true;
                     }
-                    bool _e29 = local_15;
+                    bool _e29 = local_16;
                     if (_e29) {
                         metal::float3 _e30 = xyz_5;
                         int _e31 = column_5;

@@ -559,17 +559,17 @@ int moment_column(float lambda_um_8) {
     return min(max(int(_e1), 0), 399);
 }
 
-vec4 column_powers(int column) {
-    float share_4 = ((float(column) + 0.5) / 400.0);
-    float t = (5.0 * (mix(WAVELENGTH_MIN_UM, WAVELENGTH_MAX_UM, share_4) - 0.58));
-    return vec4(1.0, t, (t * t), ((t * t) * t));
+vec3 column_part(float lambda_um_9, int column, int row_4) {
+    float _e3 = moment_place(lambda_um_9);
+    float part_3 = clamp((_e3 - float(column)), 0.0, 1.0);
+    vec4 _e12 = texelFetch(_group_0_binding_4_fs, ivec2(column, row_4), 0);
+    return (part_3 * _e12.xyz);
 }
 
-vec3 column_part(float lambda_um_9, int column_1, int row_4) {
-    float _e3 = moment_place(lambda_um_9);
-    float part_3 = clamp((_e3 - float(column_1)), 0.0, 1.0);
-    vec4 _e12 = texelFetch(_group_0_binding_4_fs, ivec2(column_1, row_4), 0);
-    return (part_3 * _e12.xyz);
+vec4 column_powers(int column_1) {
+    float share_4 = ((float(column_1) + 0.5) / 400.0);
+    float t = (5.0 * (mix(WAVELENGTH_MIN_UM, WAVELENGTH_MAX_UM, share_4) - 0.58));
+    return vec4(1.0, t, (t * t), ((t * t) * t));
 }
 
 vec4 moment(int column_2, int row_5) {
@@ -577,83 +577,66 @@ vec4 moment(int column_2, int row_5) {
     return _e5;
 }
 
-vec3 moments_between(float from_um_2, float to_um_2, vec4 powers, vec3 colour) {
-    vec3 shares = vec3(0.0);
+mat4x4 moments_of(int row_6, float from_um_2, float to_um_2) {
+    int _e3 = moment_column(from_um_2);
+    int _e4 = moment_column(to_um_2);
+    vec3 _e7 = column_part(from_um_2, _e3, (row_6 + 3));
+    vec3 _e10 = column_part(to_um_2, _e4, (row_6 + 3));
+    vec4 _e11 = column_powers(_e3);
+    vec4 _e12 = column_powers(_e4);
+    vec4 _e13 = moment(_e4, row_6);
+    vec4 _e14 = moment(_e3, row_6);
+    vec4 _e17 = moment(_e4, (row_6 + 1));
+    vec4 _e20 = moment(_e3, (row_6 + 1));
+    vec4 _e23 = moment(_e4, (row_6 + 2));
+    vec4 _e26 = moment(_e3, (row_6 + 2));
+    return mat4x4((((_e13 + (_e10.x * _e12)) - _e14) - (_e7.x * _e11)), (((_e17 + (_e10.y * _e12)) - _e20) - (_e7.y * _e11)), (((_e23 + (_e10.z * _e12)) - _e26) - (_e7.z * _e11)), vec4(0.0));
+}
+
+vec3 moments_between(float from_um_3, float to_um_3, vec4 powers, vec3 colour) {
     vec4 x = vec4(0.0);
     vec4 y = vec4(0.0);
     vec4 z = vec4(0.0);
-    int row_6 = 0;
-    int _e16 = moment_column(from_um_2);
-    int _e17 = moment_column(to_um_2);
-    vec4 _e18 = column_powers(_e16);
-    vec4 _e19 = column_powers(_e17);
-    shares = vec3(colour.z, (colour.x - colour.z), (colour.y - colour.z));
-    bool loop_init_2 = true;
-    while(true) {
-        if (!loop_init_2) {
-            int _e101 = row_6;
-            row_6 = (_e101 + 4);
-        }
-        loop_init_2 = false;
-        int _e28 = row_6;
-        if ((_e28 < 12)) {
-        } else {
-            break;
-        }
-        {
-            float _e32 = shares.x;
-            if ((_e32 != 0.0)) {
-                int _e35 = row_6;
-                vec3 _e38 = column_part(from_um_2, _e16, (_e35 + 3));
-                int _e39 = row_6;
-                vec3 _e42 = column_part(to_um_2, _e17, (_e39 + 3));
-                int _e43 = row_6;
-                vec4 _e44 = moment(_e17, _e43);
-                int _e45 = row_6;
-                vec4 _e46 = moment(_e16, _e45);
-                vec4 x_columns = (_e44 - _e46);
-                int _e48 = row_6;
-                vec4 _e51 = moment(_e17, (_e48 + 1));
-                int _e52 = row_6;
-                vec4 _e55 = moment(_e16, (_e52 + 1));
-                vec4 y_columns = (_e51 - _e55);
-                int _e57 = row_6;
-                vec4 _e60 = moment(_e17, (_e57 + 2));
-                int _e61 = row_6;
-                vec4 _e64 = moment(_e16, (_e61 + 2));
-                vec4 z_columns = (_e60 - _e64);
-                vec4 _e66 = x;
-                float _e68 = shares.x;
-                x = (_e66 + (_e68 * ((x_columns + (_e42.x * _e19)) - (_e38.x * _e18))));
-                vec4 _e77 = y;
-                float _e79 = shares.x;
-                y = (_e77 + (_e79 * ((y_columns + (_e42.y * _e19)) - (_e38.y * _e18))));
-                vec4 _e88 = z;
-                float _e90 = shares.x;
-                z = (_e88 + (_e90 * ((z_columns + (_e42.z * _e19)) - (_e38.z * _e18))));
-            }
-            vec3 _e99 = shares;
-            shares = _e99.yzx;
-        }
+    bool local_3 = false;
+    mat4x4 _e9 = moments_of(0, from_um_3, to_um_3);
+    x = (colour.z * _e9[0]);
+    y = (colour.z * _e9[1]);
+    z = (colour.z * _e9[2]);
+    vec2 more = (colour.xy - vec2(colour.z));
+    if (!((more.x != 0.0))) {
+        local_3 = (more.y != 0.0);
+    } else {
+        local_3 = true;
     }
-    float centre_2 = (5.0 * ((0.5 * (from_um_2 + to_um_2)) - 0.58));
-    float scale_1 = (1.0 / max((2.5 * (to_um_2 - from_um_2)), 1e-9));
-    float _e119 = x.x;
-    float _e121 = y.x;
-    float _e123 = z.x;
-    vec3 light_1 = max(vec3(_e119, _e121, _e123), vec3(0.0));
-    float _e129 = x.y;
-    float _e131 = y.y;
-    float _e133 = z.y;
-    vec3 first_3 = vec3(_e129, _e131, _e133);
-    float _e136 = x.z;
-    float _e138 = y.z;
-    float _e140 = z.z;
-    vec3 second = vec3(_e136, _e138, _e140);
-    float _e143 = x.w;
-    float _e145 = y.w;
-    float _e147 = z.w;
-    vec3 third = vec3(_e143, _e145, _e147);
+    bool _e31 = local_3;
+    if (_e31) {
+        mat4x4 _e33 = moments_of(4, from_um_3, to_um_3);
+        mat4x4 _e35 = moments_of(8, from_um_3, to_um_3);
+        vec4 _e36 = x;
+        x = (_e36 + ((more.x * _e33[0]) + (more.y * _e35[0])));
+        vec4 _e45 = y;
+        y = (_e45 + ((more.x * _e33[1]) + (more.y * _e35[1])));
+        vec4 _e54 = z;
+        z = (_e54 + ((more.x * _e33[2]) + (more.y * _e35[2])));
+    }
+    float centre_2 = (5.0 * ((0.5 * (from_um_3 + to_um_3)) - 0.58));
+    float scale_1 = (1.0 / max((2.5 * (to_um_3 - from_um_3)), 1e-9));
+    float _e78 = x.x;
+    float _e80 = y.x;
+    float _e82 = z.x;
+    vec3 light_1 = max(vec3(_e78, _e80, _e82), vec3(0.0));
+    float _e88 = x.y;
+    float _e90 = y.y;
+    float _e92 = z.y;
+    vec3 first_3 = vec3(_e88, _e90, _e92);
+    float _e95 = x.z;
+    float _e97 = y.z;
+    float _e99 = z.z;
+    vec3 second = vec3(_e95, _e97, _e99);
+    float _e102 = x.w;
+    float _e104 = y.w;
+    float _e106 = z.w;
+    vec3 third = vec3(_e102, _e104, _e106);
     vec3 linear = ((first_3 - (centre_2 * light_1)) * scale_1);
     vec3 square = (((second - (centre_2 * ((2.0 * first_3) - (centre_2 * light_1)))) * scale_1) * scale_1);
     vec3 cubic = ((third - ((3.0 * centre_2) * (second - (centre_2 * first_3)))) - (((centre_2 * centre_2) * centre_2) * light_1));
@@ -661,9 +644,9 @@ vec3 moments_between(float from_um_2, float to_um_2, vec4 powers, vec3 colour) {
     return ((((powers.x * light_1) + (powers.y * clamp(linear, -(light_1), light_1))) + (powers.z * clamp(square, -(light_1), light_1))) + (powers.w * clamp(cube, -(light_1), light_1)));
 }
 
-vec3 panel_colour(ivec2 order_3, vec2 frequency_7, float from_um_3, float to_um_3, vec3 colour_1, vec3 wr_12) {
-    float middle_1 = (0.5 * (from_um_3 + to_um_3));
-    float half_3 = (0.5 * (to_um_3 - from_um_3));
+vec3 panel_colour(ivec2 order_3, vec2 frequency_7, float from_um_4, float to_um_4, vec3 colour_1, vec3 wr_12) {
+    float middle_1 = (0.5 * (from_um_4 + to_um_4));
+    float half_3 = (0.5 * (to_um_4 - from_um_4));
     float outer = (0.9238795 * half_3);
     float inner_1 = (0.38268343 * half_3);
     float _e17 = order_share(order_3, frequency_7, (middle_1 + outer), wr_12);
@@ -675,36 +658,36 @@ vec3 panel_colour(ivec2 order_3, vec2 frequency_7, float from_um_3, float to_um_
     float square_1 = (0.35355338 * (((_e17 - _e19) - _e21) + _e23));
     float cube_1 = (0.5 * ((0.38268343 * (_e17 - _e23)) - (0.9238795 * (_e19 - _e21))));
     vec4 powers_1 = vec4((mean - square_1), (linear_1 - (3.0 * cube_1)), (2.0 * square_1), (4.0 * cube_1));
-    vec3 _e61 = moments_between(from_um_3, to_um_3, powers_1, colour_1);
+    vec3 _e61 = moments_between(from_um_4, to_um_4, powers_1, colour_1);
     return _e61;
 }
 
-vec3 order_colour(ivec2 order_4, float from_um_4, float to_um_4, vec3 colour_2, vec3 wr_13) {
+vec3 order_colour(ivec2 order_4, float from_um_5, float to_um_5, vec3 colour_2, vec3 wr_13) {
     vec3 xyz_1 = vec3(0.0);
     float start_um = 0.0;
     int panel = 1;
     float end_um = 0.0;
     vec2 _e12 = order_frequency(order_4);
-    int _e13 = panel_count(_e12, from_um_4, to_um_4, wr_13);
-    start_um = from_um_4;
-    bool loop_init_3 = true;
+    int _e13 = panel_count(_e12, from_um_5, to_um_5, wr_13);
+    start_um = from_um_5;
+    bool loop_init_2 = true;
     while(true) {
-        if (!loop_init_3) {
+        if (!loop_init_2) {
             int _e29 = panel;
             panel = (_e29 + 1);
         }
-        loop_init_3 = false;
+        loop_init_2 = false;
         int _e14 = panel;
         if ((_e14 <= _e13)) {
         } else {
             break;
         }
         {
-            end_um = to_um_4;
+            end_um = to_um_5;
             int _e16 = panel;
             if ((_e16 < _e13)) {
                 int _e18 = panel;
-                float _e22 = wavelength_between(_e12, from_um_4, to_um_4, (float(_e18) / float(_e13)), wr_13);
+                float _e22 = wavelength_between(_e12, from_um_5, to_um_5, (float(_e18) / float(_e13)), wr_13);
                 end_um = _e22;
             }
             vec3 _e23 = xyz_1;
@@ -725,17 +708,17 @@ vec3 tristimulus_disc_coloured(vec3 axis_2, float radius_1, vec3 colour_3, vec3 
     ivec2 columns = ivec2(0);
     int column_3 = 0;
     ivec2 order_5 = ivec2(0, 0);
-    float from_um_5 = 0.0;
-    float to_um_5 = 0.0;
+    float from_um_6 = 0.0;
+    float to_um_6 = 0.0;
     float passed_um = 0.0;
     bool lit = false;
     vec3 xyz_2 = vec3(0.0);
     int hit_1 = 0;
     int tried_1 = 0;
-    bool local_3 = false;
     bool local_4 = false;
     bool local_5 = false;
     bool local_6 = false;
+    bool local_7 = false;
     if (!((wr_14.z > 1e-6))) {
         return vec3(0.0);
     }
@@ -751,13 +734,13 @@ vec3 tristimulus_disc_coloured(vec3 axis_2, float radius_1, vec3 colour_3, vec3 
     columns = _e45;
     int _e47 = columns.x;
     column_3 = _e47;
-    bool loop_init_4 = true;
+    bool loop_init_3 = true;
     while(true) {
-        if (!loop_init_4) {
+        if (!loop_init_3) {
             int _e135 = hit_1;
             hit_1 = (_e135 + 1);
         }
-        loop_init_4 = false;
+        loop_init_3 = false;
         int _e48 = hit_1;
         if ((_e48 < 27)) {
         } else {
@@ -766,13 +749,13 @@ vec3 tristimulus_disc_coloured(vec3 axis_2, float radius_1, vec3 colour_3, vec3 
         {
             lit = false;
             tried_1 = 0;
-            bool loop_init_5 = true;
+            bool loop_init_4 = true;
             while(true) {
-                if (!loop_init_5) {
+                if (!loop_init_4) {
                     int _e124 = tried_1;
                     tried_1 = (_e124 + 1);
                 }
-                loop_init_5 = false;
+                loop_init_4 = false;
                 int _e53 = tried_1;
                 if ((_e53 < 36)) {
                 } else {
@@ -782,11 +765,11 @@ vec3 tristimulus_disc_coloured(vec3 axis_2, float radius_1, vec3 colour_3, vec3 
                     bool _e56 = lit;
                     if (!(_e56)) {
                         int _e58 = row_7;
-                        local_3 = (_e58 > _e42.y);
+                        local_4 = (_e58 > _e42.y);
                     } else {
-                        local_3 = true;
+                        local_4 = true;
                     }
-                    bool _e62 = local_3;
+                    bool _e62 = local_4;
                     if (_e62) {
                         break;
                     }
@@ -798,37 +781,37 @@ vec3 tristimulus_disc_coloured(vec3 axis_2, float radius_1, vec3 colour_3, vec3 
                     vec2 _e68 = propagating(_e67, _e35);
                     vec2 _e69 = crossings(_e67, _e35, _e36, _e37);
                     float _e70 = passed_um;
-                    from_um_5 = max(_e68.x, _e70);
-                    float _e73 = from_um_5;
+                    from_um_6 = max(_e68.x, _e70);
+                    float _e73 = from_um_6;
                     vec2 beyond = mix(_e68.yy, _e69, greaterThan(_e69, vec2(_e73)));
-                    to_um_5 = min(_e68.y, min(beyond.x, beyond.y));
-                    float _e83 = from_um_5;
-                    float _e84 = to_um_5;
+                    to_um_6 = min(_e68.y, min(beyond.x, beyond.y));
+                    float _e83 = from_um_6;
+                    float _e84 = to_um_6;
                     vec3 _e88 = arrival(_e67, (0.5 * (_e83 + _e84)), _e35);
                     int _e89 = column_3;
                     int _e91 = columns.y;
                     if ((_e89 <= _e91)) {
-                        float _e93 = from_um_5;
-                        local_4 = (_e93 < _e68.y);
-                    } else {
-                        local_4 = false;
-                    }
-                    bool is_open = local_4;
-                    if (is_open) {
-                        bool _e98 = within(_e88, _e36, _e37);
-                        local_5 = _e98;
+                        float _e93 = from_um_6;
+                        local_5 = (_e93 < _e68.y);
                     } else {
                         local_5 = false;
                     }
-                    bool _e100 = local_5;
+                    bool is_open = local_5;
+                    if (is_open) {
+                        bool _e98 = within(_e88, _e36, _e37);
+                        local_6 = _e98;
+                    } else {
+                        local_6 = false;
+                    }
+                    bool _e100 = local_6;
                     lit = _e100;
                     if (!(!(is_open))) {
-                        float _e103 = to_um_5;
-                        local_6 = (_e103 >= _e68.y);
+                        float _e103 = to_um_6;
+                        local_7 = (_e103 >= _e68.y);
                     } else {
-                        local_6 = true;
+                        local_7 = true;
                     }
-                    bool _e107 = local_6;
+                    bool _e107 = local_7;
                     if (_e107) {
                         int _e108 = column_3;
                         column_3 = (_e108 + 1);
@@ -845,7 +828,7 @@ vec3 tristimulus_disc_coloured(vec3 axis_2, float radius_1, vec3 colour_3, vec3 
                         }
                         passed_um = 0.0;
                     } else {
-                        float _e123 = to_um_5;
+                        float _e123 = to_um_6;
                         passed_um = _e123;
                     }
                 }
@@ -856,8 +839,8 @@ vec3 tristimulus_disc_coloured(vec3 axis_2, float radius_1, vec3 colour_3, vec3 
             }
             vec3 _e129 = xyz_2;
             ivec2 _e130 = order_5;
-            float _e131 = from_um_5;
-            float _e132 = to_um_5;
+            float _e131 = from_um_6;
+            float _e132 = to_um_6;
             vec3 _e133 = order_colour(_e130, _e131, _e132, colour_3, _e35);
             xyz_2 = (_e129 + _e133);
         }
@@ -878,20 +861,20 @@ vec3 tristimulus_rectangle_coloured(vec3 a, vec3 b, vec3 c, vec3 d, vec3 colour_
     ivec2 columns_1 = ivec2(0);
     int column_4 = 0;
     ivec2 order_6 = ivec2(0, 0);
-    float from_um_6 = 0.0;
-    float to_um_6 = 0.0;
+    float from_um_7 = 0.0;
+    float to_um_7 = 0.0;
     float passed_um_1 = 0.0;
     bool lit_1 = false;
     vec3 xyz_3 = vec3(0.0);
     int hit_2 = 0;
     int tried_2 = 0;
-    bool local_7 = false;
     bool local_8 = false;
     bool local_9 = false;
     bool local_10 = false;
     bool local_11 = false;
     bool local_12 = false;
     bool local_13 = false;
+    bool local_14 = false;
     if (!((wr_16.z > 1e-6))) {
         return vec3(0.0);
     }
@@ -918,13 +901,13 @@ vec3 tristimulus_rectangle_coloured(vec3 a, vec3 b, vec3 c, vec3 d, vec3 colour_
     columns_1 = _e80;
     int _e82 = columns_1.x;
     column_4 = _e82;
-    bool loop_init_6 = true;
+    bool loop_init_5 = true;
     while(true) {
-        if (!loop_init_6) {
+        if (!loop_init_5) {
             int _e204 = hit_2;
             hit_2 = (_e204 + 1);
         }
-        loop_init_6 = false;
+        loop_init_5 = false;
         int _e83 = hit_2;
         if ((_e83 < 81)) {
         } else {
@@ -933,13 +916,13 @@ vec3 tristimulus_rectangle_coloured(vec3 a, vec3 b, vec3 c, vec3 d, vec3 colour_
         {
             lit_1 = false;
             tried_2 = 0;
-            bool loop_init_7 = true;
+            bool loop_init_6 = true;
             while(true) {
-                if (!loop_init_7) {
+                if (!loop_init_6) {
                     int _e193 = tried_2;
                     tried_2 = (_e193 + 1);
                 }
-                loop_init_7 = false;
+                loop_init_6 = false;
                 int _e88 = tried_2;
                 if ((_e88 < 90)) {
                 } else {
@@ -949,11 +932,11 @@ vec3 tristimulus_rectangle_coloured(vec3 a, vec3 b, vec3 c, vec3 d, vec3 colour_
                     bool _e91 = lit_1;
                     if (!(_e91)) {
                         int _e93 = row_8;
-                        local_7 = (_e93 > _e77.y);
+                        local_8 = (_e93 > _e77.y);
                     } else {
-                        local_7 = true;
+                        local_8 = true;
                     }
-                    bool _e97 = local_7;
+                    bool _e97 = local_8;
                     if (_e97) {
                         break;
                     }
@@ -970,61 +953,61 @@ vec3 tristimulus_rectangle_coloured(vec3 a, vec3 b, vec3 c, vec3 d, vec3 colour_
                     vec4 early = vec4(_e105, _e107);
                     vec4 late = vec4(_e109, _e111);
                     float _e114 = passed_um_1;
-                    from_um_6 = max(_e103.x, _e114);
-                    float _e117 = from_um_6;
+                    from_um_7 = max(_e103.x, _e114);
+                    float _e117 = from_um_7;
                     vec4 ahead = mix(vec4(_e103.y), early, greaterThan(early, vec4(_e117)));
-                    float _e123 = from_um_6;
+                    float _e123 = from_um_7;
                     vec4 behind = mix(vec4(_e103.y), late, greaterThan(late, vec4(_e123)));
                     vec4 nearest = min(ahead, behind);
-                    to_um_6 = min(_e103.y, min(min(nearest.x, nearest.y), min(nearest.z, nearest.w)));
-                    float _e139 = from_um_6;
-                    float _e140 = to_um_6;
+                    to_um_7 = min(_e103.y, min(min(nearest.x, nearest.y), min(nearest.z, nearest.w)));
+                    float _e139 = from_um_7;
+                    float _e140 = to_um_7;
                     vec3 _e144 = arrival(_e102, (0.5 * (_e139 + _e140)), _e40);
                     int _e145 = column_4;
                     int _e147 = columns_1.y;
                     if ((_e145 <= _e147)) {
-                        float _e149 = from_um_6;
-                        local_8 = (_e149 < _e103.y);
-                    } else {
-                        local_8 = false;
-                    }
-                    bool is_open_1 = local_8;
-                    bool _e155 = within(_e144, _e60, 2.0);
-                    if (_e155) {
-                        bool _e157 = within(_e144, _e62, 2.0);
-                        local_9 = _e157;
+                        float _e149 = from_um_7;
+                        local_9 = (_e149 < _e103.y);
                     } else {
                         local_9 = false;
                     }
-                    bool upper = local_9;
-                    if (is_open_1) {
-                        local_10 = upper;
+                    bool is_open_1 = local_9;
+                    bool _e155 = within(_e144, _e60, 2.0);
+                    if (_e155) {
+                        bool _e157 = within(_e144, _e62, 2.0);
+                        local_10 = _e157;
                     } else {
                         local_10 = false;
                     }
-                    bool _e161 = local_10;
-                    if (_e161) {
-                        bool _e163 = within(_e144, _e64, 2.0);
-                        local_11 = _e163;
+                    bool upper = local_10;
+                    if (is_open_1) {
+                        local_11 = upper;
                     } else {
                         local_11 = false;
                     }
-                    bool _e165 = local_11;
-                    if (_e165) {
-                        bool _e167 = within(_e144, _e66, 2.0);
-                        local_12 = _e167;
+                    bool _e161 = local_11;
+                    if (_e161) {
+                        bool _e163 = within(_e144, _e64, 2.0);
+                        local_12 = _e163;
                     } else {
                         local_12 = false;
                     }
-                    bool _e169 = local_12;
+                    bool _e165 = local_12;
+                    if (_e165) {
+                        bool _e167 = within(_e144, _e66, 2.0);
+                        local_13 = _e167;
+                    } else {
+                        local_13 = false;
+                    }
+                    bool _e169 = local_13;
                     lit_1 = _e169;
                     if (!(!(is_open_1))) {
-                        float _e172 = to_um_6;
-                        local_13 = (_e172 >= _e103.y);
+                        float _e172 = to_um_7;
+                        local_14 = (_e172 >= _e103.y);
                     } else {
-                        local_13 = true;
+                        local_14 = true;
                     }
-                    bool _e176 = local_13;
+                    bool _e176 = local_14;
                     if (_e176) {
                         int _e177 = column_4;
                         column_4 = (_e177 + 1);
@@ -1041,7 +1024,7 @@ vec3 tristimulus_rectangle_coloured(vec3 a, vec3 b, vec3 c, vec3 d, vec3 colour_
                         }
                         passed_um_1 = 0.0;
                     } else {
-                        float _e192 = to_um_6;
+                        float _e192 = to_um_7;
                         passed_um_1 = _e192;
                     }
                 }
@@ -1052,8 +1035,8 @@ vec3 tristimulus_rectangle_coloured(vec3 a, vec3 b, vec3 c, vec3 d, vec3 colour_
             }
             vec3 _e198 = xyz_3;
             ivec2 _e199 = order_6;
-            float _e200 = from_um_6;
-            float _e201 = to_um_6;
+            float _e200 = from_um_7;
+            float _e201 = to_um_7;
             vec3 _e202 = order_colour(_e199, _e200, _e201, colour_4, _e40);
             xyz_3 = (_e198 + _e202);
         }
@@ -1108,13 +1091,13 @@ vec3 mirror_image(vec3 wr_18) {
     vec3 green = vec3(0.0);
     vec3 blue = vec3(0.0);
     int cell_1 = 0;
-    bool loop_init_8 = true;
+    bool loop_init_7 = true;
     while(true) {
-        if (!loop_init_8) {
+        if (!loop_init_7) {
             int _e43 = cell_1;
             cell_1 = (_e43 + 1);
         }
-        loop_init_8 = false;
+        loop_init_7 = false;
         int _e12 = cell_1;
         if ((_e12 < STREAK_CELLS)) {
         } else {
@@ -1157,13 +1140,13 @@ vec3 streak(ivec2 order_7, vec3 wr_19) {
     vec4 _e20 = streak_light(first_4, 1);
     first_um = _e20.w;
     cell_2 = first_4;
-    bool loop_init_9 = true;
+    bool loop_init_8 = true;
     while(true) {
-        if (!loop_init_9) {
+        if (!loop_init_8) {
             int _e88 = cell_2;
             cell_2 = (_e88 + 1);
         }
-        loop_init_9 = false;
+        loop_init_8 = false;
         int _e22 = cell_2;
         if ((_e22 < end_1)) {
         } else {
@@ -1210,20 +1193,20 @@ vec3 tristimulus_environment(vec3 wr_20) {
     vec3 xyz_5 = vec3(0.0);
     int row_10 = 0;
     int column_5 = 0;
-    bool local_14 = false;
+    bool local_15 = false;
     if (!((wr_20.z > 1e-6))) {
         return vec3(0.0);
     }
     vec3 _e12 = in_surface(wr_20);
     vec3 _e13 = mirror_image(_e12);
     xyz_5 = _e13;
-    bool loop_init_10 = true;
+    bool loop_init_9 = true;
     while(true) {
-        if (!loop_init_10) {
+        if (!loop_init_9) {
             int _e39 = row_10;
             row_10 = (_e39 + 1);
         }
-        loop_init_10 = false;
+        loop_init_9 = false;
         int _e14 = row_10;
         if ((_e14 <= ORDER_REACH_Y)) {
         } else {
@@ -1231,13 +1214,13 @@ vec3 tristimulus_environment(vec3 wr_20) {
         }
         {
             column_5 = -4;
-            bool loop_init_11 = true;
+            bool loop_init_10 = true;
             while(true) {
-                if (!loop_init_11) {
+                if (!loop_init_10) {
                     int _e36 = column_5;
                     column_5 = (_e36 + 1);
                 }
-                loop_init_11 = false;
+                loop_init_10 = false;
                 int _e18 = column_5;
                 if ((_e18 <= ORDER_REACH_X)) {
                 } else {
@@ -1247,11 +1230,11 @@ vec3 tristimulus_environment(vec3 wr_20) {
                     int _e21 = row_10;
                     if (!((_e21 != 0))) {
                         int _e25 = column_5;
-                        local_14 = (_e25 != 0);
+                        local_15 = (_e25 != 0);
                     } else {
-                        local_14 = true;
+                        local_15 = true;
                     }
-                    bool _e29 = local_14;
+                    bool _e29 = local_15;
                     if (_e29) {
                         vec3 _e30 = xyz_5;
                         int _e31 = column_5;
