@@ -32,6 +32,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let c = probes[id.x].third.xyz;
     let d = probes[id.x].fourth.xyz;
     let radius = probes[id.x].viewer.w;
+    let colour = vec3f(probes[id.x].second.w, probes[id.x].third.w, probes[id.x].fourth.w);
     let wr = probes[id.x].viewer.xyz;
     var xyz = vec3f(0.0);
     var rgb = vec3f(0.0);
@@ -43,10 +44,12 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     probes[id.x].viewer = vec4f(rgb, 0.0);
 }";
 /// Functions of the variants with their arguments above.
-const FUNCTIONS: [(&str, &str); 3] = [
+const FUNCTIONS: [(&str, &str); 5] = [
     ("diffraction", "a, wr"),
     ("diffraction_disc", "a, radius, wr"),
     ("diffraction_rectangle", "a, b, c, d, wr"),
+    ("diffraction_disc_coloured", "a, radius, colour, wr"),
+    ("diffraction_rectangle_coloured", "a, b, c, d, colour, wr"),
 ];
 /// The function whose surroundings are the host's in function forms.
 const AROUND: &str = "diffraction_environment";
@@ -68,6 +71,7 @@ struct Probe {
     axis: Option<[f32; 3]>,
     radius: Option<f32>,
     corners: Option<[[f32; 3]; 4]>,
+    colour: Option<[f32; 3]>,
     wr: [f32; 3],
     expected: Expected,
     tolerance: f64,
@@ -162,14 +166,15 @@ fn arguments(probe: &Probe, fault: Fault) -> Result<[[f32; 4]; 5]> {
     if fault == Fault::AnotherSize {
         (radius, d) = (1.5 * radius, c);
     }
+    let colour = probe.colour.unwrap_or_default();
     let sign = if fault == Fault::FlippedBitangent { -1.0 } else { 1.0 };
     let texel = |[x, y, z]: [f32; 3], w: f32| [x, sign * y, z, w];
     Ok([
         texel(a, number as f32),
         texel(probe.wr, radius),
-        texel(b, 0.0),
-        texel(c, 0.0),
-        texel(d, 0.0),
+        texel(b, colour[0]),
+        texel(c, colour[1]),
+        texel(d, colour[2]),
     ])
 }
 

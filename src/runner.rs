@@ -30,6 +30,9 @@ pub struct Placement<'a> {
 /// Called with the number of directions finished since the last call, from any thread.
 pub type Progress<'a> = &'a (dyn Fn(usize) + Sync);
 
+/// Why single directions have no colour in shaders.
+pub const NO_SPECTRUM: &str = "the function of a single direction reads tables of white light, so that there is no spectrum left that a colour could weight";
+
 /// One way to evaluate a variant.
 pub trait Runner {
     /// Its route: `exact`, `twin`, `vulkan:ADAPTER`, `gl:ADAPTER`, `spirv:ADAPTER`, `hlsl:ADAPTER`, `glsl450`,
@@ -50,9 +53,9 @@ pub trait Runner {
 
     /// [`Runner::tristimulus_with`] for light of a colour, linear sRGB. It is an error if the variant has no such light.
     fn tinted(&self, _: &[Directions], _: DVec3, _: Progress<'_>) -> Result<Vec<[f64; 3]>> {
-        let cause = "has no function for coloured light of one direction";
-        Err(Error::new(self.route(), cause)
-            .remedy("use a disc, or --runner exact, or remove the colour"))
+        let cause = format!("cannot have coloured light of one direction: {NO_SPECTRUM}");
+        let remedy = "make it a disc of the source's width, with mode = \"orders\"; or use --runner exact, or remove the colour";
+        Err(Error::new(self.route(), cause).remedy(remedy))
     }
 
     /// `|P|²` at one wavelength in nm, without the gain. It is an error if the variant does not have wavelengths.

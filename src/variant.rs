@@ -22,9 +22,9 @@ pub use computation::{Computation, Ground};
 pub use cost::Cost;
 pub use forms::*;
 pub use functions::{
-    Arguments, Around, DIRECTIONAL, DISC, Directional, Disc, ENVIRONMENT, Environment, ExactProbe,
-    FUNCTIONS, Function, FunctionKind, HOSTS, PATH, Paths, RECTANGLE, Rectangle, StatedError,
-    functions_of, mirrored, skies,
+    Arguments, Around, Coloured, DIRECTIONAL, DISC, DISC_COLOURED, Directional, Disc, ENVIRONMENT,
+    Environment, ExactProbe, FUNCTIONS, Function, FunctionKind, HOSTS, PATH, Paths, RECTANGLE,
+    RECTANGLE_COLOURED, Rectangle, StatedError, functions_of, mirrored, skies,
 };
 pub use judge::{MAX_PHASE_ERROR, is_whole_light};
 pub use prefilter::{GRID_ERROR, NODE_ERROR, grid_error, node_level};

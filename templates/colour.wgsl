@@ -15,12 +15,23 @@ fn diffraction_disc(axis: vec3f, radius: f32, wr: vec3f) -> vec3f {
     return to_rgb(tristimulus_disc(axis, radius, wr));
 }
 
+// The same under a disc of a colour: its irradiance in linear sRGB, nowhere negative. White, vec3f(1.0), is the disc above.
+// The result times a colour is something else: an order brings light of few wavelengths, and red light has no blue ones.
+fn diffraction_disc_coloured(axis: vec3f, radius: f32, colour: vec3f, wr: vec3f) -> vec3f {
+    return to_rgb(tristimulus_disc_coloured(axis, radius, colour, wr));
+}
+
 #endif
 #ifdef RECTANGLE
 // Linear RGB of the radiance under a spherical quadrilateral of radiance 1: a window, a softbox. Its corners are unit
 // vectors, in either order around it; two neighbouring ones may be the same. It must be convex and fit into a hemisphere.
 fn diffraction_rectangle(a: vec3f, b: vec3f, c: vec3f, d: vec3f, wr: vec3f) -> vec3f {
     return to_rgb(tristimulus_rectangle(a, b, c, d, wr));
+}
+
+// The same under a quadrilateral of a colour: its radiance in linear sRGB, nowhere negative. White is the one above.
+fn diffraction_rectangle_coloured(a: vec3f, b: vec3f, c: vec3f, d: vec3f, colour: vec3f, wr: vec3f) -> vec3f {
+    return to_rgb(tristimulus_rectangle_coloured(a, b, c, d, colour, wr));
 }
 
 #endif

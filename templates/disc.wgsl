@@ -4,6 +4,11 @@
 
 // X, Y, Z of the radiance under a disc of irradiance 1, relative to a white of radiance 1.
 fn tristimulus_disc(axis: vec3f, radius: f32, wr: vec3f) -> vec3f {
+    return tristimulus_disc_coloured(axis, radius, vec3f(1.0), wr);
+}
+
+// The same under a disc whose irradiance is a colour in linear sRGB.
+fn tristimulus_disc_coloured(axis: vec3f, radius: f32, colour: vec3f, wr: vec3f) -> vec3f {
     if (!(wr.z > 1e-6)) {
         return vec3f(0.0);
     }
@@ -57,7 +62,7 @@ fn tristimulus_disc(axis: vec3f, radius: f32, wr: vec3f) -> vec3f {
         if (!lit) {
             break;
         }
-        xyz += order_colour(order, from_um, to_um, viewer);
+        xyz += order_colour(order, from_um, to_um, colour, viewer);
     }
     let sine_squared = chord_squared * (1.0 - 0.25 * chord_squared);
     return normal_reflectance() / (3.1415927 * sine_squared) * xyz;

@@ -6,8 +6,9 @@
 // Arguments of a function, in rows 5k to 5k+4 for row k of the picture, counted from the top. w of the first chooses the
 // function. 0: one direction to the light, then to the viewer. 1: a disc: its axis, then to the viewer, with the radius in
 // w. 2: a quadrilateral: a corner, then to the viewer, then the other corners. 3: the surroundings: any vector, then to
-// the viewer. 8: a path of light from a sky: its constant radiance, the viewer with the deviation of a lobe in w, the
-// lobe's axis, its radiance, three random numbers. xyz of the others: unit vectors.
+// the viewer. 4 and 5: a disc and a quadrilateral of a colour, which is in w of the last three rows. 8: a path of light from
+// a sky: its constant radiance, the viewer with the deviation of a lobe in w, the lobe's axis, its radiance, three random
+// numbers. xyz of the others: unit vectors.
 #else
 // xyz: unit vectors. Row 2k holds the directions to the light, row 2k+1 the directions to the viewer, for row k of the
 // picture, counted from the top.
@@ -27,13 +28,22 @@ fn probe(@location(0) place: vec2f) -> @location(0) vec4f {
     if (first.w == 1.0) {
         return vec4f(tristimulus_disc(first.xyz, viewer.w, viewer.xyz), 1.0);
     }
+    if (first.w == 4.0) {
+        let colour = probe_colour(column, row);
+        return vec4f(tristimulus_disc_coloured(first.xyz, viewer.w, colour, viewer.xyz), 1.0);
+    }
 #endif
 #ifdef RECTANGLE
-    if (first.w == 2.0) {
+    if (first.w == 2.0 || first.w == 5.0) {
         let second = textureLoad(directions, vec2i(column, 5 * row + 2), 0).xyz;
         let third = textureLoad(directions, vec2i(column, 5 * row + 3), 0).xyz;
         let fourth = textureLoad(directions, vec2i(column, 5 * row + 4), 0).xyz;
-        return vec4f(tristimulus_rectangle(first.xyz, second, third, fourth, viewer.xyz), 1.0);
+        if (first.w == 2.0) {
+            return vec4f(tristimulus_rectangle(first.xyz, second, third, fourth, viewer.xyz), 1.0);
+        }
+        let colour = probe_colour(column, row);
+        let xyz = tristimulus_rectangle_coloured(first.xyz, second, third, fourth, colour, viewer.xyz);
+        return vec4f(xyz, 1.0);
     }
 #endif
 #ifdef PATH
@@ -64,3 +74,14 @@ fn probe(@location(0) place: vec2f) -> @location(0) vec4f {
     return vec4f(tristimulus(wi, wr), 1.0);
 #endif
 }
+#ifdef LAMPS
+
+// Colour of the lamp of a call.
+fn probe_colour(column: i32, row: i32) -> vec3f {
+    return vec3f(
+        textureLoad(directions, vec2i(column, 5 * row + 2), 0).w,
+        textureLoad(directions, vec2i(column, 5 * row + 3), 0).w,
+        textureLoad(directions, vec2i(column, 5 * row + 4), 0).w,
+    );
+}
+#endif

@@ -4,6 +4,11 @@
 
 // X, Y, Z of the radiance under a quadrilateral of radiance 1, relative to a white of radiance 1.
 fn tristimulus_rectangle(a: vec3f, b: vec3f, c: vec3f, d: vec3f, wr: vec3f) -> vec3f {
+    return tristimulus_rectangle_coloured(a, b, c, d, vec3f(1.0), wr);
+}
+
+// The same under a quadrilateral whose radiance is a colour in linear sRGB.
+fn tristimulus_rectangle_coloured(a: vec3f, b: vec3f, c: vec3f, d: vec3f, colour: vec3f, wr: vec3f) -> vec3f {
     if (!(wr.z > 1e-6)) {
         return vec3f(0.0);
     }
@@ -71,7 +76,7 @@ fn tristimulus_rectangle(a: vec3f, b: vec3f, c: vec3f, d: vec3f, wr: vec3f) -> v
         if (!lit) {
             break;
         }
-        xyz += order_colour(order, from_um, to_um, viewer);
+        xyz += order_colour(order, from_um, to_um, colour, viewer);
     }
     return normal_reflectance() * xyz;
 }

@@ -41,7 +41,9 @@ vec3 environment_radiance(vec3 direction, float spread) {{
 ARGUMENTS = {
     "diffraction": ("wi", "wr"),
     "diffraction_disc": ("axis", "radius", "wr"),
+    "diffraction_disc_coloured": ("axis", "radius", "colour", "wr"),
     "diffraction_rectangle": ("a", "b", "c", "d", "wr"),
+    "diffraction_rectangle_coloured": ("a", "b", "c", "d", "colour", "wr"),
     "diffraction_environment": ("wr",),
 }
 
@@ -91,9 +93,9 @@ def evaluate(context, folder, function, arguments):
 
 
 def flipped(arguments):
-    """Vectors under a flipped bitangent."""
+    """Directions under a flipped bitangent."""
     flips = {1: lambda v: v, 2: lambda v: v * [1, -1, 1], 3: mirrored}
-    return {name: flips[v.ndim](v) for name, v in arguments.items()}
+    return {name: v if name == "colour" else flips[v.ndim](v) for name, v in arguments.items()}
 
 
 def mirrored(sky):

@@ -8,6 +8,8 @@ export const CALLS = {
   diffraction_disc: "a, radius, wr",
   diffraction_rectangle: "a, b, c, d, wr",
   diffraction_environment: "wr",
+  diffraction_disc_coloured: "a, radius, tint, wr",
+  diffraction_rectangle_coloured: "a, b, c, d, tint, wr",
 };
 
 /** The function that takes light from all around, by an `environment_radiance` of the shell. */

@@ -52,7 +52,7 @@ export async function loadVariant(files, { folder }, target) {
 }
 
 /**
- * The probes of a variant, those of lights with a size at the end: `{ calls, vectors, radius, sky, wr, expected, tolerance }`. `calls`
+ * The probes of a variant, those of lights with a size at the end: `{ calls, vectors, radius, colour, sky, wr, expected, tolerance }`. `calls`
  * is a function, `vectors` are the direction, the axis or the corners, none under a sky.
  */
 export async function loadProbes(files, { folder }) {

@@ -25,15 +25,16 @@ export function textures(tables) {
 
 /**
  * Arguments of probes, a column each: the first vector with the number of its function in w; the viewer with the radius in w; the
- * other vectors; and a sky: its constant part, with a factor on the spread in w, then for each lobe the axis with its width in w, and
+ * other vectors, with the colour in w; and a sky: its constant part, with a factor on the spread in w, then for each lobe the axis with its width in w, and
  * the radiance.
  */
 export function probeArguments(probes) {
   const height = SKY_ROW + 1 + 2 * SKY_LOBES;
   const texels = new Float32Array(probes.length * height * 4);
-  probes.forEach(({ calls, vectors: [first = [0, 0, 1], ...others], radius = 0, sky, spreadFactor = 1, wr }, i) => {
+  probes.forEach(({ calls, vectors: [first = [0, 0, 1], ...others], radius = 0, colour = [0, 0, 0], sky, spreadFactor = 1, wr }, i) => {
     const set = (row, k) => texels.set(row, 4 * (k * probes.length + i));
-    [[...first, Object.keys(CALLS).indexOf(calls)], [...wr, radius], ...others].forEach(set);
+    const further = colour.map((share, k) => [...(others[k] ?? first), share]);
+    [[...first, Object.keys(CALLS).indexOf(calls)], [...wr, radius], ...further].forEach(set);
     const { constant, lobes } = sky ?? { constant: [0, 0, 0], lobes: [] };
     if (lobes.length > SKY_LOBES) throw new Error(`a probe's sky has ${lobes.length} lobes, here it may have ${SKY_LOBES}`);
     set([...constant, spreadFactor], SKY_ROW);

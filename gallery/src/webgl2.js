@@ -176,6 +176,7 @@ void main() {${isStudio ? "\n    engine_frame = mat3(1.0, 0.0, 0.0, 0.0, 0.0, 1.
     bool is_xyz = gl_FragCoord.y < 1.0;
     vec3 a = argument(0).xyz, b = argument(2).xyz, c = argument(3).xyz, d = argument(4).xyz, wr = argument(1).xyz;
     float radius = argument(1).w;
+    vec3 tint = vec3(argument(2).w, argument(3).w, argument(4).w);
     colour = vec4(0.0);${functions.map((name) => `
     if (which == ${Object.keys(CALLS).indexOf(name)}) {
         colour = vec4(is_xyz ? ${tristimulus(name)}(${CALLS[name]}) : ${name}(${CALLS[name]}), 1.0);

@@ -139,9 +139,13 @@ const probeText = (functions, isStudio) => (parameters, tables) => `fn engine_pr
     let first = textureLoad(engine_arguments, vec2i(column, 0), 0);
     let viewer = textureLoad(engine_arguments, vec2i(column, 1), 0);
     let a = first.xyz;
-    let b = textureLoad(engine_arguments, vec2i(column, 2), 0).xyz;
-    let c = textureLoad(engine_arguments, vec2i(column, 3), 0).xyz;
-    let d = textureLoad(engine_arguments, vec2i(column, 4), 0).xyz;
+    let second = textureLoad(engine_arguments, vec2i(column, 2), 0);
+    let third = textureLoad(engine_arguments, vec2i(column, 3), 0);
+    let fourth = textureLoad(engine_arguments, vec2i(column, 4), 0);
+    let b = second.xyz;
+    let c = third.xyz;
+    let d = fourth.xyz;
+    let tint = vec3f(second.w, third.w, fourth.w);
     let radius = viewer.w;
     let wr = viewer.xyz;
     let is_xyz = place.y < 1.0;

@@ -207,6 +207,12 @@ pub struct Bench {
     pub clock: String,
     /// `median_ms` divided by the pixels of the disc, in ns.
     pub ns_per_pixel: f64,
+    /// Number of look-ups of the surroundings for a lit pixel on average, counted; absent without surroundings.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lookups: Option<f64>,
+    /// `ns_per_pixel` divided by `lookups`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ns_per_lookup: Option<f64>,
     /// Size of all tables that the variant reads, in bytes.
     pub table_bytes: u64,
     /// The variant that the ratio is to.

@@ -92,12 +92,15 @@ pub fn json(surface: &str, variant: &Variant, form: &Form, probed: &[Probed]) ->
                     let tolerance = light_tolerance(&arguments, form.matter(), &xyz);
                     let (mut axis, mut radius, mut corners, mut sky) = (None, None, None, None);
                     let mut random = None;
+                    let mut colour = None;
                     match arguments {
-                        Arguments::Disc { axis: to, radius_rad, .. } => {
+                        Arguments::Disc { axis: to, radius_rad, colour: of, .. } => {
                             (axis, radius) = (Some(to.to_array()), Some(radius_rad));
+                            colour = of;
                         }
-                        Arguments::Rectangle { corners: to, .. } => {
+                        Arguments::Rectangle { corners: to, colour: of, .. } => {
                             corners = Some(to.map(|corner| corner.to_array()));
+                            colour = of;
                         }
                         Arguments::Environment { around: Around::Sky(seen), .. } => {
                             sky = Some(SkyOf::new(&seen));
@@ -114,6 +117,7 @@ pub fn json(surface: &str, variant: &Variant, form: &Form, probed: &[Probed]) ->
                         axis,
                         radius,
                         corners,
+                        colour: colour.map(|colour| colour.to_array()),
                         sky,
                         random,
                         wr,
@@ -176,6 +180,8 @@ struct OfLight {
     radius: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     corners: Option<[[f64; 3]; 4]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    colour: Option<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     sky: Option<SkyOf>,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -70,13 +70,8 @@ pub fn missing(name: &str, form: &Form, light: &Light) -> Option<Error> {
     if !calls.is_empty() && calls.iter().all(has) {
         return None;
     }
-    let (white, colour) = light.white();
-    if colour != DVec3::ONE && !light.is_all_round() {
-        let cause = format!("has no function for a coloured light of kind {:?}", light.kind());
-        return Some(Error::new(name, cause).remedy("remove its colour, or use --runner exact"));
-    }
     let cause = format!("has no function for a light of kind {:?}", light.kind());
-    let remedy = match white {
+    let remedy = match light.white().0 {
         Light::Disc { .. } | Light::Polygon { .. } => {
             "use a variant with mode = \"orders\" and this kind in its lights, or --runner exact"
         }

@@ -247,7 +247,7 @@ fn moments(range_nm: [f64; 2]) -> Words {
         "integral from {min_nm} nm to {min_nm} + index·{} nm",
         (max_nm - min_nm) / (moment_columns(range_nm) - 1) as f64
     );
-    let row = "X, Y, Z; 3: X, Y, Z between a column and the next";
+    let row = "X, Y, Z of white light; 3: X, Y, Z between a column and the next; from 4, from 8: the same of the red and of the green share of white light";
     let axes = BTreeMap::from([("column", column), ("row", row.to_owned())]);
     (channels.to_vec(), axes)
 }

@@ -7,8 +7,8 @@ use rustfft::num_complex::Complex64;
 use serde::Serialize;
 
 use crate::field::transform::{Bins, axes, heights_upwards_um, ifft2};
-use crate::optics::Matter;
 use crate::optics::spectrum::Spectrum;
+use crate::optics::{Matter, primary_shares};
 use crate::surface::HeightField;
 
 use super::{COEFFICIENTS, TERMS, Table, TexelFormat};
@@ -118,39 +118,54 @@ pub fn moment_columns([min_nm, max_nm]: [f64; 2]) -> usize {
     (max_nm - min_nm).ceil().max(1.0) as usize + 1
 }
 
+/// Rows of the table of moments for one light: X, Y, Z, and their parts of a column.
+const MOMENT_ROWS: usize = 4;
+/// Lights of the table of moments: white, and its red and green shares. The blue share is what these leave.
+const LIGHTS: usize = 3;
+
+/// Number of rows of the table of moments.
+pub const MOMENT_HEIGHT: usize = LIGHTS * MOMENT_ROWS;
+
 /// The table of moments, 2-D. Rows: X, Y, Z. Column `i` of `n`: the wavelength `λ = min + (max - min)·i/(n - 1)`. Channels `p`
 /// from 0 to 3: `∫ t^p S(λ)·(x̄, ȳ, z̄)(λ) dλ` from `min` to λ, `t = (λ - 580 nm)/200 nm`. Row 3: X, Y, Z between a column and the
-/// next, 0 in the last.
+/// next, 0 in the last. Four rows each for S, and for its shares of red and of green, [`primary_shares`].
 pub fn moments_table(spectrum: &Spectrum, range_nm: [f64; 2]) -> Table {
     /// Parts of a column in the sum.
     const PARTS: usize = 32;
     let shape = moments_shape(range_nm);
     let count = shape.width - 1;
     let step_nm = (range_nm[1] - range_nm[0]) / (count * PARTS) as f64;
-    let mut sums = [[0.0; MOMENTS]; 3];
+    let mut sums = [[[0.0; MOMENTS]; 3]; LIGHTS];
     let mut columns = vec![sums];
     for column in 0..count {
         for part in 0..PARTS {
             let lambda_nm = range_nm[0] + ((column * PARTS + part) as f64 + 0.5) * step_nm;
             let t = (lambda_nm - CENTRE_NM) / UNIT_NM;
             let weights = spectrum.per_nm(lambda_nm);
-            for (sums, weight) in sums.iter_mut().zip(weights) {
-                let mut power = weight * step_nm;
-                for sum in sums {
-                    *sum += power;
-                    power *= t;
+            let [red, green, _] = primary_shares(lambda_nm).to_array();
+            for (sums, share) in sums.iter_mut().zip([1.0, red, green]) {
+                for (sums, weight) in sums.iter_mut().zip(weights) {
+                    let mut power = share * weight * step_nm;
+                    for sum in sums {
+                        *sum += power;
+                        power *= t;
+                    }
                 }
             }
         }
         columns.push(sums);
     }
-    let mut texels: Vec<f64> =
-        (0..3).flat_map(|row| columns.iter().flat_map(move |sums| sums[row])).collect();
-    for pair in columns.windows(2) {
-        texels.extend((0..3).map(|row| pair[1][row][0] - pair[0][row][0]));
-        texels.push(0.0);
+    let mut texels = Vec::with_capacity(4 * shape.width * shape.height);
+    for light in 0..LIGHTS {
+        for row in 0..3 {
+            texels.extend(columns.iter().flat_map(|sums| sums[light][row]));
+        }
+        for pair in columns.windows(2) {
+            texels.extend((0..3).map(|row| pair[1][light][row][0] - pair[0][light][row][0]));
+            texels.push(0.0);
+        }
+        texels.extend([0.0; 4]);
     }
-    texels.extend([0.0; 4]);
     Table { texels, ..shape }
 }
 
@@ -161,7 +176,7 @@ pub(super) fn moments_shape(range_nm: [f64; 2]) -> Table {
         binding: COEFFICIENTS,
         format: TexelFormat::Rgba32Float,
         width: moment_columns(range_nm),
-        height: 4,
+        height: MOMENT_HEIGHT,
         layers: 0,
         filtered: false,
         texels: Vec::new(),

@@ -2,6 +2,7 @@
 //! probes and cost follow from that.
 
 mod arguments;
+mod coloured;
 mod directional;
 mod disc;
 mod environment;
@@ -19,6 +20,7 @@ use crate::surface::HeightField;
 use super::{Cost, Form};
 
 pub use arguments::{Arguments, Around};
+pub use coloured::{Coloured, DISC_COLOURED, RECTANGLE_COLOURED};
 pub use directional::{DIRECTIONAL, Directional};
 pub use disc::{DISC, Disc};
 pub use environment::{ENVIRONMENT, Environment, skies};
@@ -102,7 +104,8 @@ pub struct ExactProbe {
 pub const HOSTS: [&str; 1] = ["environment_radiance"];
 
 /// All functions.
-pub static FUNCTIONS: [&dyn Function; 5] = [&DIRECTIONAL, &DISC, &RECTANGLE, &ENVIRONMENT, &PATH];
+pub static FUNCTIONS: [&dyn Function; 7] =
+    [&DIRECTIONAL, &DISC, &DISC_COLOURED, &RECTANGLE, &RECTANGLE_COLOURED, &ENVIRONMENT, &PATH];
 
 /// Which function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,8 +114,12 @@ pub enum FunctionKind {
     Direction,
     /// `diffraction_disc`.
     Disc,
+    /// `diffraction_disc_coloured`.
+    DiscColoured,
     /// `diffraction_rectangle`.
     Rectangle,
+    /// `diffraction_rectangle_coloured`.
+    RectangleColoured,
     /// `diffraction_environment`.
     Environment,
     /// `diffraction_path`.
@@ -125,7 +132,9 @@ impl FunctionKind {
         match self {
             FunctionKind::Direction => &DIRECTIONAL,
             FunctionKind::Disc => &DISC,
+            FunctionKind::DiscColoured => &DISC_COLOURED,
             FunctionKind::Rectangle => &RECTANGLE,
+            FunctionKind::RectangleColoured => &RECTANGLE_COLOURED,
             FunctionKind::Environment => &ENVIRONMENT,
             FunctionKind::Path => &PATH,
         }
@@ -135,8 +144,8 @@ impl FunctionKind {
     pub fn word(self) -> LightFunction {
         match self {
             FunctionKind::Direction => LightFunction::Direction,
-            FunctionKind::Disc => LightFunction::Disc,
-            FunctionKind::Rectangle => LightFunction::Polygon,
+            FunctionKind::Disc | FunctionKind::DiscColoured => LightFunction::Disc,
+            FunctionKind::Rectangle | FunctionKind::RectangleColoured => LightFunction::Polygon,
             FunctionKind::Environment => LightFunction::Environment,
             FunctionKind::Path => LightFunction::Path,
         }

@@ -97,11 +97,22 @@ impl<'a> Twin<'a> {
     pub fn evaluate(&self, arguments: Arguments) -> Option<[f64; 3]> {
         match (arguments, self.form) {
             (Arguments::Direction(directions), _) => Some(self.tristimulus(directions)),
-            (Arguments::Disc { axis, radius_rad, wr }, Form::Orders(form)) => {
-                Some(disc::tristimulus_disc(self, form, axis, radius_rad, wr))
+            (Arguments::Disc { axis, radius_rad, colour, wr }, Form::Orders(form)) => {
+                Some(match colour {
+                    None => disc::tristimulus_disc(self, form, axis, radius_rad, wr),
+                    Some(colour) => {
+                        let disc = (axis, radius_rad);
+                        disc::tristimulus_disc_coloured(self, form, disc, colour, wr)
+                    }
+                })
             }
-            (Arguments::Rectangle { corners, wr }, Form::Orders(form)) => {
-                Some(rectangle::tristimulus_rectangle(self, form, corners, wr))
+            (Arguments::Rectangle { corners, colour, wr }, Form::Orders(form)) => {
+                Some(match colour {
+                    None => rectangle::tristimulus_rectangle(self, form, corners, wr),
+                    Some(colour) => {
+                        rectangle::tristimulus_rectangle_coloured(self, form, corners, colour, wr)
+                    }
+                })
             }
             (Arguments::Environment { around, wr }, Form::Orders(form)) => {
                 let around: &dyn Surroundings = match &around {

@@ -9,9 +9,10 @@ use diffraction_shaders::field::reference::{Directions, Reference};
 use diffraction_shaders::field::{coefficient_brute, transform::Bins};
 use diffraction_shaders::input::load_surface as load;
 use diffraction_shaders::light::{Cap, Light, Lights, Polygon};
+use diffraction_shaders::optics::colour::{from_rgb, to_rgb};
 use diffraction_shaders::optics::colour_difference::colour_difference;
 use diffraction_shaders::optics::{Matter, diffuser_scale, direction};
-use diffraction_shaders::plan::{Plan, Variant};
+use diffraction_shaders::plan::{Colour, Plan, Variant};
 use diffraction_shaders::runner::{Exact, Placement, Runner, TwinRunner, rounded};
 use diffraction_shaders::surface::HeightField;
 use diffraction_shaders::tables::Table;
@@ -161,6 +162,102 @@ fn closed_forms_are_near_the_truth_and_one_direction_is_not() {
             assert!(other.de2000.p95 > 10.0, "{name} {lit}: one direction {}", other.de2000.p95);
         }
     }
+}
+
+/// Lamps of saturated colours, as near the truth as white ones. The control is the white lamp times the colour.
+#[test]
+fn coloured_lamps_are_as_near_the_truth_as_white_ones() {
+    let subjects = [("cd", grating(CD)), ("dvd", grating(DVD)), ("skewed", skewed())];
+    let axis = direction(20.0, 30.0);
+    let lights = [
+        ("sun 0.53°", disc(axis, 0.265)),
+        ("disc, radius 5°", disc(axis, 5.0)),
+        ("disc, radius 15°", disc(axis, 15.0)),
+        ("rectangle 24 × 10°", rectangle(20.0, [24.0, 10.0])),
+    ];
+    let colours = [
+        ("white", DVec3::ONE),
+        ("red", DVec3::new(1.0, 0.05, 0.0)),
+        ("green", DVec3::new(0.0, 1.0, 0.1)),
+        ("blue", DVec3::Z),
+    ];
+    let mut most = 0.0_f64;
+    for (name, subject) in &subjects {
+        for (lit, light) in &lights {
+            let views = views(subject, light);
+            let runner = twin(subject);
+            let white = runner.under(light, &views, &|_| ()).unwrap();
+            for (word, colour) in colours {
+                let lamp = light.clone().coloured(colour);
+                let truth = exact(subject, &lamp, &views);
+                let got = runner.under(&lamp, &views, &|_| ()).unwrap();
+                let filtered = |xyz: &[f64; 3]| {
+                    let seen = colour * DVec3::from(to_rgb(*xyz, Colour::Srgb));
+                    from_rgb(seen.to_array(), Colour::Srgb)
+                };
+                let wrong: Vec<[f64; 3]> = white.iter().map(filtered).collect();
+                let found = colour_difference(name, &truth, &got, None).unwrap();
+                let wrong = colour_difference(name, &truth, &wrong, None).unwrap();
+                println!(
+                    "{name:7} {lit:19} {word:6} p95 {:.2} max {:.2} lit {:.2}; times the colour p50 {:.1} p95 {:.1}",
+                    found.de2000.p95,
+                    found.de2000.max,
+                    found.lit,
+                    wrong.de2000.p50,
+                    wrong.de2000.p95
+                );
+                assert!(found.lit > 0.1, "{name} {lit} {word}: {}", found.lit);
+                assert!(found.de2000.p95 <= 0.5, "{name} {lit} {word}: {}", found.de2000.p95);
+                if colour != DVec3::ONE {
+                    assert!(wrong.de2000.p95 > 2.0, "{name} {lit} {word}: {wrong:?}");
+                    most = most.max(wrong.de2000.p95);
+                }
+            }
+        }
+    }
+    assert!(most > 15.0, "times the colour: {most}");
+}
+
+/// Grey light is white light, coloured light is the sum of its primaries, and a mirror shows the colour.
+#[test]
+fn colours_of_lamps_add_up() {
+    let subject = grating(BLAZED);
+    let runner = twin(&subject);
+    for light in [disc(direction(20.0, 30.0), 5.0), rectangle(20.0, [24.0, 10.0])] {
+        let views = views(&subject, &light);
+        let under =
+            |colour: DVec3| runner.under(&light.clone().coloured(colour), &views, &|_| ()).unwrap();
+        let white = under(DVec3::ONE);
+        let largest = white.iter().flatten().copied().fold(0.0, f64::max);
+        let apart = |found: &[[f64; 3]], expected: &[[f64; 3]]| {
+            let pairs = found.iter().flatten().zip(expected.iter().flatten());
+            pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest
+        };
+        let twice: Vec<[f64; 3]> = white.iter().map(|xyz| xyz.map(|c| 2.0 * c)).collect();
+        assert!(apart(&under(DVec3::splat(2.0)), &twice) < 1e-12);
+        let nearly = under(DVec3::new(1.0, 1.0 + 1e-9, 1.0));
+        assert!(apart(&nearly, &white) < 1e-6, "{}", apart(&nearly, &white));
+        let primaries = DVec3::AXES.map(under);
+        let sum: Vec<[f64; 3]> = (0..white.len())
+            .map(|i| [0, 1, 2].map(|c| primaries.iter().map(|of| of[i][c]).sum()))
+            .collect();
+        assert!(apart(&sum, &white) < 1e-3, "{}", apart(&sum, &white));
+        assert!(apart(&primaries[0], &white) > 0.3);
+        let dim = primaries.iter().flatten().flatten().copied().fold(0.0, f64::min);
+        assert!(dim > -1e-6 * largest, "{dim} of {largest}");
+    }
+    // a flat surface shows the disc in its mirror
+    let flat = HeightField::new(4, 1, 0.25, 0.25, vec![0.0; 4]).unwrap();
+    let mirror = (flat, subject.1.clone());
+    let colour = DVec3::new(0.9, 0.1, 0.4);
+    let wr = direction(20.0, 210.0);
+    let of = |light: Light| {
+        let seen = twin(&mirror).under(&light, &[wr], &|_| ()).unwrap()[0];
+        DVec3::from(to_rgb(seen, Colour::Srgb))
+    };
+    let light = disc(direction(20.0, 30.0), 5.0);
+    let seen = of(light.clone().coloured(colour)) / of(light).element_sum() * 3.0;
+    assert!((seen - colour).abs().max_element() < 2e-3, "{seen} {colour}");
 }
 
 /// Lamps on and across the horizon, viewers within the mirror image of a lamp, tiny and huge radii, corners below the horizon

@@ -159,10 +159,23 @@ fn a_variant_with_the_functions_is_near_the_exact_sum() {
     for (exact, twin) in exact.iter().zip(&twin) {
         assert!((exact[3] - twin[3]).abs() < 0.05 * exact[3], "{exact:?} {twin:?}");
     }
-    // functions of lamps are those of white lamps
-    place.put("sky.toml", &format!("{SUN}colour = [1, 0.5, 0.2]\n"));
-    let coloured = "no function for a coloured light of kind \"disc\"";
-    place.refused(&format!("{eval} --runner twin"), coloured);
+    // lamps of any colour; single directions have none
+    let amber = format!("{}colour = [1, 0.3, 0.05]\n", SUN.replace("0.53", "12"));
+    place.put("sky.toml", &format!("{amber}{polygon}colour = [0, 0.2, 1]\n"));
+    let (exact, twin) = (place.rows(&eval), place.rows(&format!("{eval} --runner twin")));
+    let white = place.rows(&format!("{} --runner twin", eval.replace("sky", "lamps")));
+    let (mut worst, mut apart) = (0.0_f64, 0.0_f64);
+    for ((exact, twin), white) in exact.iter().zip(&twin).zip(&white) {
+        for c in 2..5 {
+            worst = worst.max((exact[c] - twin[c]).abs());
+            apart = apart.max((exact[c] - white[c]).abs());
+        }
+    }
+    assert!(worst < 5e-3 * largest && apart > 0.1 * largest, "{worst} {apart} {largest}");
+    let ahead = "[[light]]\nkind = \"direction\"\ndirection = [20, 0]\n";
+    place.put("sky.toml", &format!("schema = 1\n{ahead}colour = [1, 0.5, 0.2]\n"));
+    place.refused(&format!("{eval} --runner twin"), "coloured light of one direction");
+    place.refused(&format!("{eval} --runner twin"), "make it a disc of the source's width");
 }
 
 #[test]

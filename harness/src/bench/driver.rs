@@ -1,11 +1,15 @@
 //! Measures groups of variants on one adapter.
 
+use std::sync::Arc;
+
 use diffraction_shaders::error::{Error, Result};
+use diffraction_shaders::light::{Environment, Light, Studio};
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{Optics, Variant};
 use diffraction_shaders::runner::Placement;
 use diffraction_shaders::surface::HeightField;
-use diffraction_shaders::variant::{DISC, Function as _};
+use diffraction_shaders::tables::{Table, environment_table};
+use diffraction_shaders::variant::{Cost, DISC, ENVIRONMENT, Function as _};
 use glam::DVec3;
 use serde_json::Value;
 
@@ -32,6 +36,19 @@ pub struct Scene<'a> {
     pub unchecked: bool,
 }
 
+/// What lights a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Under {
+    /// The scene's direction.
+    Direction,
+    /// A disc of this diameter about it, degrees.
+    Disc(f64),
+    /// A studio all around.
+    Studio(Studio),
+    /// The same, shown by an ordinary material in place of the variant, which lends it the surroundings.
+    GgxIn(Studio),
+}
+
 /// A member of a group.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Case {
@@ -43,8 +60,8 @@ pub enum Case {
         height: Option<Box<HeightField>>,
         /// Pixels along x and y.
         frame: [usize; 2],
-        /// Diameter of the light, degrees. `None`: a single direction.
-        disc_deg: Option<f64>,
+        /// What lights it.
+        under: Under,
     },
     /// A frame of another shader, for scale.
     Yardstick {
@@ -128,30 +145,62 @@ fn build(gpu: &Gpu, scene: &Scene<'_>, case: &Case, clock: &dyn Clock) -> Result
         pipeline_ms: 0.0,
         table_bytes: 0,
         fetches: 0.0,
+        lookups: None,
         samples: Samples::default(),
     };
     match case {
-        Case::Map { variant, height, frame, disc_deg } => {
+        Case::Map { variant, height, frame, under } => {
             let height = height.as_deref().unwrap_or(scene.height);
             let placement = Placement { height, rotate_deg: scene.rotate_deg, variant };
             let mut prepared = Prepared::new(placement)?;
             if !scene.unchecked {
                 check(&prepared, gpu)?;
             }
-            if disc_deg.is_some() {
-                under_disc(&mut prepared)?;
-            }
-            let cost = match disc_deg {
-                None => prepared.form.cost(),
-                Some(_) => DISC.cost(&prepared.form),
+            let cost = match under {
+                Under::Direction => prepared.form.cost(),
+                Under::Disc(_) => DISC.cost(&prepared.form),
+                Under::Studio(_) => ENVIRONMENT.cost(&prepared.form),
+                // the texel of its colour
+                Under::GgxIn(_) => {
+                    Cost { evaluations_mean: 1.0, fetches_mean: 1.0, ..Cost::default() }
+                }
             };
+            let (mut lookups, mut around, mut radius_rad) = (None, None, 0.0);
+            match under {
+                Under::Direction => {}
+                Under::Disc(deg) => {
+                    call_in_map(
+                        &mut prepared,
+                        "diffraction_disc(params.light.xyz, params.light.w, wr)",
+                    )?;
+                    radius_rad = 0.5 * deg.to_radians();
+                }
+                Under::Studio(studio) | Under::GgxIn(studio) => {
+                    let call = match under {
+                        Under::GgxIn(_) => yardstick::ggx_in_surroundings(&mut prepared),
+                        _ => "diffraction_environment(wr)",
+                    };
+                    call_in_map(&mut prepared, call)?;
+                    let panorama = Arc::new(studio.panorama(Studio::WIDTH));
+                    let map = Environment { panorama, scale: 1.0, rotate_deg: 0.0 };
+                    // studios are dim enough to need no factor
+                    around =
+                        Light::Environment(map).filtered().map(|map| environment_table(&map).0);
+                    lookups = Some(cost.evaluations_mean);
+                }
+            }
+            let is_variant = !matches!(under, Under::GgxIn(_));
             let timed = Timed {
                 table_bytes: cost.table_bytes,
                 fetches: cost.fetches_mean,
-                ..timed(case.name(), settings(variant), *frame)
+                lookups,
+                ..timed(
+                    case.name(),
+                    if is_variant { settings(variant) } else { Value::Null },
+                    *frame,
+                )
             };
-            let radius_rad = 0.5 * disc_deg.unwrap_or(0.0).to_radians();
-            compile(gpu, &prepared, (light, radius_rad), timed, clock)
+            compile(gpu, (&prepared, around.as_ref()), (light, radius_rad), timed, clock)
         }
         Case::Yardstick { what, optics, frame } => {
             let variant = yardstick::variant(*what, optics);
@@ -161,7 +210,7 @@ fn build(gpu: &Gpu, scene: &Scene<'_>, case: &Case, clock: &dyn Clock) -> Result
                 fetches: what.fetches(),
                 ..timed(what.name().to_owned(), Value::Null, *frame)
             };
-            compile(gpu, &prepared, (light, 0.0), timed, clock)
+            compile(gpu, (&prepared, None), (light, 0.0), timed, clock)
         }
     }
 }
@@ -170,39 +219,44 @@ impl Case {
     /// Its name in records.
     pub fn name(&self) -> String {
         match self {
-            Case::Map { variant, disc_deg: Some(deg), .. } => {
-                format!("{} (disc {deg}°)", variant.name)
-            }
-            Case::Map { variant, .. } => variant.name.clone(),
+            Case::Map { variant, under, .. } => match under {
+                Under::Direction => variant.name.clone(),
+                Under::Disc(deg) => format!("{} (disc {deg}°)", variant.name),
+                Under::Studio(studio) => format!("{} ({})", variant.name, word(*studio)),
+                Under::GgxIn(studio) => format!("{} ({})", Yardstick::Ggx.name(), word(*studio)),
+            },
             Case::Yardstick { what, .. } => what.name().to_owned(),
         }
     }
 }
 
-/// Makes the map that of a disc, whose radius is the fourth number of the block `Params`. A condition on a uniform in the shader
-/// itself would not do: lavapipe compiles such a shader anew for every frame.
-fn under_disc(prepared: &mut Prepared<'_>) -> Result<()> {
+fn word(studio: Studio) -> &'static str {
+    Studio::WORDS.iter().find(|(_, of)| *of == studio).map_or("", |(word, _)| word)
+}
+
+/// Makes the map that of another function. The radius of a disc is the fourth number of the block `Params`. A condition on a uniform
+/// in the shader itself would not do: lavapipe compiles such a shader anew for every frame.
+fn call_in_map(prepared: &mut Prepared<'_>, call: &str) -> Result<()> {
     let single = "diffraction(params.light.xyz, wr)";
-    let disc = "diffraction_disc(params.light.xyz, params.light.w, wr)";
     let map = prepared.sources.0.entry("map".to_owned()).or_default();
     if !map.contains(single) {
         let cause = "the template of the map does not call the function of single directions";
         return Err(Error::new("bench", cause));
     }
-    *map = map.replace(single, disc);
+    *map = map.replace(single, call);
     Ok(())
 }
 
 /// Compiles and draws once: drivers may put off their work until the first draw.
 fn compile(
     gpu: &Gpu,
-    prepared: &Prepared<'_>,
+    (prepared, around): (&Prepared<'_>, Option<&Table>),
     (light, radius_rad): (DVec3, f64),
     timed: Timed,
     clock: &dyn Clock,
 ) -> Result<Built> {
     let begun = clock.wall();
-    let pipeline = prepared.map_pipeline(gpu)?;
+    let pipeline = prepared.map_pipeline_in(gpu, around)?;
     let lit = |pixels: [u32; 2]| {
         let mut params = params(light, pixels);
         params[3] = radius_rad as f32;

@@ -35,6 +35,8 @@ pub struct Timed {
     pub table_bytes: u64,
     /// Texels that a lit pixel reads on average; counted, not measured.
     pub fetches: f64,
+    /// Number of look-ups of the surroundings for a lit pixel on average; counted, not measured. `None` without surroundings.
+    pub lookups: Option<f64>,
     /// The times.
     pub samples: Samples,
 }
@@ -54,6 +56,7 @@ pub fn bench(
     let time = summary(&timed.samples.time_ms)?;
     let against = baseline.map(|baseline| ratios(&baseline.samples, &timed.samples));
     let ratio = against.as_deref().and_then(median);
+    let ns_per_pixel = time.median * 1e6 / disc_pixels(timed.frame) as f64;
     Some(Bench {
         surface: place.surface.clone(),
         variant: timed.variant.clone(),
@@ -71,7 +74,9 @@ pub fn bench(
         outliers: time.outliers,
         frames_per_run: timed.samples.frames,
         clock: timing.name().to_owned(),
-        ns_per_pixel: time.median * 1e6 / disc_pixels(timed.frame) as f64,
+        ns_per_pixel,
+        lookups: timed.lookups,
+        ns_per_lookup: timed.lookups.map(|lookups| ns_per_pixel / lookups),
         table_bytes: timed.table_bytes,
         baseline: ratio.and(baseline).map(|baseline| baseline.variant.clone()),
         ratio,
@@ -125,6 +130,7 @@ mod tests {
             pipeline_ms: 1.0,
             table_bytes: 8,
             fetches: 3.0,
+            lookups: Some(50.0),
             samples,
         }
     }
@@ -146,6 +152,7 @@ mod tests {
         assert_eq!(record.baseline.as_deref(), Some("slow"));
         // all four pixels of a 2 × 2 map are inside
         assert_eq!((record.ns_per_pixel, record.runs), (15.0e6 / 4.0, 7));
+        assert_eq!((record.lookups, record.ns_per_lookup), (Some(50.0), Some(15.0e6 / 200.0)));
         let alone = bench(&place, Timing::Stamps, &fast, None).expect("measured");
         assert_eq!((alone.ratio, alone.baseline, alone.clock.as_str()), (None, None, "timestamps"));
         assert_eq!(bench(&place, Timing::Wall, &timed("none", &[]), Some(&slow)), None);

@@ -74,6 +74,32 @@ fn tristimulus(wi: vec3f, wr: vec3f) -> vec3f {
 }
 ";
 
+/// A metal with a texel of colour in the surroundings of a variant's shader: one look-up along the mirror image, as blurred as the
+/// lobe, times the albedo of the lobe (Karis 2013, "Real shading in Unreal Engine 4", with his fit of 2014 in place of a table).
+const GGX_IN_SURROUNDINGS: &str = "
+fn ggx_in_surroundings(wr: vec3f) -> vec3f {
+    let size = vec2f(textureDimensions(spectrum));
+    let base = textureLoad(spectrum, vec2i((0.5 + 0.4999 * wr.xy) * size), 0).xyz;
+    let light = environment_radiance(vec3f(-wr.xy, wr.z), GGX_SPREAD);
+    let r = GGX_ROUGHNESS * vec4f(-1.0, -0.0275, -0.572, 0.022) + vec4f(1.0, 0.0425, 1.04, -0.04);
+    let share = min(r.x * r.x, exp2(-9.28 * wr.z)) * r.x + r.y;
+    let albedo = vec2f(-1.04, 1.04) * share + r.zw;
+    return light * (base * albedo.x + albedo.y);
+}
+const GGX_ROUGHNESS: f32 = 0.4472136;
+// of directions in the lobe, radians: twice the spread of its normals, whose tangents have alpha/sqrt(2) on each axis
+const GGX_SPREAD: f32 = 0.2828427;
+";
+
+/// Adds the function of an ordinary material to the shader of a variant that has surroundings, and its base colour in place of the
+/// spectrum table. Returns the call.
+pub fn ggx_in_surroundings(prepared: &mut Prepared<'_>) -> &'static str {
+    prepared.spectrum = base_colour();
+    let map = prepared.sources.0.entry("map".to_owned()).or_default();
+    map.push_str(GGX_IN_SURROUNDINGS);
+    "ggx_in_surroundings(wr)"
+}
+
 /// Width and height of the base colour, in texels.
 const TEXTURE: usize = 512;
 

@@ -14,6 +14,7 @@ use diffraction_cli::Outcome;
 use diffraction_cli::args::{Light, PlanArgs};
 use diffraction_cli::console::Console;
 use diffraction_cli::memory::MemoryArgs;
+use diffraction_shaders::light::Studio;
 use diffraction_shaders::plan::Variant;
 
 use crate::commands::restart;
@@ -24,6 +25,7 @@ const EXAMPLE: &str = "Examples:
   cargo xtask bench --plan plan.toml --compare-to before --out measured
   cargo xtask bench --plan plan.toml --surface blazed --variant preview --size 1920x1080 --ggx
   cargo xtask bench --surface cd --variant sun --baseline sun --disc-deg 0.53
+  cargo xtask bench --surface cd --variant sun --baseline sun --studio softboxes --ggx --size 1920x1080
   cargo xtask bench --plan plans/growth.toml --scaling --out growth
 
 Ratio = time of the baseline / time of the variant. Times depend on the other load of the machine. Ratios hardly do, since
@@ -67,6 +69,9 @@ pub(crate) struct Args {
     /// Also time each variant that has `diffraction_disc` under a disc of this diameter, in degrees.
     #[arg(long, value_name = "DEG", value_parser = diameter, conflicts_with = "scaling")]
     disc_deg: Option<f64>,
+    /// Also time each variant that has `diffraction_environment` in this studio; with --ggx, also an ordinary material there.
+    #[arg(long, value_name = "NAME", value_parser = studio, conflicts_with = "scaling")]
+    studio: Option<Studio>,
     /// Also time a shader that computes only the gain: no variant can be faster.
     #[arg(long)]
     empty: bool,
@@ -113,6 +118,12 @@ fn diameter(text: &str) -> Result<f64, String> {
     value.ok_or_else(|| "expected a diameter from 0.02 to 180 degrees".to_owned())
 }
 
+fn studio(text: &str) -> Result<Studio, String> {
+    let found = Studio::WORDS.iter().find(|(word, _)| *word == text);
+    let words = || Studio::WORDS.map(|(word, _)| word).join(", ");
+    found.map(|(_, studio)| *studio).ok_or_else(|| format!("expected one of {}", words()))
+}
+
 pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     let value = text.parse::<f64>().ok().filter(|value| (0.0..=86_400.0).contains(value));
     value.ok_or_else(|| "expected a number of seconds from 0 to 86400".to_owned())
@@ -152,6 +163,12 @@ mod tests {
         assert_eq!(name("v1.2-rc_3"), Ok("v1.2-rc_3".to_owned()));
         assert!(["", "..", "a/b", ".x", "records", "a b"].iter().all(|text| name(text).is_err()));
         assert!(["-1", "nan", "inf", "x"].iter().all(|text| seconds(text).is_err()));
+    }
+
+    #[test]
+    fn studios_have_the_words_of_files_of_lights() {
+        assert_eq!(studio("window"), Ok(Studio::Window));
+        assert_eq!(studio("Window"), Err("expected one of softboxes, window, gradient".to_owned()));
     }
 
     #[test]

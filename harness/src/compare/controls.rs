@@ -24,6 +24,7 @@ use diffraction_shaders::surface::HeightField;
 use diffraction_shaders::surface::synthetic::synthesise;
 use diffraction_shaders::tables::Table;
 use diffraction_shaders::variant::{Part, Tolerance, tolerance_under};
+use glam::DVec3;
 
 use crate::drivers::Prepared;
 use crate::drivers::routes::Route;
@@ -136,7 +137,7 @@ pub const AROUND_CONTROLS: [Control; 4] = [
 ];
 
 /// Controls of lights with a size.
-pub const LAMP_CONTROLS: [Control; 6] = [
+pub const LAMP_CONTROLS: [Control; 8] = [
     Control {
         name: "ends of the interval swapped",
         mode: Mode::Orders,
@@ -144,8 +145,8 @@ pub const LAMP_CONTROLS: [Control; 6] = [
         matter: false,
         around: false,
         spoil: |p, _| {
-            let right = "start_um, end_um, wr)";
-            replace(p, "lamps", right, "end_um, start_um, wr)");
+            let right = "start_um, end_um, colour, wr)";
+            replace(p, "lamps", right, "end_um, start_um, colour, wr)");
         },
     },
     Control {
@@ -202,6 +203,36 @@ pub const LAMP_CONTROLS: [Control; 6] = [
         spoil: |p, _| {
             let right = "vec4f(mean - square, linear - 3.0 * cube, 2.0 * square, 4.0 * cube)";
             replace(p, "lamps", right, "vec4f(mean, 1e-9 * (linear + square + cube), 0.0, 0.0)");
+        },
+    },
+    Control {
+        name: "red and blue of lamps exchanged",
+        mode: Mode::Orders,
+        filtered: false,
+        matter: false,
+        around: false,
+        spoil: |p, _| {
+            // blue takes the rows of red, and red is what the others leave
+            replace(
+                p,
+                "lamps",
+                "moments_between(from_um, to_um, powers, colour)",
+                "moments_between(from_um, to_um, powers, colour.zyx)",
+            );
+        },
+    },
+    Control {
+        name: "colour of a lamp multiplied in afterwards",
+        mode: Mode::Orders,
+        filtered: false,
+        matter: false,
+        around: false,
+        spoil: |p, _| {
+            let right = "tristimulus_disc_coloured(first.xyz, viewer.w, colour, viewer.xyz)";
+            let white = "to_rgb(tristimulus_disc(first.xyz, viewer.w, viewer.xyz))";
+            let to_xyz =
+                "mat3x3f(0.4124, 0.2126, 0.0193, 0.3576, 0.7152, 0.1192, 0.1805, 0.0722, 0.9505)";
+            replace(p, "probe", right, &format!("{to_xyz} * (colour * {white})"));
         },
     },
 ];
@@ -456,19 +487,23 @@ impl Right {
     }
 }
 
-/// The lights of controls: the sun, a wide lamp, a softbox.
+/// The lights of controls: the sun, a wide lamp, a softbox; the sun and the softbox once more, elsewhere and in colours.
 fn lamps() -> Lights {
     let disc = |theta_deg, phi_deg, radius_deg: f64| {
         let (axis, radius_rad) = (direction(theta_deg, phi_deg), radius_deg.to_radians());
         Light::Disc { cap: Cap { axis, radius_rad }, irradiance: 1.0 }
     };
-    let corners = [[30.0, 80.0], [30.0, 100.0], [60.0, 100.0], [60.0, 80.0]];
-    let corners = corners.map(|[theta_deg, phi_deg]| direction(theta_deg, phi_deg));
+    let softbox = |phi_deg: f64| {
+        let corners = [[30.0, 0.0], [30.0, 20.0], [60.0, 20.0], [60.0, 0.0]];
+        let corners = corners.map(|[theta, phi]| direction(theta, phi_deg + phi));
+        // as bright as the others, so that its faults count
+        Polygon::new(&corners).ok().map(|polygon| Light::Polygon { polygon, radiance: 1e3 })
+    };
     let mut all = vec![disc(LIGHT[0], LIGHT[1], 0.2665), disc(40.0, 200.0, 15.0)];
-    // as bright as the others, so that its faults count
-    all.extend(
-        Polygon::new(&corners).ok().map(|polygon| Light::Polygon { polygon, radiance: 1e3 }),
-    );
+    all.extend(softbox(80.0));
+    let [amber, blue] = [[1.0, 0.3, 0.05], [0.0, 0.2, 1.0]].map(DVec3::from);
+    all.push(disc(LIGHT[0], LIGHT[1] + 40.0, 0.2665).coloured(amber));
+    all.extend(softbox(300.0).map(|softbox| softbox.coloured(blue)));
     Lights { all, notes: Vec::new() }
 }
 

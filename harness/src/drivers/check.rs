@@ -9,6 +9,7 @@ use diffraction_shaders::tables::Table;
 use diffraction_shaders::variant::{
     Arguments, Around, FunctionKind, Twin, light_tolerance, probe_tolerances,
 };
+use glam::DVec3;
 
 use super::driver::{Driver, DriverRunner, Prepared, probe_calls};
 use super::limits;
@@ -77,12 +78,18 @@ impl<'a, D: Driver> DriverRunner<'a, D> {
 
 /// Where the light of a call is, in words.
 fn place(call: &Arguments) -> String {
+    let of = |colour: Option<DVec3>| {
+        colour.map_or_else(String::new, |colour| format!(" of the colour {colour:.3}"))
+    };
     match call {
         Arguments::Direction(Directions { wi, .. }) => format!("light at {wi:.4}"),
-        Arguments::Disc { axis, radius_rad, .. } => {
-            format!("disc of {:.2}° at {axis:.4}", 2.0 * radius_rad.to_degrees())
+        Arguments::Disc { axis, radius_rad, colour, .. } => {
+            let wide = 2.0 * radius_rad.to_degrees();
+            format!("disc of {wide:.2}° at {axis:.4}{}", of(*colour))
         }
-        Arguments::Rectangle { corners, .. } => format!("quadrilateral {corners:.4?}"),
+        Arguments::Rectangle { corners, colour, .. } => {
+            format!("quadrilateral {corners:.4?}{}", of(*colour))
+        }
         Arguments::Environment { .. } => "surroundings of a probe".to_owned(),
         Arguments::Path { random, .. } => format!("path of the numbers {random:.4}"),
     }

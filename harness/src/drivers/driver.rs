@@ -118,7 +118,17 @@ impl<'a> Prepared<'a> {
 
     /// Compiles the entry point `map` with its tables. Its uniform block is [`params`].
     pub fn map_pipeline<D: Driver>(&self, driver: &D) -> Result<D::Pipeline> {
-        self.pipeline(driver, "map", &self.spectrum, &[])
+        self.map_pipeline_in(driver, None)
+    }
+
+    /// The same with surroundings, for maps that were changed to call their function.
+    pub fn map_pipeline_in<D: Driver>(
+        &self,
+        driver: &D,
+        around: Option<&Table>,
+    ) -> Result<D::Pipeline> {
+        let further: Vec<&Table> = around.into_iter().collect();
+        self.pipeline(driver, "map", &self.spectrum, &further)
     }
 
     /// Rows of arguments of each pixel of the entry point `probe`.
@@ -310,9 +320,16 @@ fn directions_table(calls: &[Arguments], rows: usize) -> Table {
     for (i, call) in calls.iter().enumerate() {
         let arguments: &[(DVec3, f64)] = match *call {
             Arguments::Direction(Directions { wi, wr }) => &[(wi, 0.0), (wr, 0.0)],
-            Arguments::Disc { axis, radius_rad, wr } => &[(axis, 1.0), (wr, radius_rad)],
-            Arguments::Rectangle { corners: [a, b, c, d], wr } => {
-                &[(a, 2.0), (wr, 0.0), (b, 0.0), (c, 0.0), (d, 0.0)]
+            Arguments::Disc { axis, radius_rad, colour: None, wr } => {
+                &[(axis, 1.0), (wr, radius_rad)]
+            }
+            Arguments::Disc { axis, radius_rad, colour: Some(of), wr } => {
+                &[(axis, 4.0), (wr, radius_rad), (axis, of.x), (axis, of.y), (axis, of.z)]
+            }
+            Arguments::Rectangle { corners: [a, b, c, d], colour, wr } => {
+                let of = colour.unwrap_or_default();
+                let function = if colour.is_some() { 5.0 } else { 2.0 };
+                &[(a, function), (wr, 0.0), (b, of.x), (c, of.y), (d, of.z)]
             }
             Arguments::Environment { wr, .. } => &[(wr, 3.0), (wr, 0.0)],
             Arguments::Path { sky: Sky { constant, lobes: [lobe, _] }, random, wr } => &[

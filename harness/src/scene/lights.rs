@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::light::{Cap, Light, Polygon};
 use diffraction_shaders::optics::colour::luminance;
-use diffraction_shaders::runner::missing;
+use diffraction_shaders::runner::{NO_SPECTRUM, missing};
 use diffraction_shaders::variant::Form;
 use glam::DVec3;
 
@@ -41,20 +41,17 @@ pub fn refused(subject: &str, name: &str, form: &Form, light: &Light) -> Option<
     let kind = light.kind();
     let alone = "--no-diffraction draws the body and what is behind it alone";
     match light.white() {
-        (Light::Direction { .. } | Light::Disc { .. } | Light::Polygon { .. }, colour)
-            if colour != DVec3::ONE =>
-        {
+        (Light::Direction { .. }, colour) if colour != DVec3::ONE => {
+            let DVec3 { x, y, z } = colour;
             let cause = format!(
-                "a light of kind {kind:?} has the colour [{:.3}, {:.3}, {:.3}], but the functions of the variant {name} are those of a white light",
-                colour.x, colour.y, colour.z
+                "a light of kind {kind:?} has the colour [{x:.3}, {y:.3}, {z:.3}], but {NO_SPECTRUM}"
             );
-            Some(Error::new(subject, cause).remedy(format!(
-                "remove its colour; for a lamp of a map, write lamps = \"none\"; {alone}"
-            )))
+            let remedy = "make it a light of kind \"disc\", as wide as its source, for a variant with mode = \"orders\", or remove its colour";
+            Some(Error::new(subject, cause).remedy(format!("{remedy}; {alone}")))
         }
         (Light::Direction { .. }, _) => None,
-        (light, _) => missing(name, form, light).map(|_| {
-            let function = if light.is_all_round() { "environment" } else { kind };
+        (white, _) => missing(name, form, light).map(|_| {
+            let function = if white.is_all_round() { "environment" } else { kind };
             let cause =
                 format!("the variant {name} has no function for a light of kind \"{kind}\"");
             Error::new(subject, cause).remedy(format!(

@@ -4,13 +4,16 @@ use crate::support::tools;
 use std::time::Duration;
 
 use diffraction_harness::bench::clock::SystemClock;
-use diffraction_harness::bench::driver::{Case, Group, Scene, measure};
+use diffraction_harness::bench::driver::{Case, Group, Scene, Under, measure};
 use diffraction_harness::bench::result::{Place, bench};
 use diffraction_harness::bench::rounds::Rules;
 use diffraction_harness::bench::yardstick::Yardstick;
 use diffraction_harness::drivers::gpu::{Backend, Gpu};
 use diffraction_harness::results::Bench;
-use diffraction_shaders::plan::{Auto, Mode, Optics, Variant, Wavelengths};
+use diffraction_shaders::light::Studio;
+use diffraction_shaders::plan::{
+    Auto, Coherence, CoherenceScaling, Mode, Optics, Variant, Wavelengths,
+};
 use diffraction_shaders::surface::HeightField;
 
 const SIZE: usize = 8;
@@ -38,7 +41,12 @@ fn small(name: &str, terms: u32) -> Case {
         wavelengths: Wavelengths { min_nm: 400.0, max_nm: 700.0, step_nm: 100.0 },
         ..Variant::texts(&Optics::standard())
     };
-    Case::Map { variant: Box::new(variant), height: None, frame: [SIZE; 2], disc_deg: None }
+    Case::Map {
+        variant: Box::new(variant),
+        height: None,
+        frame: [SIZE; 2],
+        under: Under::Direction,
+    }
 }
 
 fn run(gpu: &Gpu, height: &HeightField, cases: &[Case]) -> Group {
@@ -93,6 +101,34 @@ fn records_hold_what_was_measured() {
     });
 }
 
+/// The surroundings are looked up as often as counted, and an ordinary material looks once.
+#[test]
+fn a_studio_is_timed_by_look_ups() {
+    on_both(|gpu| {
+        let mut optics = Optics::standard();
+        optics.coherence = Coherence::Ensemble;
+        optics.coherence_scaling = CoherenceScaling::Wavelength;
+        let variant =
+            Variant { mode: Mode::Orders, name: "orders".into(), ..Variant::texts(&optics) };
+        let lit = |under| {
+            let variant = Box::new(variant.clone());
+            Case::Map { variant, height: None, frame: [SIZE; 2], under }
+        };
+        let cases = [
+            lit(Under::Direction),
+            lit(Under::Studio(Studio::Softboxes)),
+            lit(Under::GgxIn(Studio::Softboxes)),
+        ];
+        let names = cases.each_ref().map(Case::name);
+        assert_eq!(names, ["orders", "orders (softboxes)", "ggx (softboxes)"]);
+        let group = run(gpu, &grating(40), &cases);
+        let found = group.cases.iter().map(|case| case.as_ref().expect("measured").lookups);
+        let found: Vec<Option<f64>> = found.collect();
+        assert!(found[0].is_none() && found[1].is_some_and(|count| count > 20.0), "{found:?}");
+        assert_eq!(found[2], Some(1.0));
+    });
+}
+
 #[test]
 fn what_does_not_build_is_an_error_and_the_rest_is_measured() {
     on_both(|gpu| {
@@ -103,11 +139,15 @@ fn what_does_not_build_is_an_error_and_the_rest_is_measured() {
             mode: Mode::Gems,
             ..Variant::texts(&Optics::standard())
         };
-        let gems =
-            Case::Map { variant: Box::new(gems), height: None, frame: [SIZE; 2], disc_deg: None };
+        let gems = Case::Map {
+            variant: Box::new(gems),
+            height: None,
+            frame: [SIZE; 2],
+            under: Under::Direction,
+        };
         let too_large = match small("large", 2) {
             Case::Map { variant, height, .. } => {
-                Case::Map { variant, height, frame: [1_000_000; 2], disc_deg: None }
+                Case::Map { variant, height, frame: [1_000_000; 2], under: Under::Direction }
             }
             other => other,
         };

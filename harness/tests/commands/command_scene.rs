@@ -67,9 +67,9 @@ fn lights_that_cannot_be_shown_are_refused_with_a_remedy() {
             "lights.toml: the variant star has no function for a light of kind \"environment\"",
         ),
         (
-            &format!("{SUN}colour = [1, 0.5, 0]"),
+            "[[light]]\nkind = \"direction\"\ndirection = [20, 0]\ncolour = [1, 0.5, 0]\n",
             of("orders", ""),
-            "light 1: a light of kind \"disc\" has the colour [1.000, 0.500, 0.000]",
+            "light 1: a light of kind \"direction\" has the colour [1.000, 0.500, 0.000]",
         ),
         (STUDIO, of("orders", " --no-diffraction --truth"), "cannot be used with"),
         (&SUN.repeat(5), of("orders", ""), "has 5 lights of kind \"disc\""),

@@ -198,9 +198,10 @@ fn check(who: &str, results: &Value) {
         let mut controls = BTreeSet::from(["swapped channels", "flipped bitangent"]);
         if result["variant"] == LAMPS {
             lamps += 1;
-            count += 32;
-            functions["diffraction_disc"] = 16.into();
-            functions["diffraction_rectangle"] = 16.into();
+            for shape in ["disc", "disc_coloured", "rectangle", "rectangle_coloured"] {
+                count += 16;
+                functions[format!("diffraction_{shape}")] = 16.into();
+            }
             controls.insert("another size of the light");
             // the example takes the whole shader, whose surroundings are a texture
             if who != "wgpu" {

@@ -81,12 +81,18 @@ fn pictures_under_lights_are_the_scene_in_f64_and_wrong_ones_are_caught() {
         Prepared::new(Placement { height: &height, rotate_deg: 20.0, variant: &variant }).unwrap();
     let front = DVec3::new(-0.4, 0.3, 0.85);
     let side = DVec3::new(0.9, 0.2, -0.3);
-    let cases: [(&str, Vec<Light>, Vec<Light>); 5] = [
+    let [amber, blue] = [[1.0, 0.3, 0.05], [0.0, 0.2, 1.0]].map(DVec3::from);
+    let cases: [(&str, Vec<Light>, Vec<Light>); 6] = [
         ("sun", vec![disc(front, 0.53)], vec![disc(front, 0.8)]),
         ("bulb", vec![disc(side, 20.0)], vec![disc(side, 30.0)]),
         ("triangle", vec![window(front, 0.2, 3)], vec![window(front, 0.3, 3)]),
         // in three parts, the last of them a triangle
         ("seven corners", vec![window(side, 0.6, 7)], vec![window(side, 0.9, 7)]),
+        (
+            "colours",
+            vec![disc(front, 5.0).coloured(amber), window(side, 0.6, 7).coloured(blue)],
+            vec![disc(front, 5.0).coloured(blue), window(side, 0.6, 7).coloured(amber)],
+        ),
         (
             "all",
             vec![

@@ -181,7 +181,8 @@ fn what_a_relief_cannot_diffract_is_refused() {
     let drawing = Drawing::new(&gpu, placement, mesh, false, None).unwrap();
     let map = Light::Environment(environment(Studio::Window.panorama(32), 0.0));
     let sun = Light::Disc { cap: Cap { axis: DVec3::Y, radius_rad: 0.01 }, irradiance: 1.0 };
-    let red = sun.clone().coloured(DVec3::new(1.0, 0.5, 0.2));
+    let ahead = Light::Direction { direction: DVec3::Y, irradiance: 1.0 };
+    let red = ahead.coloured(DVec3::new(1.0, 0.5, 0.2));
     for (light, cause, remedy) in [
         (map, "no function for a light of kind \"environment\"", "--no-diffraction"),
         (
@@ -189,7 +190,7 @@ fn what_a_relief_cannot_diffract_is_refused() {
             "no function for a light of kind \"sky\"",
             "--no-diffraction",
         ),
-        (red, "has the colour [1.000, 0.500, 0.200]", "remove its colour"),
+        (red, "has the colour [1.000, 0.500, 0.200]", "make it a light of kind \"disc\""),
     ] {
         let look = Look::lit_by(vec![sun.clone(), light]);
         let found = drawing.draw(&params(0.0, 0.0), &look, [8, 8]).unwrap_err().to_string();

@@ -8,7 +8,7 @@ use crate::light::environment::filtered;
 use crate::optics::spectrum::Spectrum;
 use crate::plan::{Auto, LightFunction, Variant};
 use crate::surface::HeightField;
-use crate::tables::orders::{EfficiencyAxes, moment_columns};
+use crate::tables::orders::{EfficiencyAxes, MOMENT_HEIGHT, moment_columns};
 use crate::tables::paths::{FLOOR, OrderPaths, order_paths_shape, wavelength_cells};
 use crate::tables::streaks::{LONG_CPUM, streaks_table};
 use crate::tables::{
@@ -103,7 +103,7 @@ impl Orders {
         };
         let cost = Cost::default();
         let mut form = Orders { sum, axes, functions, panel_pace, nodes, edges_um, cost };
-        let moments = if form.has_lamps() { 4 * form.moment_columns() } else { 0 };
+        let moments = if form.has_lamps() { MOMENT_HEIGHT * form.moment_columns() } else { 0 };
         let streaks = 3 * form.edges_um.len();
         let paths = match form.has(LightFunction::Path) {
             true => order_paths_shape(&form.paths()).texel_count(),

@@ -12,19 +12,23 @@ use super::FunctionKind;
 pub enum Arguments {
     /// Of `diffraction`.
     Direction(Directions),
-    /// Of `diffraction_disc`.
+    /// Of `diffraction_disc` and `diffraction_disc_coloured`.
     Disc {
         /// To the middle of the disc.
         axis: DVec3,
         /// Angular radius, up to π/2.
         radius_rad: f64,
+        /// Linear sRGB. `None` calls the function of white discs.
+        colour: Option<DVec3>,
         /// To the viewer.
         wr: DVec3,
     },
-    /// Of `diffraction_rectangle`.
+    /// Of `diffraction_rectangle` and `diffraction_rectangle_coloured`.
     Rectangle {
         /// Corners in either order; neighbours may be the same.
         corners: [DVec3; 4],
+        /// Linear sRGB. `None` calls the function of white quadrilaterals.
+        colour: Option<DVec3>,
         /// To the viewer.
         wr: DVec3,
     },
@@ -60,11 +64,25 @@ impl Arguments {
     pub fn kind(&self) -> FunctionKind {
         match self {
             Arguments::Direction(_) => FunctionKind::Direction,
-            Arguments::Disc { .. } => FunctionKind::Disc,
-            Arguments::Rectangle { .. } => FunctionKind::Rectangle,
+            Arguments::Disc { colour: None, .. } => FunctionKind::Disc,
+            Arguments::Disc { .. } => FunctionKind::DiscColoured,
+            Arguments::Rectangle { colour: None, .. } => FunctionKind::Rectangle,
+            Arguments::Rectangle { .. } => FunctionKind::RectangleColoured,
             Arguments::Environment { .. } => FunctionKind::Environment,
             Arguments::Path { .. } => FunctionKind::Path,
         }
+    }
+
+    /// The same under a lamp of another colour, linear sRGB. Directions have none, and surroundings bring their own.
+    #[must_use]
+    pub fn coloured(mut self, of: DVec3) -> Arguments {
+        match &mut self {
+            Arguments::Disc { colour, .. } | Arguments::Rectangle { colour, .. } => {
+                *colour = Some(of);
+            }
+            Arguments::Direction(_) | Arguments::Environment { .. } | Arguments::Path { .. } => {}
+        }
+        self
     }
 
     /// The same with the nearest numbers of 32 bits, as a shader receives them.
@@ -75,14 +93,17 @@ impl Arguments {
             Arguments::Direction(Directions { wi, wr }) => {
                 Arguments::Direction(Directions { wi: single(wi), wr: single(wr) })
             }
-            Arguments::Disc { axis, radius_rad, wr } => Arguments::Disc {
+            Arguments::Disc { axis, radius_rad, colour, wr } => Arguments::Disc {
                 axis: single(axis),
                 radius_rad: f64::from(radius_rad as f32),
+                colour: colour.map(single),
                 wr: single(wr),
             },
-            Arguments::Rectangle { corners, wr } => {
-                Arguments::Rectangle { corners: corners.map(single), wr: single(wr) }
-            }
+            Arguments::Rectangle { corners, colour, wr } => Arguments::Rectangle {
+                corners: corners.map(single),
+                colour: colour.map(single),
+                wr: single(wr),
+            },
             Arguments::Environment { around, wr } => {
                 Arguments::Environment { around, wr: single(wr) }
             }
@@ -99,17 +120,19 @@ impl Arguments {
             Arguments::Direction(_) | Arguments::Environment { .. } | Arguments::Path { .. } => {
                 None
             }
-            Arguments::Disc { axis, radius_rad, .. } => {
-                Some(Light::Disc { cap: Cap { axis, radius_rad }, irradiance: 1.0 })
+            Arguments::Disc { axis, radius_rad, colour, .. } => {
+                let disc = Light::Disc { cap: Cap { axis, radius_rad }, irradiance: 1.0 };
+                Some(disc.coloured(colour.unwrap_or(DVec3::ONE)))
             }
-            Arguments::Rectangle { corners, .. } => {
+            Arguments::Rectangle { corners, colour, .. } => {
                 let mut distinct = corners.to_vec();
                 distinct.dedup();
                 if distinct.len() > 1 && distinct.first() == distinct.last() {
                     distinct.pop();
                 }
                 let polygon = Polygon::new(&distinct).ok()?;
-                Some(Light::Polygon { polygon, radiance: 1.0 })
+                let polygon = Light::Polygon { polygon, radiance: 1.0 };
+                Some(polygon.coloured(colour.unwrap_or(DVec3::ONE)))
             }
         }
     }
@@ -128,10 +151,12 @@ impl Arguments {
     /// Calls whose results add up to the light with a size that a viewer sees, each with its factor. Empty for lights that no
     /// function has. A polygon is divided into a fan of quadrilaterals.
     pub fn under(light: &Light, wr: DVec3) -> Vec<(Arguments, f64)> {
-        match light {
+        let (white, colour) = light.white();
+        let colour = Some(colour).filter(|colour| *colour != DVec3::ONE);
+        match white {
             Light::Disc { cap, irradiance } => {
                 let Cap { axis, radius_rad } = *cap;
-                vec![(Arguments::Disc { axis, radius_rad, wr }, *irradiance)]
+                vec![(Arguments::Disc { axis, radius_rad, colour, wr }, *irradiance)]
             }
             Light::Polygon { polygon, radiance } => {
                 let corners = polygon.corners();
@@ -139,15 +164,14 @@ impl Arguments {
                 let part = |i: usize| {
                     let ends = [i, i + 1, (i + 2).min(last)].map(|i| corners[i]);
                     let corners = [corners[0], ends[0], ends[1], ends[2]];
-                    (Arguments::Rectangle { corners, wr }, *radiance)
+                    (Arguments::Rectangle { corners, colour, wr }, *radiance)
                 };
                 (1..last).step_by(2).map(part).collect()
             }
-            light if light.is_all_round() => {
+            Light::Sky { .. } | Light::Environment(_) => {
                 vec![(Arguments::Environment { around: Around::Host, wr }, 1.0)]
             }
-            // of coloured lamps there are no functions
-            _ => Vec::new(),
+            Light::Direction { .. } | Light::Coloured { .. } => Vec::new(),
         }
     }
 
@@ -156,7 +180,9 @@ impl Arguments {
         match kind {
             FunctionKind::Direction => 6,
             FunctionKind::Disc => 7,
+            FunctionKind::DiscColoured => 10,
             FunctionKind::Rectangle => 15,
+            FunctionKind::RectangleColoured => 18,
             FunctionKind::Environment => 20,
             FunctionKind::Path => 23,
         }
@@ -164,13 +190,17 @@ impl Arguments {
 
     /// The numbers, the viewer last.
     pub fn to_numbers(&self) -> Vec<f64> {
+        let numbers = |colour: Option<DVec3>| {
+            colour.map_or_else(Vec::new, |colour| colour.to_array().to_vec())
+        };
         match *self {
             Arguments::Direction(Directions { wi, wr }) => [wi, wr].map(|v| v.to_array()).concat(),
-            Arguments::Disc { axis, radius_rad, wr } => {
-                [&axis.to_array()[..], &[radius_rad], &wr.to_array()].concat()
+            Arguments::Disc { axis, radius_rad, colour, wr } => {
+                [&axis.to_array()[..], &[radius_rad], &numbers(colour), &wr.to_array()].concat()
             }
-            Arguments::Rectangle { corners: [a, b, c, d], wr } => {
-                [a, b, c, d, wr].map(|v| v.to_array()).concat()
+            Arguments::Rectangle { corners, colour, wr } => {
+                let corners = corners.map(|v| v.to_array()).concat();
+                [corners, numbers(colour), wr.to_array().to_vec()].concat()
             }
             Arguments::Environment { around, wr } => {
                 let sky = match around {
@@ -197,12 +227,27 @@ impl Arguments {
             FunctionKind::Direction => {
                 Arguments::Direction(Directions { wi: vector(0)?, wr: vector(3)? })
             }
-            FunctionKind::Disc => {
-                Arguments::Disc { axis: vector(0)?, radius_rad: *numbers.get(3)?, wr: vector(4)? }
-            }
+            FunctionKind::Disc => Arguments::Disc {
+                axis: vector(0)?,
+                radius_rad: *numbers.get(3)?,
+                colour: None,
+                wr: vector(4)?,
+            },
+            FunctionKind::DiscColoured => Arguments::Disc {
+                axis: vector(0)?,
+                radius_rad: *numbers.get(3)?,
+                colour: Some(vector(4)?),
+                wr: vector(7)?,
+            },
             FunctionKind::Rectangle => Arguments::Rectangle {
                 corners: [vector(0)?, vector(3)?, vector(6)?, vector(9)?],
+                colour: None,
                 wr: vector(12)?,
+            },
+            FunctionKind::RectangleColoured => Arguments::Rectangle {
+                corners: [vector(0)?, vector(3)?, vector(6)?, vector(9)?],
+                colour: Some(vector(12)?),
+                wr: vector(15)?,
             },
             FunctionKind::Environment => {
                 Arguments::Environment { around: Around::Sky(sky()?), wr: vector(17)? }

@@ -49,9 +49,7 @@ impl Function for Disc {
     }
 
     fn cost(&self, form: &Form) -> Cost {
-        let bulb = |wr| Arguments::Disc { axis: direction(20.0, 0.0), radius_rad: BULB_RAD, wr };
-        let widest = |wr| Arguments::Disc { axis: direction(20.0, 0.0), radius_rad: FRAC_PI_2, wr };
-        lamps::cost(form, &bulb, &widest)
+        cost(form, 1)
     }
 
     fn errors(&self, _: &Form) -> Vec<StatedError> {
@@ -68,12 +66,23 @@ impl Function for Disc {
         rotate_deg: f64,
         optics: &Optics,
     ) -> Result<Vec<ExactProbe>> {
-        let candidate = |i: usize, Place { axis, near }: Place<'_>| {
-            let radius_rad = RADII_DEG[i % RADII_DEG.len()].to_radians();
-            Arguments::Disc { axis, radius_rad, wr: near(0.7 * radius_rad.min(0.6)) }
-        };
         lamps::probes(height, rotate_deg, optics, &candidate)
     }
+}
+
+/// Cost under a bulb and under the widest disc, if each end of a range needs moments of so many lights.
+pub(super) fn cost(form: &Form, lights: u64) -> Cost {
+    let disc = |radius_rad| {
+        let axis = direction(20.0, 0.0);
+        move |wr| Arguments::Disc { axis, radius_rad, colour: None, wr }
+    };
+    lamps::cost(form, lights, &disc(BULB_RAD), &disc(FRAC_PI_2))
+}
+
+/// A disc at a place.
+pub(super) fn candidate(i: usize, Place { axis, near }: Place<'_>) -> Arguments {
+    let radius_rad = RADII_DEG[i % RADII_DEG.len()].to_radians();
+    Arguments::Disc { axis, radius_rad, colour: None, wr: near(0.7 * radius_rad.min(0.6)) }
 }
 
 /// Angular radius of the disc under which the mean cost is counted, rad. A grid of viewers would miss the sun.

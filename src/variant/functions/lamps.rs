@@ -92,12 +92,15 @@ pub(super) fn viewer(
     plane.extend((1.0 - plane.length_squared()).max(0.0).sqrt())
 }
 
-/// Radiance of the light of a call, seen in a mirror of the material at normal incidence.
+/// Radiance of the light of a call, seen in a mirror of the material at normal incidence; of a coloured light, that of its strongest
+/// primary.
 pub(super) fn mirrored(arguments: &Arguments, matter: &Matter) -> f64 {
+    let strongest = |colour: Option<DVec3>| colour.map_or(1.0, |colour| colour.max_element());
     let radiance = match *arguments {
-        Arguments::Disc { radius_rad, .. } => {
-            1.0 / (std::f64::consts::PI * radius_rad.sin().powi(2))
+        Arguments::Disc { radius_rad, colour, .. } => {
+            strongest(colour) / (std::f64::consts::PI * radius_rad.sin().powi(2))
         }
+        Arguments::Rectangle { colour, .. } => strongest(colour),
         Arguments::Environment { around: Around::Sky(sky), .. } | Arguments::Path { sky, .. } => {
             sky.brightest()
         }
@@ -106,9 +109,11 @@ pub(super) fn mirrored(arguments: &Arguments, matter: &Matter) -> f64 {
     matter.normal_reflectance() * radiance
 }
 
-/// Cost under a light of usual size as mean over viewers, and the maximum under the widest light.
+/// Cost under a light of usual size as mean over viewers, and the maximum under the widest light. `lights`: of how many lights each
+/// end of a range needs moments.
 pub(super) fn cost(
     form: &Form,
+    lights: u64,
     usual: &dyn Fn(DVec3) -> Arguments,
     widest: &dyn Fn(DVec3) -> Arguments,
 ) -> Cost {
@@ -130,9 +135,14 @@ pub(super) fn cost(
     };
     let (mean, _) = mean_and_worst_views(|wr| panels(usual(wr)));
     let (_, worst) = mean_and_worst_views(|wr| panels(widest(wr)));
-    /// Four shares, and at both ends four rows of moments.
+    /// Four shares, and at both ends four rows of moments for each light.
     const SHARES: u64 = 4;
     const MOMENTS: u64 = 2 * 4;
     let bytes = form.cost().table_bytes;
-    Cost::of_evaluations((SHARES as f64 * mean, SHARES * worst), 1, MOMENTS / SHARES, bytes)
+    Cost::of_evaluations(
+        (SHARES as f64 * mean, SHARES * worst),
+        1,
+        lights * MOMENTS / SHARES,
+        bytes,
+    )
 }

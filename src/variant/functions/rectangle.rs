@@ -50,11 +50,7 @@ impl Function for Rectangle {
     }
 
     fn cost(&self, form: &Form) -> Cost {
-        let [window, widest] = [[24.0, 10.0], [170.0, 170.0]].map(|size_deg| {
-            let corners = corners(direction(20.0, 0.0), size_deg, 0.0);
-            move |wr| Arguments::Rectangle { corners, wr }
-        });
-        lamps::cost(form, &window, &widest)
+        cost(form, 1)
     }
 
     fn errors(&self, _: &Form) -> Vec<StatedError> {
@@ -71,24 +67,35 @@ impl Function for Rectangle {
         rotate_deg: f64,
         optics: &Optics,
     ) -> Result<Vec<ExactProbe>> {
-        let candidate = |i: usize, Place { axis, near }: Place<'_>| {
-            let size_deg = SIZES_DEG[i % SIZES_DEG.len()];
-            let mut corners = corners(axis, size_deg, 37.0 * i as f64);
-            match i % 7 {
-                // the other way round, a triangle, a corner at the normal
-                1 => corners.reverse(),
-                2 => corners[3] = corners[2],
-                3 => {
-                    let turn = glam::DQuat::from_rotation_arc(corners[0], DVec3::Z);
-                    corners = corners.map(|corner| turn * corner);
-                }
-                _ => {}
-            }
-            let smallest = 0.5 * size_deg[0].min(size_deg[1]).to_radians();
-            Arguments::Rectangle { corners, wr: near(0.7 * smallest) }
-        };
         lamps::probes(height, rotate_deg, optics, &candidate)
     }
+}
+
+/// Cost under a window and under the widest quadrilateral, if each end of a range needs moments of so many lights.
+pub(super) fn cost(form: &Form, lights: u64) -> Cost {
+    let [window, widest] = [[24.0, 10.0], [170.0, 170.0]].map(|size_deg| {
+        let corners = corners(direction(20.0, 0.0), size_deg, 0.0);
+        move |wr| Arguments::Rectangle { corners, colour: None, wr }
+    });
+    lamps::cost(form, lights, &window, &widest)
+}
+
+/// A quadrilateral at a place.
+pub(super) fn candidate(i: usize, Place { axis, near }: Place<'_>) -> Arguments {
+    let size_deg = SIZES_DEG[i % SIZES_DEG.len()];
+    let mut corners = corners(axis, size_deg, 37.0 * i as f64);
+    match i % 7 {
+        // the other way round, a triangle, a corner at the normal
+        1 => corners.reverse(),
+        2 => corners[3] = corners[2],
+        3 => {
+            let turn = glam::DQuat::from_rotation_arc(corners[0], DVec3::Z);
+            corners = corners.map(|corner| turn * corner);
+        }
+        _ => {}
+    }
+    let smallest = 0.5 * size_deg[0].min(size_deg[1]).to_radians();
+    Arguments::Rectangle { corners, colour: None, wr: near(0.7 * smallest) }
 }
 
 /// Corners of a rectangle about an axis, turned about it.

@@ -92,6 +92,7 @@ fn order_colour(
     form: &Orders,
     order: DVec2,
     [from_um, to_um]: [f64; 2],
+    colour: DVec3,
     wr: DVec3,
 ) -> DVec3 {
     let count = panel_count(form, order, [from_um, to_um], wr);
@@ -104,7 +105,7 @@ fn order_colour(
             true => wavelength_between(frequency, [from_um, to_um], part, wr),
             false => to_um,
         };
-        xyz += panel_colour(twin, form, order, [start_um, end_um], wr);
+        xyz += panel_colour(twin, form, order, [start_um, end_um], colour, wr);
         start_um = end_um;
     }
     xyz
@@ -143,6 +144,7 @@ fn panel_colour(
     form: &Orders,
     order: DVec2,
     [from_um, to_um]: [f64; 2],
+    colour: DVec3,
     wr: DVec3,
 ) -> DVec3 {
     let middle = 0.5 * (from_um + to_um);
@@ -155,7 +157,7 @@ fn panel_colour(
     let square = 0.125_f64.sqrt() * (highest - high - low + lowest);
     let cube = 0.5 * (inner * (highest - lowest) - outer * (high - low));
     let powers = DVec4::new(mean - square, linear - 3.0 * cube, 2.0 * square, 4.0 * cube);
-    moments_between(twin, form, [from_um, to_um], powers)
+    moments_between(twin, form, [from_um, to_um], powers, colour)
 }
 
 fn moments_between(
@@ -163,17 +165,21 @@ fn moments_between(
     form: &Orders,
     [from_um, to_um]: [f64; 2],
     powers: DVec4,
+    colour: DVec3,
 ) -> DVec3 {
     let centre = (0.5 * (from_um + to_um) * 1e3 - CENTRE_NM) / UNIT_NM;
     let scale = 1.0 / (0.5e3 * (to_um - from_um) / UNIT_NM).max(1e-9);
-    let ends = [from_um, to_um].map(|um| {
-        let column = moment_column(form, um);
-        (column, column_part(twin, form, um, column), column_powers(form, column))
-    });
-    let channel = |row: i64| {
-        let [before, after] = ends
-            .map(|(column, part, powers)| moment(twin, column, row) + part[row as usize] * powers);
-        let [light, first, second, third] = (after - before).to_array();
+    // of white light, of its red share and of its green one
+    let shares = [colour.z, colour.x - colour.z, colour.y - colour.z];
+    let mut sums = [DVec4::ZERO; 3];
+    for (row, share) in (0..).step_by(4).zip(shares) {
+        let moments = moments_of(twin, form, row, [from_um, to_um]);
+        for (sum, moments) in sums.iter_mut().zip(moments) {
+            *sum += share * moments;
+        }
+    }
+    let channel = |sum: DVec4| {
+        let [light, first, second, third] = sum.to_array();
         let linear = (first - centre * light) * scale;
         let square = (second - centre * (2.0 * first - centre * light)) * scale.powi(2);
         let cubic = third - 3.0 * centre * (second - centre * first) - centre.powi(3) * light;
@@ -182,7 +188,18 @@ fn moments_between(
         let about = |moment: f64| moment.clamp(-most, most);
         powers.dot(DVec4::new(light, about(linear), about(square), about(cube)))
     };
-    DVec3::new(channel(0), channel(1), channel(2))
+    DVec3::from(sums.map(channel))
+}
+
+/// Moments of X, Y, Z between two wavelengths of the light of the table whose first row that is.
+fn moments_of(twin: &Twin<'_>, form: &Orders, row: i64, [from_um, to_um]: [f64; 2]) -> [DVec4; 3] {
+    let [before, after] = [from_um, to_um].map(|um| {
+        let column = moment_column(form, um);
+        let part = column_part(twin, form, um, column, row + 3).to_array();
+        let powers = column_powers(form, column);
+        [0, 1, 2].map(|c| moment(twin, column, row + c as i64) + part[c] * powers)
+    });
+    [0, 1, 2].map(|c| after[c] - before[c])
 }
 
 /// Place of a wavelength in columns of the table of moments.
@@ -195,9 +212,9 @@ fn moment_column(form: &Orders, lambda_um: f64) -> i64 {
     (moment_place(form, lambda_um) as i64).clamp(0, form.moment_columns() as i64 - 2)
 }
 
-fn column_part(twin: &Twin<'_>, form: &Orders, lambda_um: f64, column: i64) -> DVec3 {
+fn column_part(twin: &Twin<'_>, form: &Orders, lambda_um: f64, column: i64, row: i64) -> DVec3 {
     let part = (moment_place(form, lambda_um) - column as f64).clamp(0.0, 1.0);
-    part * DVec4::from(twin.coefficients.load(column, 3, 0)).truncate()
+    part * DVec4::from(twin.coefficients.load(column, row, 0)).truncate()
 }
 
 fn column_powers(form: &Orders, column: i64) -> DVec4 {

@@ -14,5 +14,16 @@ pub fn tristimulus_rectangle(
     corners: [DVec3; 4],
     wr: DVec3,
 ) -> [f64; 3] {
-    Caps::rectangle(corners).seen(twin, form, wr).to_array()
+    tristimulus_rectangle_coloured(twin, form, corners, DVec3::ONE, wr)
+}
+
+/// The same under a quadrilateral whose radiance is a colour in linear sRGB.
+pub fn tristimulus_rectangle_coloured(
+    twin: &Twin<'_>,
+    form: &Orders,
+    corners: [DVec3; 4],
+    colour: DVec3,
+    wr: DVec3,
+) -> [f64; 3] {
+    Caps::rectangle(corners).seen(twin, form, colour, wr).to_array()
 }

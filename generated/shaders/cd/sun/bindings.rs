@@ -171,11 +171,11 @@ pub const MOMENTS_TABLE: Table = Table {
     binding: MOMENTS_BINDING,
     data: "../../../surfaces/cd/moments-9802bbe8c05e.bin",
     description: "../../../surfaces/cd/moments-9802bbe8c05e.json",
-    bytes: 25664,
+    bytes: 76992,
     format: "rgba32float",
     dimension: "2d",
     width: 401,
-    height: 4,
+    height: 12,
     layers: 1,
     sampler: None,
 };

@@ -454,9 +454,9 @@ fn within(direction: vec3f, axis: vec3f, chord_squared: f32) -> bool {
     return dot(chord, chord) < chord_squared;
 }
 
-// X, Y, Z of an order between two wavelengths under radiance 1, without the reflectance at normal incidence. The range
-// is divided where the share of the order changes too much for a cubic.
-fn order_colour(order: vec2i, from_um: f32, to_um: f32, wr: vec3f, efficiencies: texture_2d<f32>, spectrum: texture_2d<f32>, moments: texture_2d<f32>) -> vec3f {
+// X, Y, Z of an order between two wavelengths under a radiance in linear sRGB, without the reflectance at normal
+// incidence. The range is divided where the share of the order changes too much for a cubic.
+fn order_colour(order: vec2i, from_um: f32, to_um: f32, colour: vec3f, wr: vec3f, efficiencies: texture_2d<f32>, spectrum: texture_2d<f32>, moments: texture_2d<f32>) -> vec3f {
     let frequency = order_frequency(order);
     let count = panel_count(frequency, from_um, to_um, wr);
     var xyz = vec3f(0.0);
@@ -466,7 +466,7 @@ fn order_colour(order: vec2i, from_um: f32, to_um: f32, wr: vec3f, efficiencies:
         if (panel < count) {
             end_um = wavelength_between(frequency, from_um, to_um, f32(panel) / f32(count), wr);
         }
-        xyz += panel_colour(order, frequency, start_um, end_um, wr, efficiencies, spectrum, moments);
+        xyz += panel_colour(order, frequency, start_um, end_um, colour, wr, efficiencies, spectrum, moments);
         start_um = end_um;
     }
     return xyz;
@@ -504,7 +504,14 @@ fn wavelength_between(frequency: vec2f, from_um: f32, to_um: f32, part: f32, wr:
 }
 
 // X, Y, Z of a panel: the share of the order is a cubic through its values at four nodes of Chebyshev.
-fn panel_colour(order: vec2i, frequency: vec2f, from_um: f32, to_um: f32, wr: vec3f, efficiencies: texture_2d<f32>, spectrum: texture_2d<f32>, moments: texture_2d<f32>) -> vec3f {
+fn panel_colour(
+    order: vec2i,
+    frequency: vec2f,
+    from_um: f32,
+    to_um: f32,
+    colour: vec3f,
+    wr: vec3f, efficiencies: texture_2d<f32>, spectrum: texture_2d<f32>, moments: texture_2d<f32>
+) -> vec3f {
     let middle = 0.5 * (from_um + to_um);
     let half = 0.5 * (to_um - from_um);
     let outer = 0.92387953 * half;
@@ -519,24 +526,28 @@ fn panel_colour(order: vec2i, frequency: vec2f, from_um: f32, to_um: f32, wr: ve
     let square = 0.35355339 * (highest - high - low + lowest);
     let cube = 0.5 * (0.38268343 * (highest - lowest) - 0.92387953 * (high - low));
     let powers = vec4f(mean - square, linear - 3.0 * cube, 2.0 * square, 4.0 * cube);
-    return moments_between(from_um, to_um, powers, moments);
+    return moments_between(from_um, to_um, powers, colour, moments);
 }
 
 // Integral of the colour weights between two wavelengths, times a polynomial in the distance from the middle relative to
 // half the range. A moment about the middle is at most the integral itself, and rounding must not make it larger.
-fn moments_between(from_um: f32, to_um: f32, powers: vec4f, moments: texture_2d<f32>) -> vec3f {
-    let first_column = moment_column(from_um);
-    let last_column = moment_column(to_um);
-    let before = column_part(from_um, first_column, moments);
-    let after = column_part(to_um, last_column, moments);
-    let from_powers = column_powers(first_column);
-    let to_powers = column_powers(last_column);
-    let x = moment(last_column, 0, moments) + after.x * to_powers - moment(first_column, 0, moments) - before.x * from_powers;
-    let y = moment(last_column, 1, moments) + after.y * to_powers - moment(first_column, 1, moments) - before.y * from_powers;
-    let z = moment(last_column, 2, moments) + after.z * to_powers - moment(first_column, 2, moments) - before.z * from_powers;
+fn moments_between(from_um: f32, to_um: f32, powers: vec4f, colour: vec3f, moments: texture_2d<f32>) -> vec3f {
+    let white = moments_of(0, from_um, to_um, moments);
+    var x = colour.z * white[0];
+    var y = colour.z * white[1];
+    var z = colour.z * white[2];
+    // blue is what red and green leave of white, and grey light needs no more than white
+    let more = colour.xy - colour.z;
+    if (more.x != 0.0 || more.y != 0.0) {
+        let red = moments_of(4, from_um, to_um, moments);
+        let green = moments_of(8, from_um, to_um, moments);
+        x += more.x * red[0] + more.y * green[0];
+        y += more.x * red[1] + more.y * green[1];
+        z += more.x * red[2] + more.y * green[2];
+    }
     let centre = 5.0 * (0.5 * (from_um + to_um) - 0.58);
     let scale = 1.0 / max(2.5 * (to_um - from_um), 1e-9);
-    let light = vec3f(x.x, y.x, z.x);
+    let light = max(vec3f(x.x, y.x, z.x), vec3f(0.0));
     let first = vec3f(x.y, y.y, z.y);
     let second = vec3f(x.z, y.z, z.z);
     let third = vec3f(x.w, y.w, z.w);
@@ -548,6 +559,22 @@ fn moments_between(from_um: f32, to_um: f32, powers: vec4f, moments: texture_2d<
         + powers.y * clamp(linear, -light, light)
         + powers.z * clamp(square, -light, light)
         + powers.w * clamp(cube, -light, light);
+}
+
+// Moments between two wavelengths of one light of the table, whose first row it is. The columns are X, Y, Z and nothing.
+fn moments_of(row: i32, from_um: f32, to_um: f32, moments: texture_2d<f32>) -> mat4x4f {
+    let first_column = moment_column(from_um);
+    let last_column = moment_column(to_um);
+    let before = column_part(from_um, first_column, row + 3, moments);
+    let after = column_part(to_um, last_column, row + 3, moments);
+    let from_powers = column_powers(first_column);
+    let to_powers = column_powers(last_column);
+    return mat4x4f(
+        moment(last_column, row, moments) + after.x * to_powers - moment(first_column, row, moments) - before.x * from_powers,
+        moment(last_column, row + 1, moments) + after.y * to_powers - moment(first_column, row + 1, moments) - before.y * from_powers,
+        moment(last_column, row + 2, moments) + after.z * to_powers - moment(first_column, row + 2, moments) - before.z * from_powers,
+        vec4f(0.0),
+    );
 }
 
 // Place of a wavelength in columns of the table of moments.
@@ -562,9 +589,9 @@ fn moment_column(lambda_um: f32) -> i32 {
 }
 
 // X, Y, Z from a column to a wavelength before the next one.
-fn column_part(lambda_um: f32, column: i32, moments: texture_2d<f32>) -> vec3f {
+fn column_part(lambda_um: f32, column: i32, row: i32, moments: texture_2d<f32>) -> vec3f {
     let part = clamp(moment_place(lambda_um) - f32(column), 0.0, 1.0);
-    return part * textureLoad(moments, vec2i(column, 3), 0).xyz;
+    return part * textureLoad(moments, vec2i(column, row), 0).xyz;
 }
 
 // Powers 0 to 3 of t in the middle between a column and the next.
@@ -574,13 +601,18 @@ fn column_powers(column: i32) -> vec4f {
     return vec4f(1.0, t, t * t, t * t * t);
 }
 
-// Moments from the shortest wavelength to a column. Row: X, Y, Z.
+// Moments from the shortest wavelength to a column.
 fn moment(column: i32, row: i32, moments: texture_2d<f32>) -> vec4f {
     return textureLoad(moments, vec2i(column, row), 0);
 }
 
 // X, Y, Z of the radiance under a disc of irradiance 1, relative to a white of radiance 1.
 fn tristimulus_disc(axis: vec3f, radius: f32, wr: vec3f, efficiencies: texture_2d<f32>, spectrum: texture_2d<f32>, moments: texture_2d<f32>) -> vec3f {
+    return tristimulus_disc_coloured(axis, radius, vec3f(1.0), wr, efficiencies, spectrum, moments);
+}
+
+// The same under a disc whose irradiance is a colour in linear sRGB.
+fn tristimulus_disc_coloured(axis: vec3f, radius: f32, colour: vec3f, wr: vec3f, efficiencies: texture_2d<f32>, spectrum: texture_2d<f32>, moments: texture_2d<f32>) -> vec3f {
     if (!(wr.z > 1e-6)) {
         return vec3f(0.0);
     }
@@ -634,7 +666,7 @@ fn tristimulus_disc(axis: vec3f, radius: f32, wr: vec3f, efficiencies: texture_2
         if (!lit) {
             break;
         }
-        xyz += order_colour(order, from_um, to_um, viewer, efficiencies, spectrum, moments);
+        xyz += order_colour(order, from_um, to_um, colour, viewer, efficiencies, spectrum, moments);
     }
     let sine_squared = chord_squared * (1.0 - 0.25 * chord_squared);
     return normal_reflectance(spectrum) / (3.1415927 * sine_squared) * xyz;
@@ -642,6 +674,11 @@ fn tristimulus_disc(axis: vec3f, radius: f32, wr: vec3f, efficiencies: texture_2
 
 // X, Y, Z of the radiance under a quadrilateral of radiance 1, relative to a white of radiance 1.
 fn tristimulus_rectangle(a: vec3f, b: vec3f, c: vec3f, d: vec3f, wr: vec3f, efficiencies: texture_2d<f32>, spectrum: texture_2d<f32>, moments: texture_2d<f32>) -> vec3f {
+    return tristimulus_rectangle_coloured(a, b, c, d, vec3f(1.0), wr, efficiencies, spectrum, moments);
+}
+
+// The same under a quadrilateral whose radiance is a colour in linear sRGB.
+fn tristimulus_rectangle_coloured(a: vec3f, b: vec3f, c: vec3f, d: vec3f, colour: vec3f, wr: vec3f, efficiencies: texture_2d<f32>, spectrum: texture_2d<f32>, moments: texture_2d<f32>) -> vec3f {
     if (!(wr.z > 1e-6)) {
         return vec3f(0.0);
     }
@@ -709,7 +746,7 @@ fn tristimulus_rectangle(a: vec3f, b: vec3f, c: vec3f, d: vec3f, wr: vec3f, effi
         if (!lit) {
             break;
         }
-        xyz += order_colour(order, from_um, to_um, viewer, efficiencies, spectrum, moments);
+        xyz += order_colour(order, from_um, to_um, colour, viewer, efficiencies, spectrum, moments);
     }
     return normal_reflectance(spectrum) * xyz;
 }
@@ -796,10 +833,21 @@ fn diffraction_disc(axis: vec3f, radius: f32, wr: vec3f, efficiencies: texture_2
     return to_rgb(tristimulus_disc(axis, radius, wr, efficiencies, spectrum, moments));
 }
 
+// The same under a disc of a colour: its irradiance in linear sRGB, nowhere negative. White, vec3f(1.0), is the disc above.
+// The result times a colour is something else: an order brings light of few wavelengths, and red light has no blue ones.
+fn diffraction_disc_coloured(axis: vec3f, radius: f32, colour: vec3f, wr: vec3f, efficiencies: texture_2d<f32>, spectrum: texture_2d<f32>, moments: texture_2d<f32>) -> vec3f {
+    return to_rgb(tristimulus_disc_coloured(axis, radius, colour, wr, efficiencies, spectrum, moments));
+}
+
 // Linear RGB of the radiance under a spherical quadrilateral of radiance 1: a window, a softbox. Its corners are unit
 // vectors, in either order around it; two neighbouring ones may be the same. It must be convex and fit into a hemisphere.
 fn diffraction_rectangle(a: vec3f, b: vec3f, c: vec3f, d: vec3f, wr: vec3f, efficiencies: texture_2d<f32>, spectrum: texture_2d<f32>, moments: texture_2d<f32>) -> vec3f {
     return to_rgb(tristimulus_rectangle(a, b, c, d, wr, efficiencies, spectrum, moments));
+}
+
+// The same under a quadrilateral of a colour: its radiance in linear sRGB, nowhere negative. White is the one above.
+fn diffraction_rectangle_coloured(a: vec3f, b: vec3f, c: vec3f, d: vec3f, colour: vec3f, wr: vec3f, efficiencies: texture_2d<f32>, spectrum: texture_2d<f32>, moments: texture_2d<f32>) -> vec3f {
+    return to_rgb(tristimulus_rectangle_coloured(a, b, c, d, colour, wr, efficiencies, spectrum, moments));
 }
 
 // Linear RGB of the radiance under the surroundings, in the unit of `environment_radiance`.

@@ -110,14 +110,14 @@ float gain(
     metal::float3 wi_1,
     metal::float3 wr_1
 ) {
-    bool local_1 = {};
+    bool local_2 = {};
     float factor = {};
     if (wi_1.z > 0.000001) {
-        local_1 = wr_1.z > 0.000001;
+        local_2 = wr_1.z > 0.000001;
     } else {
-        local_1 = false;
+        local_2 = false;
     }
-    bool _e11 = local_1;
+    bool _e11 = local_2;
     if (!(_e11)) {
         return 0.0;
     }
@@ -222,10 +222,10 @@ float efficiency(
     }
     float share_1 = metal::clamp(-0.12666667 * turns, 0.0, 1.0);
     float place_7 = share_1 * 13.0;
-    int column_6 = metal::min(naga_f2i32(place_7), 12);
-    int row_9 = as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(order.y) + as_type<uint>(reach_3.y))) * as_type<uint>(as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(2) * as_type<uint>(reach_3.x))) + as_type<uint>(1))))) + as_type<uint>(order.x))) + as_type<uint>(reach_3.x));
-    metal::float4 edges = efficiencies.read(metal::uint2(metal::int2(column_6, row_9)), 0);
-    float part_2 = place_7 - static_cast<float>(column_6);
+    int column_7 = metal::min(naga_f2i32(place_7), 12);
+    int row_12 = as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(order.y) + as_type<uint>(reach_3.y))) * as_type<uint>(as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(2) * as_type<uint>(reach_3.x))) + as_type<uint>(1))))) + as_type<uint>(order.x))) + as_type<uint>(reach_3.x));
+    metal::float4 edges = efficiencies.read(metal::uint2(metal::int2(column_7, row_12)), 0);
+    float part_2 = place_7 - static_cast<float>(column_7);
     float rise = edges.z - edges.x;
     float bend = ((3.0 * rise) - (2.0 * edges.y)) - edges.w;
     return edges.x + (part_2 * (edges.y + (part_2 * (bend + (part_2 * ((edges.y + edges.w) - (2.0 * rise)))))));
@@ -321,12 +321,12 @@ metal::float4 lobe_light(
     float _e18 = window_width(range_3.y);
     float _e20 = window_width(range_3.x);
     float high = range_3.y + ((margin * _e18) / _e20);
-    float column_7 = metal::clamp((wavenumber_1 - low) / (high - low), 0.0, 1.0) * 359.0;
+    float column_8 = metal::clamp((wavenumber_1 - low) / (high - low), 0.0, 1.0) * 359.0;
     int line = as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(2) + as_type<uint>(row_2))) + as_type<uint>(as_type<int>(as_type<uint>(side) * as_type<uint>(LOBE_ROWS))));
-    int index_3 = metal::min(naga_f2i32(column_7), 358);
+    int index_3 = metal::min(naga_f2i32(column_8), 358);
     metal::float4 before_1 = spectrum.read(metal::uint2(metal::int2(index_3, line)), 0);
     metal::float4 after_1 = spectrum.read(metal::uint2(metal::int2(as_type<int>(as_type<uint>(index_3) + as_type<uint>(1)), line)), 0);
-    return metal::mix(before_1, after_1, column_7 - static_cast<float>(index_3));
+    return metal::mix(before_1, after_1, column_8 - static_cast<float>(index_3));
 }
 
 float window_share(
@@ -700,14 +700,14 @@ float wavelength_between(
     float part,
     metal::float3 wr_11
 ) {
-    bool local_2 = {};
+    bool local_3 = {};
     metal::float3 _e6 = polar(frequency_6);
     if (_e6.x == 0.0) {
-        local_2 = _e6.y == 0.0;
+        local_3 = _e6.y == 0.0;
     } else {
-        local_2 = false;
+        local_3 = false;
     }
-    bool _e14 = local_2;
+    bool _e14 = local_3;
     if (_e14) {
         return 1.0 / metal::mix(1.0 / from_um_1, 1.0 / to_um_1, part);
     }
@@ -737,11 +737,12 @@ int moment_column(
 metal::float3 column_part(
     float lambda_um_8,
     int column,
+    int row_4,
     metal::texture2d<float, metal::access::sample> moments
 ) {
-    float _e2 = moment_place(lambda_um_8);
-    float part_3 = metal::clamp(_e2 - static_cast<float>(column), 0.0, 1.0);
-    metal::float4 _e12 = moments.read(metal::uint2(metal::int2(column, 3)), 0);
+    float _e3 = moment_place(lambda_um_8);
+    float part_3 = metal::clamp(_e3 - static_cast<float>(column), 0.0, 1.0);
+    metal::float4 _e12 = moments.read(metal::uint2(metal::int2(column, row_4)), 0);
     return part_3 * _e12.xyz;
 }
 
@@ -755,40 +756,84 @@ metal::float4 column_powers(
 
 metal::float4 moment(
     int column_2,
-    int row_4,
+    int row_5,
     metal::texture2d<float, metal::access::sample> moments
 ) {
-    metal::float4 _e5 = moments.read(metal::uint2(metal::int2(column_2, row_4)), 0);
+    metal::float4 _e5 = moments.read(metal::uint2(metal::int2(column_2, row_5)), 0);
     return _e5;
 }
 
-metal::float3 moments_between(
+metal::float4x4 moments_of(
+    int row_6,
     float from_um_2,
     float to_um_2,
-    metal::float4 powers,
     metal::texture2d<float, metal::access::sample> moments
 ) {
     int _e3 = moment_column(from_um_2);
     int _e4 = moment_column(to_um_2);
-    metal::float3 _e5 = column_part(from_um_2, _e3, moments);
-    metal::float3 _e6 = column_part(to_um_2, _e4, moments);
-    metal::float4 _e7 = column_powers(_e3);
-    metal::float4 _e8 = column_powers(_e4);
-    metal::float4 _e10 = moment(_e4, 0, moments);
-    metal::float4 _e12 = moment(_e3, 0, moments);
-    metal::float4 x = ((_e10 + (_e6.x * _e8)) - _e12) - (_e5.x * _e7);
-    metal::float4 _e21 = moment(_e4, 1, moments);
-    metal::float4 _e23 = moment(_e3, 1, moments);
-    metal::float4 y = ((_e21 + (_e6.y * _e8)) - _e23) - (_e5.y * _e7);
-    metal::float4 _e32 = moment(_e4, 2, moments);
-    metal::float4 _e34 = moment(_e3, 2, moments);
-    metal::float4 z = ((_e32 + (_e6.z * _e8)) - _e34) - (_e5.z * _e7);
-    float centre_2 = 5.0 * ((0.5 * (from_um_2 + to_um_2)) - 0.58);
-    float scale_1 = 1.0 / metal::max(2.5 * (to_um_2 - from_um_2), 0.000000001);
-    metal::float3 light_1 = metal::float3(x.x, y.x, z.x);
-    metal::float3 first_3 = metal::float3(x.y, y.y, z.y);
-    metal::float3 second = metal::float3(x.z, y.z, z.z);
-    metal::float3 third = metal::float3(x.w, y.w, z.w);
+    metal::float3 _e7 = column_part(from_um_2, _e3, as_type<int>(as_type<uint>(row_6) + as_type<uint>(3)), moments);
+    metal::float3 _e10 = column_part(to_um_2, _e4, as_type<int>(as_type<uint>(row_6) + as_type<uint>(3)), moments);
+    metal::float4 _e11 = column_powers(_e3);
+    metal::float4 _e12 = column_powers(_e4);
+    metal::float4 _e13 = moment(_e4, row_6, moments);
+    metal::float4 _e14 = moment(_e3, row_6, moments);
+    metal::float4 _e17 = moment(_e4, as_type<int>(as_type<uint>(row_6) + as_type<uint>(1)), moments);
+    metal::float4 _e20 = moment(_e3, as_type<int>(as_type<uint>(row_6) + as_type<uint>(1)), moments);
+    metal::float4 _e23 = moment(_e4, as_type<int>(as_type<uint>(row_6) + as_type<uint>(2)), moments);
+    metal::float4 _e26 = moment(_e3, as_type<int>(as_type<uint>(row_6) + as_type<uint>(2)), moments);
+    return metal::float4x4(((_e13 + (_e10.x * _e12)) - _e14) - (_e7.x * _e11), ((_e17 + (_e10.y * _e12)) - _e20) - (_e7.y * _e11), ((_e23 + (_e10.z * _e12)) - _e26) - (_e7.z * _e11), metal::float4(0.0));
+}
+
+metal::float3 moments_between(
+    float from_um_3,
+    float to_um_3,
+    metal::float4 powers,
+    metal::float3 colour,
+    metal::texture2d<float, metal::access::sample> moments
+) {
+    metal::float4 x = {};
+    metal::float4 y = {};
+    metal::float4 z = {};
+    bool local_4 = {};
+    metal::float4x4 _e9 = moments_of(0, from_um_3, to_um_3, moments);
+    x = colour.z * _e9[0];
+    y = colour.z * _e9[1];
+    z = colour.z * _e9[2];
+    metal::float2 more = colour.xy - metal::float2(colour.z);
+    if (!((more.x != 0.0))) {
+        local_4 = more.y != 0.0;
+    } else {
+        local_4 = true;
+    }
+    bool _e31 = local_4;
+    if (_e31) {
+        metal::float4x4 _e33 = moments_of(4, from_um_3, to_um_3, moments);
+        metal::float4x4 _e35 = moments_of(8, from_um_3, to_um_3, moments);
+        metal::float4 _e36 = x;
+        x = _e36 + ((more.x * _e33[0]) + (more.y * _e35[0]));
+        metal::float4 _e45 = y;
+        y = _e45 + ((more.x * _e33[1]) + (more.y * _e35[1]));
+        metal::float4 _e54 = z;
+        z = _e54 + ((more.x * _e33[2]) + (more.y * _e35[2]));
+    }
+    float centre_2 = 5.0 * ((0.5 * (from_um_3 + to_um_3)) - 0.58);
+    float scale_1 = 1.0 / metal::max(2.5 * (to_um_3 - from_um_3), 0.000000001);
+    float _e78 = x.x;
+    float _e80 = y.x;
+    float _e82 = z.x;
+    metal::float3 light_1 = metal::max(metal::float3(_e78, _e80, _e82), metal::float3(0.0));
+    float _e88 = x.y;
+    float _e90 = y.y;
+    float _e92 = z.y;
+    metal::float3 first_3 = metal::float3(_e88, _e90, _e92);
+    float _e95 = x.z;
+    float _e97 = y.z;
+    float _e99 = z.z;
+    metal::float3 second = metal::float3(_e95, _e97, _e99);
+    float _e102 = x.w;
+    float _e104 = y.w;
+    float _e106 = z.w;
+    metal::float3 third = metal::float3(_e102, _e104, _e106);
     metal::float3 linear = (first_3 - (centre_2 * light_1)) * scale_1;
     metal::float3 square = ((second - (centre_2 * ((2.0 * first_3) - (centre_2 * light_1)))) * scale_1) * scale_1;
     metal::float3 cubic = (third - ((3.0 * centre_2) * (second - (centre_2 * first_3)))) - (((centre_2 * centre_2) * centre_2) * light_1);
@@ -799,34 +844,36 @@ metal::float3 moments_between(
 metal::float3 panel_colour(
     metal::int2 order_3,
     metal::float2 frequency_7,
-    float from_um_3,
-    float to_um_3,
+    float from_um_4,
+    float to_um_4,
+    metal::float3 colour_1,
     metal::float3 wr_12,
     metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> moments
 ) {
-    float middle_1 = 0.5 * (from_um_3 + to_um_3);
-    float half_3 = 0.5 * (to_um_3 - from_um_3);
+    float middle_1 = 0.5 * (from_um_4 + to_um_4);
+    float half_3 = 0.5 * (to_um_4 - from_um_4);
     float outer = 0.9238795 * half_3;
     float inner_1 = 0.38268343 * half_3;
-    float _e16 = order_share(order_3, frequency_7, middle_1 + outer, wr_12, spectrum, efficiencies);
-    float _e18 = order_share(order_3, frequency_7, middle_1 + inner_1, wr_12, spectrum, efficiencies);
-    float _e20 = order_share(order_3, frequency_7, middle_1 - inner_1, wr_12, spectrum, efficiencies);
-    float _e22 = order_share(order_3, frequency_7, middle_1 - outer, wr_12, spectrum, efficiencies);
-    float mean = 0.25 * (((_e16 + _e18) + _e20) + _e22);
-    float linear_1 = 0.5 * ((0.9238795 * (_e16 - _e22)) + (0.38268343 * (_e18 - _e20)));
-    float square_1 = 0.35355338 * (((_e16 - _e18) - _e20) + _e22);
-    float cube_1 = 0.5 * ((0.38268343 * (_e16 - _e22)) - (0.9238795 * (_e18 - _e20)));
+    float _e17 = order_share(order_3, frequency_7, middle_1 + outer, wr_12, spectrum, efficiencies);
+    float _e19 = order_share(order_3, frequency_7, middle_1 + inner_1, wr_12, spectrum, efficiencies);
+    float _e21 = order_share(order_3, frequency_7, middle_1 - inner_1, wr_12, spectrum, efficiencies);
+    float _e23 = order_share(order_3, frequency_7, middle_1 - outer, wr_12, spectrum, efficiencies);
+    float mean = 0.25 * (((_e17 + _e19) + _e21) + _e23);
+    float linear_1 = 0.5 * ((0.9238795 * (_e17 - _e23)) + (0.38268343 * (_e19 - _e21)));
+    float square_1 = 0.35355338 * (((_e17 - _e19) - _e21) + _e23);
+    float cube_1 = 0.5 * ((0.38268343 * (_e17 - _e23)) - (0.9238795 * (_e19 - _e21)));
     metal::float4 powers_1 = metal::float4(mean - square_1, linear_1 - (3.0 * cube_1), 2.0 * square_1, 4.0 * cube_1);
-    metal::float3 _e60 = moments_between(from_um_3, to_um_3, powers_1, moments);
-    return _e60;
+    metal::float3 _e61 = moments_between(from_um_4, to_um_4, powers_1, colour_1, moments);
+    return _e61;
 }
 
 metal::float3 order_colour(
     metal::int2 order_4,
-    float from_um_4,
-    float to_um_4,
+    float from_um_5,
+    float to_um_5,
+    metal::float3 colour_2,
     metal::float3 wr_13,
     metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d<float, metal::access::sample> efficiencies,
@@ -836,89 +883,90 @@ metal::float3 order_colour(
     float start_um = {};
     int panel = 1;
     float end_um = {};
-    metal::float2 _e11 = order_frequency(order_4);
-    int _e12 = panel_count(_e11, from_um_4, to_um_4, wr_13);
-    start_um = from_um_4;
+    metal::float2 _e12 = order_frequency(order_4);
+    int _e13 = panel_count(_e12, from_um_5, to_um_5, wr_13);
+    start_um = from_um_5;
     bool loop_init_2 = true;
     while(true) {
         if (!loop_init_2) {
-            int _e28 = panel;
-            panel = as_type<int>(as_type<uint>(_e28) + as_type<uint>(1));
+            int _e29 = panel;
+            panel = as_type<int>(as_type<uint>(_e29) + as_type<uint>(1));
         }
         loop_init_2 = false;
-        int _e13 = panel;
-        if (_e13 <= _e12) {
+        int _e14 = panel;
+        if (_e14 <= _e13) {
         } else {
             break;
         }
         {
-            end_um = to_um_4;
-            int _e15 = panel;
-            if (_e15 < _e12) {
-                int _e17 = panel;
-                float _e21 = wavelength_between(_e11, from_um_4, to_um_4, static_cast<float>(_e17) / static_cast<float>(_e12), wr_13);
-                end_um = _e21;
+            end_um = to_um_5;
+            int _e16 = panel;
+            if (_e16 < _e13) {
+                int _e18 = panel;
+                float _e22 = wavelength_between(_e12, from_um_5, to_um_5, static_cast<float>(_e18) / static_cast<float>(_e13), wr_13);
+                end_um = _e22;
             }
-            metal::float3 _e22 = xyz_1;
-            float _e23 = start_um;
-            float _e24 = end_um;
-            metal::float3 _e25 = panel_colour(order_4, _e11, _e23, _e24, wr_13, spectrum, efficiencies, moments);
-            xyz_1 = _e22 + _e25;
-            float _e27 = end_um;
-            start_um = _e27;
+            metal::float3 _e23 = xyz_1;
+            float _e24 = start_um;
+            float _e25 = end_um;
+            metal::float3 _e26 = panel_colour(order_4, _e12, _e24, _e25, colour_2, wr_13, spectrum, efficiencies, moments);
+            xyz_1 = _e23 + _e26;
+            float _e28 = end_um;
+            start_um = _e28;
         }
     }
-    metal::float3 _e31 = xyz_1;
-    return _e31;
+    metal::float3 _e32 = xyz_1;
+    return _e32;
 }
 
-metal::float3 tristimulus_disc(
+metal::float3 tristimulus_disc_coloured(
     metal::float3 axis_2,
     float radius_1,
+    metal::float3 colour_3,
     metal::float3 wr_14,
     metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> moments
 ) {
-    int row_5 = {};
+    int row_7 = {};
     metal::int2 columns = {};
     int column_3 = {};
     metal::int2 order_5 = metal::int2(0, 0);
-    float from_um_5 = 0.0;
-    float to_um_5 = 0.0;
+    float from_um_6 = 0.0;
+    float to_um_6 = 0.0;
     float passed_um = 0.0;
     bool lit = false;
     metal::float3 xyz_2 = metal::float3(0.0);
     int hit_1 = 0;
     int tried_1 = {};
-    bool local_3 = {};
-    bool local_4 = {};
     bool local_5 = {};
     bool local_6 = {};
+    bool local_7 = {};
+    bool local_8 = {};
     if (!((wr_14.z > 0.000001))) {
         return metal::float3(0.0);
     }
-    metal::float3 _e34 = in_surface(wr_14);
-    metal::float3 _e35 = in_surface(axis_2);
-    float _e36 = disc_chord_squared(radius_1);
-    float reach_5 = metal::sqrt(_e36);
-    metal::float2 offset_4 = _e35.xy + _e34.xy;
-    metal::int2 _e41 = order_rows(offset_4, reach_5);
-    row_5 = _e41.x;
-    int _e43 = row_5;
-    metal::int2 _e44 = order_columns(_e43, offset_4, reach_5);
-    columns = _e44;
-    int _e46 = columns.x;
-    column_3 = _e46;
+    metal::float3 _e35 = in_surface(wr_14);
+    metal::float3 _e36 = in_surface(axis_2);
+    float _e37 = disc_chord_squared(radius_1);
+    float reach_5 = metal::sqrt(_e37);
+    metal::float2 offset_4 = _e36.xy + _e35.xy;
+    metal::int2 _e42 = order_rows(offset_4, reach_5);
+    row_7 = _e42.x;
+    int _e44 = row_7;
+    metal::int2 _e45 = order_columns(_e44, offset_4, reach_5);
+    columns = _e45;
+    int _e47 = columns.x;
+    column_3 = _e47;
     bool loop_init_3 = true;
     while(true) {
         if (!loop_init_3) {
-            int _e134 = hit_1;
-            hit_1 = as_type<int>(as_type<uint>(_e134) + as_type<uint>(1));
+            int _e135 = hit_1;
+            hit_1 = as_type<int>(as_type<uint>(_e135) + as_type<uint>(1));
         }
         loop_init_3 = false;
-        int _e47 = hit_1;
-        if (_e47 < 33) {
+        int _e48 = hit_1;
+        if (_e48 < 33) {
         } else {
             break;
         }
@@ -928,168 +976,181 @@ metal::float3 tristimulus_disc(
             bool loop_init_4 = true;
             while(true) {
                 if (!loop_init_4) {
-                    int _e123 = tried_1;
-                    tried_1 = as_type<int>(as_type<uint>(_e123) + as_type<uint>(1));
+                    int _e124 = tried_1;
+                    tried_1 = as_type<int>(as_type<uint>(_e124) + as_type<uint>(1));
                 }
                 loop_init_4 = false;
-                int _e52 = tried_1;
-                if (_e52 < 44) {
+                int _e53 = tried_1;
+                if (_e53 < 44) {
                 } else {
                     break;
                 }
                 {
-                    bool _e55 = lit;
-                    if (!(_e55)) {
-                        int _e57 = row_5;
-                        local_3 = _e57 > _e41.y;
+                    bool _e56 = lit;
+                    if (!(_e56)) {
+                        int _e58 = row_7;
+                        local_5 = _e58 > _e42.y;
                     } else {
-                        local_3 = true;
+                        local_5 = true;
                     }
-                    bool _e61 = local_3;
-                    if (_e61) {
+                    bool _e62 = local_5;
+                    if (_e62) {
                         break;
                     }
-                    int _e62 = column_3;
-                    int _e63 = row_5;
-                    order_5 = metal::int2(_e62, _e63);
-                    metal::int2 _e65 = order_5;
-                    metal::float2 _e66 = order_frequency(_e65);
-                    metal::float2 _e67 = propagating(_e66, _e34);
-                    metal::float2 _e68 = crossings(_e66, _e34, _e35, _e36);
-                    float _e69 = passed_um;
-                    from_um_5 = metal::max(_e67.x, _e69);
-                    float _e72 = from_um_5;
-                    metal::float2 beyond = metal::select(_e67.yy, _e68, _e68 > metal::float2(_e72));
-                    to_um_5 = metal::min(_e67.y, metal::min(beyond.x, beyond.y));
-                    float _e82 = from_um_5;
-                    float _e83 = to_um_5;
-                    metal::float3 _e87 = arrival(_e66, 0.5 * (_e82 + _e83), _e34);
-                    int _e88 = column_3;
-                    int _e90 = columns.y;
-                    if (_e88 <= _e90) {
-                        float _e92 = from_um_5;
-                        local_4 = _e92 < _e67.y;
+                    int _e63 = column_3;
+                    int _e64 = row_7;
+                    order_5 = metal::int2(_e63, _e64);
+                    metal::int2 _e66 = order_5;
+                    metal::float2 _e67 = order_frequency(_e66);
+                    metal::float2 _e68 = propagating(_e67, _e35);
+                    metal::float2 _e69 = crossings(_e67, _e35, _e36, _e37);
+                    float _e70 = passed_um;
+                    from_um_6 = metal::max(_e68.x, _e70);
+                    float _e73 = from_um_6;
+                    metal::float2 beyond = metal::select(_e68.yy, _e69, _e69 > metal::float2(_e73));
+                    to_um_6 = metal::min(_e68.y, metal::min(beyond.x, beyond.y));
+                    float _e83 = from_um_6;
+                    float _e84 = to_um_6;
+                    metal::float3 _e88 = arrival(_e67, 0.5 * (_e83 + _e84), _e35);
+                    int _e89 = column_3;
+                    int _e91 = columns.y;
+                    if (_e89 <= _e91) {
+                        float _e93 = from_um_6;
+                        local_6 = _e93 < _e68.y;
                     } else {
-                        local_4 = false;
+                        local_6 = false;
                     }
-                    bool is_open = local_4;
+                    bool is_open = local_6;
                     if (is_open) {
-                        bool _e97 = within(_e87, _e35, _e36);
-                        local_5 = _e97;
+                        bool _e98 = within(_e88, _e36, _e37);
+                        local_7 = _e98;
                     } else {
-                        local_5 = false;
+                        local_7 = false;
                     }
-                    bool _e99 = local_5;
-                    lit = _e99;
+                    bool _e100 = local_7;
+                    lit = _e100;
                     if (!(!(is_open))) {
-                        float _e102 = to_um_5;
-                        local_6 = _e102 >= _e67.y;
+                        float _e103 = to_um_6;
+                        local_8 = _e103 >= _e68.y;
                     } else {
-                        local_6 = true;
+                        local_8 = true;
                     }
-                    bool _e106 = local_6;
-                    if (_e106) {
-                        int _e107 = column_3;
-                        column_3 = as_type<int>(as_type<uint>(_e107) + as_type<uint>(1));
-                        int _e110 = column_3;
-                        int _e112 = columns.y;
-                        if (_e110 > _e112) {
-                            int _e114 = row_5;
-                            row_5 = as_type<int>(as_type<uint>(_e114) + as_type<uint>(1));
-                            int _e117 = row_5;
-                            metal::int2 _e118 = order_columns(_e117, offset_4, reach_5);
-                            columns = _e118;
-                            int _e120 = columns.x;
-                            column_3 = _e120;
+                    bool _e107 = local_8;
+                    if (_e107) {
+                        int _e108 = column_3;
+                        column_3 = as_type<int>(as_type<uint>(_e108) + as_type<uint>(1));
+                        int _e111 = column_3;
+                        int _e113 = columns.y;
+                        if (_e111 > _e113) {
+                            int _e115 = row_7;
+                            row_7 = as_type<int>(as_type<uint>(_e115) + as_type<uint>(1));
+                            int _e118 = row_7;
+                            metal::int2 _e119 = order_columns(_e118, offset_4, reach_5);
+                            columns = _e119;
+                            int _e121 = columns.x;
+                            column_3 = _e121;
                         }
                         passed_um = 0.0;
                     } else {
-                        float _e122 = to_um_5;
-                        passed_um = _e122;
+                        float _e123 = to_um_6;
+                        passed_um = _e123;
                     }
                 }
             }
-            bool _e126 = lit;
-            if (!(_e126)) {
+            bool _e127 = lit;
+            if (!(_e127)) {
                 break;
             }
-            metal::float3 _e128 = xyz_2;
-            metal::int2 _e129 = order_5;
-            float _e130 = from_um_5;
-            float _e131 = to_um_5;
-            metal::float3 _e132 = order_colour(_e129, _e130, _e131, _e34, spectrum, efficiencies, moments);
-            xyz_2 = _e128 + _e132;
+            metal::float3 _e129 = xyz_2;
+            metal::int2 _e130 = order_5;
+            float _e131 = from_um_6;
+            float _e132 = to_um_6;
+            metal::float3 _e133 = order_colour(_e130, _e131, _e132, colour_3, _e35, spectrum, efficiencies, moments);
+            xyz_2 = _e129 + _e133;
         }
     }
-    float sine_squared_1 = _e36 * (1.0 - (0.25 * _e36));
-    float _e142 = normal_reflectance(spectrum);
-    metal::float3 _e143 = xyz_2;
-    return (_e142 / (3.1415927 * sine_squared_1)) * _e143;
+    float sine_squared_1 = _e37 * (1.0 - (0.25 * _e37));
+    float _e143 = normal_reflectance(spectrum);
+    metal::float3 _e144 = xyz_2;
+    return (_e143 / (3.1415927 * sine_squared_1)) * _e144;
 }
 
-metal::float3 tristimulus_rectangle(
-    metal::float3 a,
-    metal::float3 b,
-    metal::float3 c,
-    metal::float3 d,
+metal::float3 tristimulus_disc(
+    metal::float3 axis_3,
+    float radius_2,
     metal::float3 wr_15,
     metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> moments
 ) {
-    int row_6 = {};
+    metal::float3 _e5 = tristimulus_disc_coloured(axis_3, radius_2, metal::float3(1.0), wr_15, spectrum, efficiencies, moments);
+    return _e5;
+}
+
+metal::float3 tristimulus_rectangle_coloured(
+    metal::float3 a,
+    metal::float3 b,
+    metal::float3 c,
+    metal::float3 d,
+    metal::float3 colour_4,
+    metal::float3 wr_16,
+    metal::texture2d<float, metal::access::sample> spectrum,
+    metal::texture2d<float, metal::access::sample> efficiencies,
+    metal::texture2d<float, metal::access::sample> moments
+) {
+    int row_8 = {};
     metal::int2 columns_1 = {};
     int column_4 = {};
     metal::int2 order_6 = metal::int2(0, 0);
-    float from_um_6 = 0.0;
-    float to_um_6 = 0.0;
+    float from_um_7 = 0.0;
+    float to_um_7 = 0.0;
     float passed_um_1 = 0.0;
     bool lit_1 = false;
     metal::float3 xyz_3 = metal::float3(0.0);
     int hit_2 = 0;
     int tried_2 = {};
-    bool local_7 = {};
-    bool local_8 = {};
     bool local_9 = {};
     bool local_10 = {};
     bool local_11 = {};
     bool local_12 = {};
     bool local_13 = {};
-    if (!((wr_15.z > 0.000001))) {
+    bool local_14 = {};
+    bool local_15 = {};
+    if (!((wr_16.z > 0.000001))) {
         return metal::float3(0.0);
     }
-    metal::float3 _e39 = in_surface(wr_15);
+    metal::float3 _e40 = in_surface(wr_16);
     metal::float3 centre_3 = metal::normalize(((a + b) + c) + d);
     metal::float3 turning = ((metal::cross(a, b) + metal::cross(b, c)) + metal::cross(c, d)) + metal::cross(d, a);
     float side_3 = (metal::dot(turning, centre_3) > 0.0) ? 1.0 : -1.0;
-    metal::float3 _e57 = in_surface(centre_3);
-    metal::float3 _e58 = edge_normal(a, b, side_3, centre_3);
-    metal::float3 _e59 = in_surface(_e58);
-    metal::float3 _e60 = edge_normal(b, c, side_3, centre_3);
-    metal::float3 _e61 = in_surface(_e60);
-    metal::float3 _e62 = edge_normal(c, d, side_3, centre_3);
-    metal::float3 _e63 = in_surface(_e62);
-    metal::float3 _e64 = edge_normal(d, a, side_3, centre_3);
-    metal::float3 _e65 = in_surface(_e64);
+    metal::float3 _e58 = in_surface(centre_3);
+    metal::float3 _e59 = edge_normal(a, b, side_3, centre_3);
+    metal::float3 _e60 = in_surface(_e59);
+    metal::float3 _e61 = edge_normal(b, c, side_3, centre_3);
+    metal::float3 _e62 = in_surface(_e61);
+    metal::float3 _e63 = edge_normal(c, d, side_3, centre_3);
+    metal::float3 _e64 = in_surface(_e63);
+    metal::float3 _e65 = edge_normal(d, a, side_3, centre_3);
+    metal::float3 _e66 = in_surface(_e65);
     float farther = metal::max(metal::distance(a, centre_3), metal::distance(b, centre_3));
     float reach_6 = metal::max(farther, metal::max(metal::distance(c, centre_3), metal::distance(d, centre_3)));
-    metal::float2 offset_5 = _e57.xy + _e39.xy;
-    metal::int2 _e76 = order_rows(offset_5, reach_6);
-    row_6 = _e76.x;
-    int _e78 = row_6;
-    metal::int2 _e79 = order_columns(_e78, offset_5, reach_6);
-    columns_1 = _e79;
-    int _e81 = columns_1.x;
-    column_4 = _e81;
+    metal::float2 offset_5 = _e58.xy + _e40.xy;
+    metal::int2 _e77 = order_rows(offset_5, reach_6);
+    row_8 = _e77.x;
+    int _e79 = row_8;
+    metal::int2 _e80 = order_columns(_e79, offset_5, reach_6);
+    columns_1 = _e80;
+    int _e82 = columns_1.x;
+    column_4 = _e82;
     bool loop_init_5 = true;
     while(true) {
         if (!loop_init_5) {
-            int _e203 = hit_2;
-            hit_2 = as_type<int>(as_type<uint>(_e203) + as_type<uint>(1));
+            int _e204 = hit_2;
+            hit_2 = as_type<int>(as_type<uint>(_e204) + as_type<uint>(1));
         }
         loop_init_5 = false;
-        int _e82 = hit_2;
-        if (_e82 < 99) {
+        int _e83 = hit_2;
+        if (_e83 < 99) {
         } else {
             break;
         }
@@ -1099,131 +1160,145 @@ metal::float3 tristimulus_rectangle(
             bool loop_init_6 = true;
             while(true) {
                 if (!loop_init_6) {
-                    int _e192 = tried_2;
-                    tried_2 = as_type<int>(as_type<uint>(_e192) + as_type<uint>(1));
+                    int _e193 = tried_2;
+                    tried_2 = as_type<int>(as_type<uint>(_e193) + as_type<uint>(1));
                 }
                 loop_init_6 = false;
-                int _e87 = tried_2;
-                if (_e87 < 110) {
+                int _e88 = tried_2;
+                if (_e88 < 110) {
                 } else {
                     break;
                 }
                 {
-                    bool _e90 = lit_1;
-                    if (!(_e90)) {
-                        int _e92 = row_6;
-                        local_7 = _e92 > _e76.y;
+                    bool _e91 = lit_1;
+                    if (!(_e91)) {
+                        int _e93 = row_8;
+                        local_9 = _e93 > _e77.y;
                     } else {
-                        local_7 = true;
+                        local_9 = true;
                     }
-                    bool _e96 = local_7;
-                    if (_e96) {
+                    bool _e97 = local_9;
+                    if (_e97) {
                         break;
                     }
-                    int _e97 = column_4;
-                    int _e98 = row_6;
-                    order_6 = metal::int2(_e97, _e98);
-                    metal::int2 _e100 = order_6;
-                    metal::float2 _e101 = order_frequency(_e100);
-                    metal::float2 _e102 = propagating(_e101, _e39);
-                    metal::float2 _e104 = crossings(_e101, _e39, _e59, 2.0);
-                    metal::float2 _e106 = crossings(_e101, _e39, _e61, 2.0);
-                    metal::float2 _e108 = crossings(_e101, _e39, _e63, 2.0);
-                    metal::float2 _e110 = crossings(_e101, _e39, _e65, 2.0);
-                    metal::float4 early = metal::float4(_e104, _e106);
-                    metal::float4 late = metal::float4(_e108, _e110);
-                    float _e113 = passed_um_1;
-                    from_um_6 = metal::max(_e102.x, _e113);
-                    float _e116 = from_um_6;
-                    metal::float4 ahead = metal::select(metal::float4(_e102.y), early, early > metal::float4(_e116));
-                    float _e122 = from_um_6;
-                    metal::float4 behind = metal::select(metal::float4(_e102.y), late, late > metal::float4(_e122));
+                    int _e98 = column_4;
+                    int _e99 = row_8;
+                    order_6 = metal::int2(_e98, _e99);
+                    metal::int2 _e101 = order_6;
+                    metal::float2 _e102 = order_frequency(_e101);
+                    metal::float2 _e103 = propagating(_e102, _e40);
+                    metal::float2 _e105 = crossings(_e102, _e40, _e60, 2.0);
+                    metal::float2 _e107 = crossings(_e102, _e40, _e62, 2.0);
+                    metal::float2 _e109 = crossings(_e102, _e40, _e64, 2.0);
+                    metal::float2 _e111 = crossings(_e102, _e40, _e66, 2.0);
+                    metal::float4 early = metal::float4(_e105, _e107);
+                    metal::float4 late = metal::float4(_e109, _e111);
+                    float _e114 = passed_um_1;
+                    from_um_7 = metal::max(_e103.x, _e114);
+                    float _e117 = from_um_7;
+                    metal::float4 ahead = metal::select(metal::float4(_e103.y), early, early > metal::float4(_e117));
+                    float _e123 = from_um_7;
+                    metal::float4 behind = metal::select(metal::float4(_e103.y), late, late > metal::float4(_e123));
                     metal::float4 nearest = metal::min(ahead, behind);
-                    to_um_6 = metal::min(_e102.y, metal::min(metal::min(nearest.x, nearest.y), metal::min(nearest.z, nearest.w)));
-                    float _e138 = from_um_6;
-                    float _e139 = to_um_6;
-                    metal::float3 _e143 = arrival(_e101, 0.5 * (_e138 + _e139), _e39);
-                    int _e144 = column_4;
-                    int _e146 = columns_1.y;
-                    if (_e144 <= _e146) {
-                        float _e148 = from_um_6;
-                        local_8 = _e148 < _e102.y;
-                    } else {
-                        local_8 = false;
-                    }
-                    bool is_open_1 = local_8;
-                    bool _e154 = within(_e143, _e59, 2.0);
-                    if (_e154) {
-                        bool _e156 = within(_e143, _e61, 2.0);
-                        local_9 = _e156;
-                    } else {
-                        local_9 = false;
-                    }
-                    bool upper = local_9;
-                    if (is_open_1) {
-                        local_10 = upper;
+                    to_um_7 = metal::min(_e103.y, metal::min(metal::min(nearest.x, nearest.y), metal::min(nearest.z, nearest.w)));
+                    float _e139 = from_um_7;
+                    float _e140 = to_um_7;
+                    metal::float3 _e144 = arrival(_e102, 0.5 * (_e139 + _e140), _e40);
+                    int _e145 = column_4;
+                    int _e147 = columns_1.y;
+                    if (_e145 <= _e147) {
+                        float _e149 = from_um_7;
+                        local_10 = _e149 < _e103.y;
                     } else {
                         local_10 = false;
                     }
-                    bool _e160 = local_10;
-                    if (_e160) {
-                        bool _e162 = within(_e143, _e63, 2.0);
-                        local_11 = _e162;
+                    bool is_open_1 = local_10;
+                    bool _e155 = within(_e144, _e60, 2.0);
+                    if (_e155) {
+                        bool _e157 = within(_e144, _e62, 2.0);
+                        local_11 = _e157;
                     } else {
                         local_11 = false;
                     }
-                    bool _e164 = local_11;
-                    if (_e164) {
-                        bool _e166 = within(_e143, _e65, 2.0);
-                        local_12 = _e166;
+                    bool upper = local_11;
+                    if (is_open_1) {
+                        local_12 = upper;
                     } else {
                         local_12 = false;
                     }
-                    bool _e168 = local_12;
-                    lit_1 = _e168;
-                    if (!(!(is_open_1))) {
-                        float _e171 = to_um_6;
-                        local_13 = _e171 >= _e102.y;
+                    bool _e161 = local_12;
+                    if (_e161) {
+                        bool _e163 = within(_e144, _e64, 2.0);
+                        local_13 = _e163;
                     } else {
-                        local_13 = true;
+                        local_13 = false;
                     }
-                    bool _e175 = local_13;
-                    if (_e175) {
-                        int _e176 = column_4;
-                        column_4 = as_type<int>(as_type<uint>(_e176) + as_type<uint>(1));
-                        int _e179 = column_4;
-                        int _e181 = columns_1.y;
-                        if (_e179 > _e181) {
-                            int _e183 = row_6;
-                            row_6 = as_type<int>(as_type<uint>(_e183) + as_type<uint>(1));
-                            int _e186 = row_6;
-                            metal::int2 _e187 = order_columns(_e186, offset_5, reach_6);
-                            columns_1 = _e187;
-                            int _e189 = columns_1.x;
-                            column_4 = _e189;
+                    bool _e165 = local_13;
+                    if (_e165) {
+                        bool _e167 = within(_e144, _e66, 2.0);
+                        local_14 = _e167;
+                    } else {
+                        local_14 = false;
+                    }
+                    bool _e169 = local_14;
+                    lit_1 = _e169;
+                    if (!(!(is_open_1))) {
+                        float _e172 = to_um_7;
+                        local_15 = _e172 >= _e103.y;
+                    } else {
+                        local_15 = true;
+                    }
+                    bool _e176 = local_15;
+                    if (_e176) {
+                        int _e177 = column_4;
+                        column_4 = as_type<int>(as_type<uint>(_e177) + as_type<uint>(1));
+                        int _e180 = column_4;
+                        int _e182 = columns_1.y;
+                        if (_e180 > _e182) {
+                            int _e184 = row_8;
+                            row_8 = as_type<int>(as_type<uint>(_e184) + as_type<uint>(1));
+                            int _e187 = row_8;
+                            metal::int2 _e188 = order_columns(_e187, offset_5, reach_6);
+                            columns_1 = _e188;
+                            int _e190 = columns_1.x;
+                            column_4 = _e190;
                         }
                         passed_um_1 = 0.0;
                     } else {
-                        float _e191 = to_um_6;
-                        passed_um_1 = _e191;
+                        float _e192 = to_um_7;
+                        passed_um_1 = _e192;
                     }
                 }
             }
-            bool _e195 = lit_1;
-            if (!(_e195)) {
+            bool _e196 = lit_1;
+            if (!(_e196)) {
                 break;
             }
-            metal::float3 _e197 = xyz_3;
-            metal::int2 _e198 = order_6;
-            float _e199 = from_um_6;
-            float _e200 = to_um_6;
-            metal::float3 _e201 = order_colour(_e198, _e199, _e200, _e39, spectrum, efficiencies, moments);
-            xyz_3 = _e197 + _e201;
+            metal::float3 _e198 = xyz_3;
+            metal::int2 _e199 = order_6;
+            float _e200 = from_um_7;
+            float _e201 = to_um_7;
+            metal::float3 _e202 = order_colour(_e199, _e200, _e201, colour_4, _e40, spectrum, efficiencies, moments);
+            xyz_3 = _e198 + _e202;
         }
     }
-    float _e206 = normal_reflectance(spectrum);
-    metal::float3 _e207 = xyz_3;
-    return _e206 * _e207;
+    float _e207 = normal_reflectance(spectrum);
+    metal::float3 _e208 = xyz_3;
+    return _e207 * _e208;
+}
+
+metal::float3 tristimulus_rectangle(
+    metal::float3 a_1,
+    metal::float3 b_1,
+    metal::float3 c_1,
+    metal::float3 d_1,
+    metal::float3 wr_17,
+    metal::texture2d<float, metal::access::sample> spectrum,
+    metal::texture2d<float, metal::access::sample> efficiencies,
+    metal::texture2d<float, metal::access::sample> moments
+) {
+    metal::float3 _e7 = tristimulus_rectangle_coloured(a_1, b_1, c_1, d_1, metal::float3(1.0), wr_17, spectrum, efficiencies, moments);
+    return _e7;
 }
 
 metal::float3 environment_level(
@@ -1264,15 +1339,15 @@ metal::float3 environment_radiance(
 
 metal::float4 streak_light(
     int cell,
-    int row_7,
+    int row_9,
     metal::texture2d<float, metal::access::sample> streaks
 ) {
-    metal::float4 _e5 = streaks.read(metal::uint2(metal::int2(cell, row_7)), 0);
+    metal::float4 _e5 = streaks.read(metal::uint2(metal::int2(cell, row_9)), 0);
     return _e5;
 }
 
 metal::float3 mirror_image(
-    metal::float3 wr_16,
+    metal::float3 wr_18,
     metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> environment,
@@ -1298,7 +1373,7 @@ metal::float3 mirror_image(
         {
             int _e15 = cell_1;
             metal::float4 _e17 = streak_light(_e15, 0, streaks);
-            float _e24 = order_share(metal::int2(0, 0), metal::float2(0.0), _e17.w, wr_16, spectrum, efficiencies);
+            float _e24 = order_share(metal::int2(0, 0), metal::float2(0.0), _e17.w, wr_18, spectrum, efficiencies);
             metal::float3 _e25 = red;
             red = _e25 + (_e24 * _e17.xyz);
             metal::float3 _e29 = green;
@@ -1311,7 +1386,7 @@ metal::float3 mirror_image(
             blue = _e36 + (_e24 * _e39.xyz);
         }
     }
-    metal::float3 _e50 = from_surface(metal::float3(-(wr_16.xy), wr_16.z));
+    metal::float3 _e50 = from_surface(metal::float3(-(wr_18.xy), wr_18.z));
     metal::float3 _e52 = environment_radiance(_e50, 0.0, environment, linear_clamp);
     metal::float3 _e53 = red;
     metal::float3 _e54 = green;
@@ -1321,7 +1396,7 @@ metal::float3 mirror_image(
 
 metal::float3 streak(
     metal::int2 order_7,
-    metal::float3 wr_17,
+    metal::float3 wr_19,
     metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> environment,
@@ -1332,7 +1407,7 @@ metal::float3 streak(
     float first_um = {};
     int cell_2 = {};
     metal::float2 _e7 = order_frequency(order_7);
-    metal::float2 _e8 = propagating(_e7, wr_17);
+    metal::float2 _e8 = propagating(_e7, wr_19);
     float pace_3 = metal::length(_e7);
     bool is_long = pace_3 > LONG_CPUM;
     int first_4 = is_long ? 9 : 0;
@@ -1366,10 +1441,10 @@ metal::float3 streak(
                 metal::float4 _e42 = streak_light(_e40, 0, streaks);
                 float inner_2 = metal::clamp(_e42.w, metal::mix(low_3, high_2, 0.3), metal::mix(low_3, high_2, 0.7));
                 float lambda_um_9 = (part_4 < 0.999) ? inner_2 : _e42.w;
-                float _e53 = order_share(order_7, _e7, lambda_um_9, wr_17, spectrum, efficiencies);
+                float _e53 = order_share(order_7, _e7, lambda_um_9, wr_19, spectrum, efficiencies);
                 float share_6 = part_4 * _e53;
                 if (share_6 > 0.000001) {
-                    metal::float3 _e57 = arrival(_e7, lambda_um_9, wr_17);
+                    metal::float3 _e57 = arrival(_e7, lambda_um_9, wr_19);
                     int _e58 = cell_2;
                     metal::float4 _e60 = streak_light(_e58, 2, streaks);
                     float spread_1 = ((part_4 * _e60.w) * pace_3) * metal::rsqrt(metal::max(_e57.z, 0.0001));
@@ -1390,7 +1465,7 @@ metal::float3 streak(
 }
 
 metal::float3 tristimulus_environment(
-    metal::float3 wr_18,
+    metal::float3 wr_20,
     metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> environment,
@@ -1398,23 +1473,23 @@ metal::float3 tristimulus_environment(
     metal::texture2d<float, metal::access::sample> streaks
 ) {
     metal::float3 xyz_5 = {};
-    int row_8 = 0;
+    int row_10 = 0;
     int column_5 = {};
-    bool local_14 = {};
-    if (!((wr_18.z > 0.000001))) {
+    bool local_16 = {};
+    if (!((wr_20.z > 0.000001))) {
         return metal::float3(0.0);
     }
-    metal::float3 _e12 = in_surface(wr_18);
+    metal::float3 _e12 = in_surface(wr_20);
     metal::float3 _e13 = mirror_image(_e12, spectrum, efficiencies, environment, linear_clamp, streaks);
     xyz_5 = _e13;
     bool loop_init_9 = true;
     while(true) {
         if (!loop_init_9) {
-            int _e39 = row_8;
-            row_8 = as_type<int>(as_type<uint>(_e39) + as_type<uint>(1));
+            int _e39 = row_10;
+            row_10 = as_type<int>(as_type<uint>(_e39) + as_type<uint>(1));
         }
         loop_init_9 = false;
-        int _e14 = row_8;
+        int _e14 = row_10;
         if (_e14 <= ORDER_REACH_Y) {
         } else {
             break;
@@ -1434,18 +1509,18 @@ metal::float3 tristimulus_environment(
                     break;
                 }
                 {
-                    int _e21 = row_8;
+                    int _e21 = row_10;
                     if (!((_e21 != 0))) {
                         int _e25 = column_5;
-                        local_14 = _e25 != 0;
+                        local_16 = _e25 != 0;
                     } else {
-                        local_14 = true;
+                        local_16 = true;
                     }
-                    bool _e29 = local_14;
+                    bool _e29 = local_16;
                     if (_e29) {
                         metal::float3 _e30 = xyz_5;
                         int _e31 = column_5;
-                        int _e32 = row_8;
+                        int _e32 = row_10;
                         metal::float3 _e34 = streak(metal::int2(_e31, _e32), _e12, spectrum, efficiencies, environment, linear_clamp, streaks);
                         xyz_5 = _e30 + _e34;
                     }
@@ -1466,52 +1541,82 @@ metal::float3 to_rgb(
 
 metal::float3 diffraction(
     metal::float3 wi_6,
-    metal::float3 wr_19,
+    metal::float3 wr_21,
     metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d<float, metal::access::sample> efficiencies
 ) {
-    metal::float3 _e2 = tristimulus(wi_6, wr_19, spectrum, efficiencies);
+    metal::float3 _e2 = tristimulus(wi_6, wr_21, spectrum, efficiencies);
     metal::float3 _e3 = to_rgb(_e2);
     return _e3;
 }
 
 metal::float3 diffraction_disc(
-    metal::float3 axis_3,
-    float radius_2,
-    metal::float3 wr_20,
+    metal::float3 axis_4,
+    float radius_3,
+    metal::float3 wr_22,
     metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> moments
 ) {
-    metal::float3 _e3 = tristimulus_disc(axis_3, radius_2, wr_20, spectrum, efficiencies, moments);
+    metal::float3 _e3 = tristimulus_disc(axis_4, radius_3, wr_22, spectrum, efficiencies, moments);
     metal::float3 _e4 = to_rgb(_e3);
     return _e4;
 }
 
-metal::float3 diffraction_rectangle(
-    metal::float3 a_1,
-    metal::float3 b_1,
-    metal::float3 c_1,
-    metal::float3 d_1,
-    metal::float3 wr_21,
+metal::float3 diffraction_disc_coloured(
+    metal::float3 axis_5,
+    float radius_4,
+    metal::float3 colour_5,
+    metal::float3 wr_23,
     metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> moments
 ) {
-    metal::float3 _e5 = tristimulus_rectangle(a_1, b_1, c_1, d_1, wr_21, spectrum, efficiencies, moments);
+    metal::float3 _e4 = tristimulus_disc_coloured(axis_5, radius_4, colour_5, wr_23, spectrum, efficiencies, moments);
+    metal::float3 _e5 = to_rgb(_e4);
+    return _e5;
+}
+
+metal::float3 diffraction_rectangle(
+    metal::float3 a_2,
+    metal::float3 b_2,
+    metal::float3 c_2,
+    metal::float3 d_2,
+    metal::float3 wr_24,
+    metal::texture2d<float, metal::access::sample> spectrum,
+    metal::texture2d<float, metal::access::sample> efficiencies,
+    metal::texture2d<float, metal::access::sample> moments
+) {
+    metal::float3 _e5 = tristimulus_rectangle(a_2, b_2, c_2, d_2, wr_24, spectrum, efficiencies, moments);
     metal::float3 _e6 = to_rgb(_e5);
     return _e6;
 }
 
+metal::float3 diffraction_rectangle_coloured(
+    metal::float3 a_3,
+    metal::float3 b_3,
+    metal::float3 c_3,
+    metal::float3 d_3,
+    metal::float3 colour_6,
+    metal::float3 wr_25,
+    metal::texture2d<float, metal::access::sample> spectrum,
+    metal::texture2d<float, metal::access::sample> efficiencies,
+    metal::texture2d<float, metal::access::sample> moments
+) {
+    metal::float3 _e6 = tristimulus_rectangle_coloured(a_3, b_3, c_3, d_3, colour_6, wr_25, spectrum, efficiencies, moments);
+    metal::float3 _e7 = to_rgb(_e6);
+    return _e7;
+}
+
 metal::float3 diffraction_environment(
-    metal::float3 wr_22,
+    metal::float3 wr_26,
     metal::texture2d<float, metal::access::sample> spectrum,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> environment,
     metal::sampler linear_clamp,
     metal::texture2d<float, metal::access::sample> streaks
 ) {
-    metal::float3 _e1 = tristimulus_environment(wr_22, spectrum, efficiencies, environment, linear_clamp, streaks);
+    metal::float3 _e1 = tristimulus_environment(wr_26, spectrum, efficiencies, environment, linear_clamp, streaks);
     metal::float3 _e2 = to_rgb(_e1);
     return _e2;
 }
@@ -1532,6 +1637,17 @@ metal::float3 view_direction(
     metal::float2 centre_4 = (((2.0 * pixel) + metal::float2(1.0)) / _e3.xy) - metal::float2(1.0);
     float squared_7 = metal::dot(centre_4, centre_4);
     return metal::float3(centre_4, (squared_7 < 1.0) ? metal::sqrt(metal::max(0.0, 1.0 - squared_7)) : -1.0);
+}
+
+metal::float3 probe_colour(
+    int column_6,
+    int row_11,
+    metal::texture2d<float, metal::access::sample> directions
+) {
+    metal::float4 _e9 = directions.read(metal::uint2(metal::int2(column_6, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_11))) + as_type<uint>(2)))), 0);
+    metal::float4 _e17 = directions.read(metal::uint2(metal::int2(column_6, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_11))) + as_type<uint>(3)))), 0);
+    metal::float4 _e25 = directions.read(metal::uint2(metal::int2(column_6, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_11))) + as_type<uint>(4)))), 0);
+    return metal::float3(_e9.w, _e17.w, _e25.w);
 }
 
 metal::float3 unit(
@@ -1681,32 +1797,49 @@ fragment probeOutput probe(
 , metal::texture2d<float, metal::access::sample> directions [[texture(3)]]
 ) {
     const auto place_1 = varyings_2.place_1;
-    metal::float2 _e1 = pixel_of(place_1, params);
-    int column_8 = naga_f2i32(_e1.x);
-    float _e7 = params.size.y;
-    int row_10 = naga_f2i32((_e7 - 1.0) - _e1.y);
-    metal::float4 first_5 = directions.read(metal::uint2(metal::int2(column_8, as_type<int>(as_type<uint>(5) * as_type<uint>(row_10)))), 0);
-    metal::float4 viewer_1 = directions.read(metal::uint2(metal::int2(column_8, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_10))) + as_type<uint>(1)))), 0);
+    bool local = {};
+    metal::float2 _e2 = pixel_of(place_1, params);
+    int column_9 = naga_f2i32(_e2.x);
+    float _e8 = params.size.y;
+    int row_13 = naga_f2i32((_e8 - 1.0) - _e2.y);
+    metal::float4 first_5 = directions.read(metal::uint2(metal::int2(column_9, as_type<int>(as_type<uint>(5) * as_type<uint>(row_13)))), 0);
+    metal::float4 viewer_1 = directions.read(metal::uint2(metal::int2(column_9, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_13))) + as_type<uint>(1)))), 0);
     if (first_5.w == 1.0) {
-        metal::float3 _e33 = tristimulus_disc(first_5.xyz, viewer_1.w, viewer_1.xyz, spectrum, efficiencies, moments);
-        return probeOutput { metal::float4(_e33, 1.0) };
+        metal::float3 _e34 = tristimulus_disc(first_5.xyz, viewer_1.w, viewer_1.xyz, spectrum, efficiencies, moments);
+        return probeOutput { metal::float4(_e34, 1.0) };
     }
-    if (first_5.w == 2.0) {
-        metal::float4 _e46 = directions.read(metal::uint2(metal::int2(column_8, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_10))) + as_type<uint>(2)))), 0);
-        metal::float3 second_1 = _e46.xyz;
-        metal::float4 _e55 = directions.read(metal::uint2(metal::int2(column_8, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_10))) + as_type<uint>(3)))), 0);
-        metal::float3 third_1 = _e55.xyz;
-        metal::float4 _e64 = directions.read(metal::uint2(metal::int2(column_8, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_10))) + as_type<uint>(4)))), 0);
-        metal::float3 fourth = _e64.xyz;
-        metal::float3 _e68 = tristimulus_rectangle(first_5.xyz, second_1, third_1, fourth, viewer_1.xyz, spectrum, efficiencies, moments);
-        return probeOutput { metal::float4(_e68, 1.0) };
+    if (first_5.w == 4.0) {
+        metal::float3 _e40 = probe_colour(column_9, row_13, directions);
+        metal::float3 _e44 = tristimulus_disc_coloured(first_5.xyz, viewer_1.w, _e40, viewer_1.xyz, spectrum, efficiencies, moments);
+        return probeOutput { metal::float4(_e44, 1.0) };
+    }
+    if (!((first_5.w == 2.0))) {
+        local = first_5.w == 5.0;
+    } else {
+        local = true;
+    }
+    bool _e55 = local;
+    if (_e55) {
+        metal::float4 _e63 = directions.read(metal::uint2(metal::int2(column_9, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_13))) + as_type<uint>(2)))), 0);
+        metal::float3 second_1 = _e63.xyz;
+        metal::float4 _e72 = directions.read(metal::uint2(metal::int2(column_9, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_13))) + as_type<uint>(3)))), 0);
+        metal::float3 third_1 = _e72.xyz;
+        metal::float4 _e81 = directions.read(metal::uint2(metal::int2(column_9, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_13))) + as_type<uint>(4)))), 0);
+        metal::float3 fourth = _e81.xyz;
+        if (first_5.w == 2.0) {
+            metal::float3 _e88 = tristimulus_rectangle(first_5.xyz, second_1, third_1, fourth, viewer_1.xyz, spectrum, efficiencies, moments);
+            return probeOutput { metal::float4(_e88, 1.0) };
+        }
+        metal::float3 _e91 = probe_colour(column_9, row_13, directions);
+        metal::float3 _e94 = tristimulus_rectangle_coloured(first_5.xyz, second_1, third_1, fourth, _e91, viewer_1.xyz, spectrum, efficiencies, moments);
+        return probeOutput { metal::float4(_e94, 1.0) };
     }
     if (first_5.w == 3.0) {
-        metal::float3 _e75 = tristimulus_environment(viewer_1.xyz, spectrum, efficiencies, environment, linear_clamp, streaks);
-        return probeOutput { metal::float4(_e75, 1.0) };
+        metal::float3 _e101 = tristimulus_environment(viewer_1.xyz, spectrum, efficiencies, environment, linear_clamp, streaks);
+        return probeOutput { metal::float4(_e101, 1.0) };
     }
-    metal::float3 _e80 = tristimulus(first_5.xyz, viewer_1.xyz, spectrum, efficiencies);
-    return probeOutput { metal::float4(_e80, 1.0) };
+    metal::float3 _e106 = tristimulus(first_5.xyz, viewer_1.xyz, spectrum, efficiencies);
+    return probeOutput { metal::float4(_e106, 1.0) };
 }
 
 
@@ -1772,17 +1905,17 @@ fragment meshOutput mesh(
     const auto normal_1 = varyings_4.normal_1;
     const auto tangent_1 = varyings_4.tangent_1;
     const auto uv_1 = varyings_4.uv_1;
-    bool local = {};
+    bool local_1 = {};
     metal::float4 _e7 = mesh_params.light_direction;
     metal::float3 _e9 = in_frame(_e7.xyz, normal_1, tangent_1, uv_1, orientation_map);
     metal::float4 _e12 = mesh_params.eye;
     metal::float3 _e15 = in_frame(_e12.xyz - place_2, normal_1, tangent_1, uv_1, orientation_map);
     if (_e9.z > 0.0) {
-        local = _e15.z > 0.0;
+        local_1 = _e15.z > 0.0;
     } else {
-        local = false;
+        local_1 = false;
     }
-    bool _e23 = local;
+    bool _e23 = local_1;
     if (!(_e23)) {
         return meshOutput { metal::float4(0.0, 0.0, 0.0, 1.0) };
     }

@@ -42,6 +42,8 @@ pub(super) fn times(rows: &[TimedVariant], before: Option<&[Bench]>) -> String {
             "CPU ms",
             "CPU ratio",
             "ns/pixel",
+            "look-ups",
+            "ns/look-up",
             "fetches",
             "KiB",
             "pipeline ms",
@@ -64,8 +66,7 @@ pub(super) fn times(rows: &[TimedVariant], before: Option<&[Bench]>) -> String {
     }
     if !text.is_empty() {
         text += "CPU: processor time of all threads of this process; for software drivers it does not depend on the machine's load\n";
-        text +=
-            "ns/pixel: per pixel of the disc; fetches: per lit pixel, counted, not measured\n\n";
+        text += "ns/pixel: per pixel of the disc; look-ups of the surroundings and fetches from tables: per lit pixel, counted, not measured\n\n";
     }
     text
 }
@@ -85,6 +86,8 @@ fn cells(row: &TimedVariant, cpu_ms: Option<f64>, before: Option<&[Bench]>) -> V
         digits(bench.cpu_ms),
         cpu_ms.map_or_else(none, |baseline| digits(baseline / bench.cpu_ms.max(1e-6))),
         digits(bench.ns_per_pixel),
+        bench.lookups.map_or_else(none, |lookups| format!("{lookups:.0}")),
+        bench.ns_per_lookup.map_or_else(none, digits),
         format!("{:.0}", row.fetches),
         format!("{:.1}", bench.table_bytes as f64 / 1024.0),
         digits(bench.pipeline_ms),
@@ -195,6 +198,8 @@ mod tests {
             frames_per_run: 1,
             clock: "wall".into(),
             ns_per_pixel: 1.0,
+            lookups: None,
+            ns_per_lookup: None,
             table_bytes: 2048,
             baseline: Some("texts".into()),
             ratio: Some(ratio),

@@ -17,7 +17,7 @@ use super::output::Output;
 use super::timed::{Point, TimedVariant};
 use super::{Args, adapters};
 use crate::bench::clock::SystemClock;
-use crate::bench::driver::{Case, Group, Scene, measure};
+use crate::bench::driver::{Case, Group, Scene, Under, measure};
 use crate::bench::result::{self, Place, bench};
 use crate::bench::rounds::Rules;
 use crate::bench::scaling::{self, Swept};
@@ -198,22 +198,27 @@ impl Run<'_> {
 
     fn times(&self, site: &mut Site<'_>, output: &mut Output<'_>) -> Result<()> {
         let frame = self.args.size.0;
-        let lit = |variant: &Variant, disc_deg| {
+        let lit = |variant: &Variant, under| {
             let variant = Box::new(variant.clone());
-            Case::Map { variant, height: None, frame, disc_deg }
+            Case::Map { variant, height: None, frame, under }
         };
-        let map = |variant: &Variant| lit(variant, None);
+        let map = |variant: &Variant| lit(variant, Under::Direction);
+        let asked = [
+            self.args.disc_deg.map(|deg| (Under::Disc(deg), LightFunction::Disc)),
+            self.args.studio.map(|studio| (Under::Studio(studio), LightFunction::Environment)),
+        ];
         let mut others = Vec::new();
         for variant in &site.variants {
             if variant.name != site.baseline.name {
                 others.push(map(variant));
             }
-            let Some(disc_deg) = self.args.disc_deg else { continue };
-            if variant.has_function(LightFunction::Disc) {
-                others.push(lit(variant, Some(disc_deg)));
-            } else {
-                let why = "has no function for a light of kind \"disc\"";
-                output.gap(gap(&site.place, Some(&variant.name), why, false))?;
+            for (under, word) in asked.into_iter().flatten() {
+                if variant.has_function(word) {
+                    others.push(lit(variant, under));
+                } else {
+                    let why = format!("has no function for a light of kind {:?}", word.as_str());
+                    output.gap(gap(&site.place, Some(&variant.name), &why, false))?;
+                }
             }
         }
         let mut groups: Vec<Vec<Case>> = others.chunks(GROUP).map(<[Case]>::to_vec).collect();
@@ -223,6 +228,11 @@ impl Run<'_> {
         for what in yardsticks(self.args) {
             let optics = Box::new(site.baseline.optics.clone());
             groups[0].push(Case::Yardstick { what, optics, frame });
+        }
+        if let Some(studio) = self.args.studio.filter(|_| self.args.ggx) {
+            let has = |variant: &&Variant| variant.has_function(LightFunction::Environment);
+            let lender = site.variants.iter().find(has);
+            groups[0].extend(lender.map(|variant| lit(variant, Under::GgxIn(studio))));
         }
         for (number, group) in groups.into_iter().enumerate() {
             if self.stopped() {
@@ -287,7 +297,7 @@ impl Run<'_> {
                     variant: Box::new(point.variant.clone()),
                     height: point.height.clone().map(Box::new),
                     frame: point.frame,
-                    disc_deg: None,
+                    under: Under::Direction,
                 };
                 let cases: Vec<Case> = points.iter().map(case).collect();
                 let group = self.group(site, &cases, output);

@@ -87,7 +87,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "DEG", default_value = "0.53", value_parser = diameter)]
     pub(crate) light_diameter_deg: f64,
     /// Lights of a file in place of --light: up to 4 of each kind. Discs, polygons, skies and maps need a variant with mode = "orders";
-    /// coloured lamps need --no-diffraction. docs/lights.md describes the file; its angles here are of the world, see below.
+    /// single directions of a colour need --no-diffraction. docs/lights.md describes the file; its angles here are of the world, see below.
     #[arg(long, value_name = "FILE.toml", conflicts_with_all = ["light", "light_diameter_deg"])]
     pub(crate) lights: Option<PathBuf>,
     /// Leave what is behind the body black. Otherwise, under a sky or a map, all lights with a size are seen behind it.

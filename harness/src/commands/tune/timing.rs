@@ -8,7 +8,7 @@ use diffraction_shaders::error;
 use diffraction_shaders::plan::Variant;
 
 use crate::bench::clock::SystemClock;
-use crate::bench::driver::{Case, Scene, measure};
+use crate::bench::driver::{Case, Scene, Under, measure};
 use crate::bench::result::{Place, Timed, bench};
 use crate::bench::rounds::{Rules, ratios};
 use crate::bench::stats::{interval, median};
@@ -76,7 +76,7 @@ pub(super) fn times(
     let size = args.size as usize;
     let case = |variant: &Variant| {
         let variant = Box::new(variant.clone());
-        Case::Map { variant, height: None, frame: [size; 2], disc_deg: None }
+        Case::Map { variant, height: None, frame: [size; 2], under: Under::Direction }
     };
     let rules = Rules::standard(Duration::from_secs_f64(args.seconds));
     let clock = SystemClock::new();

@@ -180,7 +180,7 @@ fn glints(place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
     // the functions take away what is below the horizon
     for (var i = 0; i < i32(shade.counts.y); i++) {
         let axis = in_frame(shade.discs[i].xyz, normal, tangent, uv);
-        sum += shade.powers[FIRST_DISC + i].rgb * diffraction_disc(axis, shade.discs[i].w, wr);
+        sum += diffraction_disc_coloured(axis, shade.discs[i].w, shade.powers[FIRST_DISC + i].rgb, wr);
     }
     for (var i = 0; i < i32(shade.counts.z); i++) {
         // a fan of quadrilaterals; the last one may be a triangle
@@ -191,7 +191,7 @@ fn glints(place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
             let b = corner(i, k, normal, tangent, uv);
             let c = corner(i, k + 1, normal, tangent, uv);
             let d = corner(i, min(k + 2, last), normal, tangent, uv);
-            sum += radiance * diffraction_rectangle(a, b, c, d, wr);
+            sum += diffraction_rectangle_coloured(a, b, c, d, radiance, wr);
         }
     }
     return (1.0 - shade.blend.x) * (sum + glints_of_surroundings(normal, tangent, uv, wr));

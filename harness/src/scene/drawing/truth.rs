@@ -156,11 +156,12 @@ fn diffracted(twin: &Twin<'_>, scale: f64, light: &Light, to_frame: DMat3, wr: D
     let calls = Arguments::under(light, wr).into_iter();
     let calls = calls.map(|(call, factor)| {
         let call = match call {
-            Arguments::Disc { axis, radius_rad, wr } => {
-                Arguments::Disc { axis: to_frame * axis, radius_rad, wr }
+            Arguments::Disc { axis, radius_rad, colour, wr } => {
+                Arguments::Disc { axis: to_frame * axis, radius_rad, colour, wr }
             }
-            Arguments::Rectangle { corners, wr } => {
-                Arguments::Rectangle { corners: corners.map(|corner| to_frame * corner), wr }
+            Arguments::Rectangle { corners, colour, wr } => {
+                let corners = corners.map(|corner| to_frame * corner);
+                Arguments::Rectangle { corners, colour, wr }
             }
             Arguments::Direction(_) | Arguments::Environment { .. } | Arguments::Path { .. } => {
                 call

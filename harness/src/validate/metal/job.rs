@@ -56,6 +56,7 @@ fn arguments(probe: &Value) -> Vec<[f64; 4]> {
         [v.x, v.y, v.z, w]
     };
     let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
+    let colour = [0, 1, 2].map(|i| &probe["colour"][i]).map(number);
     match probe["function"].as_str() {
         None => vec![row(&probe["wi"], 0.0), row(&probe["wr"], 0.0)],
         Some("diffraction_disc") => {
@@ -71,11 +72,18 @@ fn arguments(probe: &Value) -> Vec<[f64; 4]> {
                 row(&probe["random"], 0.0),
             ]
         }
+        Some("diffraction_disc_coloured") => {
+            let axis = |w| row(&probe["axis"], w);
+            let viewer = row(&probe["wr"], number(&probe["radius"]));
+            [axis(4.0), viewer].into_iter().chain(colour.map(axis)).collect()
+        }
         Some(AROUND) => vec![row(&probe["wr"], 3.0), row(&probe["wr"], 0.0)],
-        Some(_) => {
+        Some(function) => {
             let corners = [0, 1, 2, 3].map(|i| &probe["corners"][i]);
-            let others = corners[1..].iter().map(|corner| row(corner, 0.0));
-            [row(corners[0], 2.0), row(&probe["wr"], 0.0)].into_iter().chain(others).collect()
+            let is_coloured = function == "diffraction_rectangle_coloured";
+            let (number, colour) = if is_coloured { (5.0, colour) } else { (2.0, [0.0; 3]) };
+            let others = corners[1..].iter().zip(colour).map(|(corner, w)| row(corner, w));
+            [row(corners[0], number), row(&probe["wr"], 0.0)].into_iter().chain(others).collect()
         }
     }
 }

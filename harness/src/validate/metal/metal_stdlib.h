@@ -120,6 +120,8 @@ template <int N> bool any(vec<bool, N> v) { for (int i = 0; i < N; i++) if (v[i]
 /// A matrix by columns.
 struct float4x4 {
     float4 columns[4];
+    float4x4() = default;
+    float4x4(float4 a, float4 b, float4 c, float4 d) : columns { a, b, c, d } {}
     float4& operator[](int i) { return columns[i]; }
     const float4& operator[](int i) const { return columns[i]; }
     friend float4 operator*(float4x4 m, float4 v) { return m[0] * v.x + m[1] * v.y + m[2] * v.z + m[3] * v.w; }

@@ -36,8 +36,8 @@ impl Caps {
         Caps { all, bounds: (centre, farthest) }
     }
 
-    /// X, Y, Z towards a viewer.
-    pub fn seen(&self, twin: &Twin<'_>, form: &Orders, wr: DVec3) -> DVec3 {
+    /// X, Y, Z towards a viewer if its radiance is a colour in linear sRGB.
+    pub fn seen(&self, twin: &Twin<'_>, form: &Orders, colour: DVec3, wr: DVec3) -> DVec3 {
         if wr.z <= 1e-6 {
             return DVec3::ZERO;
         }
@@ -49,7 +49,7 @@ impl Caps {
         let viewer = in_surface(twin, wr);
         let mut xyz = DVec3::ZERO;
         here.visit(form, viewer, &mut |order, range_um| {
-            xyz += order_colour(twin, form, order, range_um, viewer);
+            xyz += order_colour(twin, form, order, range_um, colour, viewer);
         });
         normal_reflectance(form) * xyz
     }
