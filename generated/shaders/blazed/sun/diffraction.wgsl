@@ -325,8 +325,9 @@ fn order_share(order: vec2i, frequency: vec2f, lambda_um: f32, wr: vec3f) -> f32
 // Lamps. The colour of an order is the integral over the wavelengths at which its light comes from within the lamp. A lamp is an intersection of caps, each given by its axis and the square of the
 // chord from the axis to its edge; a hemisphere has the square 2.
 
-// Integrals of the colour weights from the shortest wavelength. Rows: X, Y, Z. Columns: equal steps of the wavelength.
-// Channels: the weights times the powers 0 to 3 of t = (λ - 0.58 µm)/0.2 µm. Row 3: X, Y, Z between a column and the next.
+// Integrals of the colour weights from the shortest wavelength. Columns: equal steps of the wavelength. Rows: X, Y, Z of white
+// light, with the weights times the powers 0 to 3 of t = (λ - 0.58 µm)/0.2 µm in the channels; then X, Y, Z between a column
+// and the next in the channels of one row. Rows 4 to 7: the same of the red share of white light; rows 8 to 11: of the green.
 @group(0) @binding(4) var moments: texture_2d<f32>;
 
 // Square of the chord from the axis of a disc to its edge. A series, since the sine of a driver may be wrong in the fourth
@@ -408,9 +409,9 @@ fn within(direction: vec3f, axis: vec3f, chord_squared: f32) -> bool {
     return dot(chord, chord) < chord_squared;
 }
 
-// X, Y, Z of an order between two wavelengths under radiance 1, without the reflectance at normal incidence. The range
-// is divided where the share of the order changes too much for a cubic.
-fn order_colour(order: vec2i, from_um: f32, to_um: f32, wr: vec3f) -> vec3f {
+// X, Y, Z of an order between two wavelengths under a radiance in linear sRGB, without the reflectance at normal
+// incidence. The range is divided where the share of the order changes too much for a cubic.
+fn order_colour(order: vec2i, from_um: f32, to_um: f32, colour: vec3f, wr: vec3f) -> vec3f {
     let frequency = order_frequency(order);
     let count = panel_count(frequency, from_um, to_um, wr);
     var xyz = vec3f(0.0);
@@ -420,7 +421,7 @@ fn order_colour(order: vec2i, from_um: f32, to_um: f32, wr: vec3f) -> vec3f {
         if (panel < count) {
             end_um = wavelength_between(frequency, from_um, to_um, f32(panel) / f32(count), wr);
         }
-        xyz += panel_colour(order, frequency, start_um, end_um, wr);
+        xyz += panel_colour(order, frequency, start_um, end_um, colour, wr);
         start_um = end_um;
     }
     return xyz;
@@ -456,7 +457,14 @@ fn wavelength_between(frequency: vec2f, from_um: f32, to_um: f32, part: f32, wr:
 }
 
 // X, Y, Z of a panel: the share of the order is a cubic through its values at four nodes of Chebyshev.
-fn panel_colour(order: vec2i, frequency: vec2f, from_um: f32, to_um: f32, wr: vec3f) -> vec3f {
+fn panel_colour(
+    order: vec2i,
+    frequency: vec2f,
+    from_um: f32,
+    to_um: f32,
+    colour: vec3f,
+    wr: vec3f,
+) -> vec3f {
     let middle = 0.5 * (from_um + to_um);
     let half = 0.5 * (to_um - from_um);
     let outer = 0.92387953 * half;
@@ -471,24 +479,28 @@ fn panel_colour(order: vec2i, frequency: vec2f, from_um: f32, to_um: f32, wr: ve
     let square = 0.35355339 * (highest - high - low + lowest);
     let cube = 0.5 * (0.38268343 * (highest - lowest) - 0.92387953 * (high - low));
     let powers = vec4f(mean - square, linear - 3.0 * cube, 2.0 * square, 4.0 * cube);
-    return moments_between(from_um, to_um, powers);
+    return moments_between(from_um, to_um, powers, colour);
 }
 
 // Integral of the colour weights between two wavelengths, times a polynomial in the distance from the middle relative to
 // half the range. A moment about the middle is at most the integral itself, and rounding must not make it larger.
-fn moments_between(from_um: f32, to_um: f32, powers: vec4f) -> vec3f {
-    let first_column = moment_column(from_um);
-    let last_column = moment_column(to_um);
-    let before = column_part(from_um, first_column);
-    let after = column_part(to_um, last_column);
-    let from_powers = column_powers(first_column);
-    let to_powers = column_powers(last_column);
-    let x = moment(last_column, 0) + after.x * to_powers - moment(first_column, 0) - before.x * from_powers;
-    let y = moment(last_column, 1) + after.y * to_powers - moment(first_column, 1) - before.y * from_powers;
-    let z = moment(last_column, 2) + after.z * to_powers - moment(first_column, 2) - before.z * from_powers;
+fn moments_between(from_um: f32, to_um: f32, powers: vec4f, colour: vec3f) -> vec3f {
+    let white = moments_of(0, from_um, to_um);
+    var x = colour.z * white[0];
+    var y = colour.z * white[1];
+    var z = colour.z * white[2];
+    // blue is what red and green leave of white, and grey light needs no more than white
+    let more = colour.xy - colour.z;
+    if (more.x != 0.0 || more.y != 0.0) {
+        let red = moments_of(4, from_um, to_um);
+        let green = moments_of(8, from_um, to_um);
+        x += more.x * red[0] + more.y * green[0];
+        y += more.x * red[1] + more.y * green[1];
+        z += more.x * red[2] + more.y * green[2];
+    }
     let centre = 5.0 * (0.5 * (from_um + to_um) - 0.58);
     let scale = 1.0 / max(2.5 * (to_um - from_um), 1e-9);
-    let light = vec3f(x.x, y.x, z.x);
+    let light = max(vec3f(x.x, y.x, z.x), vec3f(0.0));
     let first = vec3f(x.y, y.y, z.y);
     let second = vec3f(x.z, y.z, z.z);
     let third = vec3f(x.w, y.w, z.w);
@@ -500,6 +512,22 @@ fn moments_between(from_um: f32, to_um: f32, powers: vec4f) -> vec3f {
         + powers.y * clamp(linear, -light, light)
         + powers.z * clamp(square, -light, light)
         + powers.w * clamp(cube, -light, light);
+}
+
+// Moments between two wavelengths of one light of the table, whose first row it is. The columns are X, Y, Z and nothing.
+fn moments_of(row: i32, from_um: f32, to_um: f32) -> mat4x4f {
+    let first_column = moment_column(from_um);
+    let last_column = moment_column(to_um);
+    let before = column_part(from_um, first_column, row + 3);
+    let after = column_part(to_um, last_column, row + 3);
+    let from_powers = column_powers(first_column);
+    let to_powers = column_powers(last_column);
+    return mat4x4f(
+        moment(last_column, row) + after.x * to_powers - moment(first_column, row) - before.x * from_powers,
+        moment(last_column, row + 1) + after.y * to_powers - moment(first_column, row + 1) - before.y * from_powers,
+        moment(last_column, row + 2) + after.z * to_powers - moment(first_column, row + 2) - before.z * from_powers,
+        vec4f(0.0),
+    );
 }
 
 // Place of a wavelength in columns of the table of moments.
@@ -514,9 +542,9 @@ fn moment_column(lambda_um: f32) -> i32 {
 }
 
 // X, Y, Z from a column to a wavelength before the next one.
-fn column_part(lambda_um: f32, column: i32) -> vec3f {
+fn column_part(lambda_um: f32, column: i32, row: i32) -> vec3f {
     let part = clamp(moment_place(lambda_um) - f32(column), 0.0, 1.0);
-    return part * textureLoad(moments, vec2i(column, 3), 0).xyz;
+    return part * textureLoad(moments, vec2i(column, row), 0).xyz;
 }
 
 // Powers 0 to 3 of t in the middle between a column and the next.
@@ -526,7 +554,7 @@ fn column_powers(column: i32) -> vec4f {
     return vec4f(1.0, t, t * t, t * t * t);
 }
 
-// Moments from the shortest wavelength to a column. Row: X, Y, Z.
+// Moments from the shortest wavelength to a column.
 fn moment(column: i32, row: i32) -> vec4f {
     return textureLoad(moments, vec2i(column, row), 0);
 }
@@ -535,6 +563,11 @@ fn moment(column: i32, row: i32) -> vec4f {
 
 // X, Y, Z of the radiance under a disc of irradiance 1, relative to a white of radiance 1.
 fn tristimulus_disc(axis: vec3f, radius: f32, wr: vec3f) -> vec3f {
+    return tristimulus_disc_coloured(axis, radius, vec3f(1.0), wr);
+}
+
+// The same under a disc whose irradiance is a colour in linear sRGB.
+fn tristimulus_disc_coloured(axis: vec3f, radius: f32, colour: vec3f, wr: vec3f) -> vec3f {
     if (!(wr.z > 1e-6)) {
         return vec3f(0.0);
     }
@@ -588,7 +621,7 @@ fn tristimulus_disc(axis: vec3f, radius: f32, wr: vec3f) -> vec3f {
         if (!lit) {
             break;
         }
-        xyz += order_colour(order, from_um, to_um, viewer);
+        xyz += order_colour(order, from_um, to_um, colour, viewer);
     }
     let sine_squared = chord_squared * (1.0 - 0.25 * chord_squared);
     return normal_reflectance() / (3.1415927 * sine_squared) * xyz;
@@ -598,6 +631,11 @@ fn tristimulus_disc(axis: vec3f, radius: f32, wr: vec3f) -> vec3f {
 
 // X, Y, Z of the radiance under a quadrilateral of radiance 1, relative to a white of radiance 1.
 fn tristimulus_rectangle(a: vec3f, b: vec3f, c: vec3f, d: vec3f, wr: vec3f) -> vec3f {
+    return tristimulus_rectangle_coloured(a, b, c, d, vec3f(1.0), wr);
+}
+
+// The same under a quadrilateral whose radiance is a colour in linear sRGB.
+fn tristimulus_rectangle_coloured(a: vec3f, b: vec3f, c: vec3f, d: vec3f, colour: vec3f, wr: vec3f) -> vec3f {
     if (!(wr.z > 1e-6)) {
         return vec3f(0.0);
     }
@@ -665,7 +703,7 @@ fn tristimulus_rectangle(a: vec3f, b: vec3f, c: vec3f, d: vec3f, wr: vec3f) -> v
         if (!lit) {
             break;
         }
-        xyz += order_colour(order, from_um, to_um, viewer);
+        xyz += order_colour(order, from_um, to_um, colour, viewer);
     }
     return normal_reflectance() * xyz;
 }
@@ -805,10 +843,21 @@ fn diffraction_disc(axis: vec3f, radius: f32, wr: vec3f) -> vec3f {
     return to_rgb(tristimulus_disc(axis, radius, wr));
 }
 
+// The same under a disc of a colour: its irradiance in linear sRGB, nowhere negative. White, vec3f(1.0), is the disc above.
+// The result times a colour is something else: an order brings light of few wavelengths, and red light has no blue ones.
+fn diffraction_disc_coloured(axis: vec3f, radius: f32, colour: vec3f, wr: vec3f) -> vec3f {
+    return to_rgb(tristimulus_disc_coloured(axis, radius, colour, wr));
+}
+
 // Linear RGB of the radiance under a spherical quadrilateral of radiance 1: a window, a softbox. Its corners are unit
 // vectors, in either order around it; two neighbouring ones may be the same. It must be convex and fit into a hemisphere.
 fn diffraction_rectangle(a: vec3f, b: vec3f, c: vec3f, d: vec3f, wr: vec3f) -> vec3f {
     return to_rgb(tristimulus_rectangle(a, b, c, d, wr));
+}
+
+// The same under a quadrilateral of a colour: its radiance in linear sRGB, nowhere negative. White is the one above.
+fn diffraction_rectangle_coloured(a: vec3f, b: vec3f, c: vec3f, d: vec3f, colour: vec3f, wr: vec3f) -> vec3f {
+    return to_rgb(tristimulus_rectangle_coloured(a, b, c, d, colour, wr));
 }
 
 // Linear RGB of the radiance under the surroundings, in the unit of `environment_radiance`.
@@ -875,8 +924,9 @@ fn map(@location(0) place: vec2f) -> @location(0) vec4f {
 // Arguments of a function, in rows 5k to 5k+4 for row k of the picture, counted from the top. w of the first chooses the
 // function. 0: one direction to the light, then to the viewer. 1: a disc: its axis, then to the viewer, with the radius in
 // w. 2: a quadrilateral: a corner, then to the viewer, then the other corners. 3: the surroundings: any vector, then to
-// the viewer. 8: a path of light from a sky: its constant radiance, the viewer with the deviation of a lobe in w, the
-// lobe's axis, its radiance, three random numbers. xyz of the others: unit vectors.
+// the viewer. 4 and 5: a disc and a quadrilateral of a colour, which is in w of the last three rows. 8: a path of light from
+// a sky: its constant radiance, the viewer with the deviation of a lobe in w, the lobe's axis, its radiance, three random
+// numbers. xyz of the others: unit vectors.
 @group(0) @binding(3) var directions: texture_2d<f32>;
 
 // X, Y, Z of a pixel, alpha 1.
@@ -890,16 +940,34 @@ fn probe(@location(0) place: vec2f) -> @location(0) vec4f {
     if (first.w == 1.0) {
         return vec4f(tristimulus_disc(first.xyz, viewer.w, viewer.xyz), 1.0);
     }
-    if (first.w == 2.0) {
+    if (first.w == 4.0) {
+        let colour = probe_colour(column, row);
+        return vec4f(tristimulus_disc_coloured(first.xyz, viewer.w, colour, viewer.xyz), 1.0);
+    }
+    if (first.w == 2.0 || first.w == 5.0) {
         let second = textureLoad(directions, vec2i(column, 5 * row + 2), 0).xyz;
         let third = textureLoad(directions, vec2i(column, 5 * row + 3), 0).xyz;
         let fourth = textureLoad(directions, vec2i(column, 5 * row + 4), 0).xyz;
-        return vec4f(tristimulus_rectangle(first.xyz, second, third, fourth, viewer.xyz), 1.0);
+        if (first.w == 2.0) {
+            return vec4f(tristimulus_rectangle(first.xyz, second, third, fourth, viewer.xyz), 1.0);
+        }
+        let colour = probe_colour(column, row);
+        let xyz = tristimulus_rectangle_coloured(first.xyz, second, third, fourth, colour, viewer.xyz);
+        return vec4f(xyz, 1.0);
     }
     if (first.w == 3.0) {
         return vec4f(tristimulus_environment(viewer.xyz), 1.0);
     }
     return vec4f(tristimulus(first.xyz, viewer.xyz), 1.0);
+}
+
+// Colour of the lamp of a call.
+fn probe_colour(column: i32, row: i32) -> vec3f {
+    return vec3f(
+        textureLoad(directions, vec2i(column, 5 * row + 2), 0).w,
+        textureLoad(directions, vec2i(column, 5 * row + 3), 0).w,
+        textureLoad(directions, vec2i(column, 5 * row + 4), 0).w,
+    );
 }
 
 // A mesh in a scene. Vertices carry their tangent frame, turned by the orientation field. Fragments take the directions

@@ -176,8 +176,8 @@ float efficiency(int2 order, float turns)
     float share_1 = clamp((-0.116286896 * turns), 0.0, 1.0);
     float place_2 = (share_1 * 17.0);
     int column_6 = min(naga_f2i32(place_2), int(16));
-    int row_9 = asint(asuint(asint(asuint(asint(asuint(asint(asuint(order.y) + asuint(reach_3.y))) * asuint(asint(asuint(asint(asuint(int(2)) * asuint(reach_3.x))) + asuint(int(1)))))) + asuint(order.x))) + asuint(reach_3.x));
-    float4 edges = efficiencies.Load(int3(int2(column_6, row_9), int(0)));
+    int row_11 = asint(asuint(asint(asuint(asint(asuint(asint(asuint(order.y) + asuint(reach_3.y))) * asuint(asint(asuint(asint(asuint(int(2)) * asuint(reach_3.x))) + asuint(int(1)))))) + asuint(order.x))) + asuint(reach_3.x));
+    float4 edges = efficiencies.Load(int3(int2(column_6, row_11), int(0)));
     float part_2 = (place_2 - float(column_6));
     float rise = (edges.z - edges.x);
     float bend = (((3.0 * rise) - (2.0 * edges.y)) - edges.w);
@@ -609,11 +609,11 @@ int moment_column(float lambda_um_8)
     return clamp(naga_f2i32(_e1), int(0), int(399));
 }
 
-float3 column_part(float lambda_um_9, int column)
+float3 column_part(float lambda_um_9, int column, int row_4)
 {
-    const float _e2 = moment_place(lambda_um_9);
-    float part_3 = clamp((_e2 - float(column)), 0.0, 1.0);
-    float4 _e12 = moments.Load(int3(int2(column, int(3)), int(0)));
+    const float _e3 = moment_place(lambda_um_9);
+    float part_3 = clamp((_e3 - float(column)), 0.0, 1.0);
+    float4 _e12 = moments.Load(int3(int2(column, row_4), int(0)));
     return (part_3 * _e12.xyz);
 }
 
@@ -624,35 +624,75 @@ float4 column_powers(int column_1)
     return float4(1.0, t, (t * t), ((t * t) * t));
 }
 
-float4 moment(int column_2, int row_4)
+float4 moment(int column_2, int row_5)
 {
-    float4 _e5 = moments.Load(int3(int2(column_2, row_4), int(0)));
+    float4 _e5 = moments.Load(int3(int2(column_2, row_5), int(0)));
     return _e5;
 }
 
-float3 moments_between(float from_um_2, float to_um_2, float4 powers)
+float4x4 moments_of(int row_6, float from_um_2, float to_um_2)
 {
     const int _e3 = moment_column(from_um_2);
     const int _e4 = moment_column(to_um_2);
-    const float3 _e5 = column_part(from_um_2, _e3);
-    const float3 _e6 = column_part(to_um_2, _e4);
-    const float4 _e7 = column_powers(_e3);
-    const float4 _e8 = column_powers(_e4);
-    const float4 _e10 = moment(_e4, int(0));
-    const float4 _e12 = moment(_e3, int(0));
-    float4 x = (((_e10 + (_e6.x * _e8)) - _e12) - (_e5.x * _e7));
-    const float4 _e21 = moment(_e4, int(1));
-    const float4 _e23 = moment(_e3, int(1));
-    float4 y = (((_e21 + (_e6.y * _e8)) - _e23) - (_e5.y * _e7));
-    const float4 _e32 = moment(_e4, int(2));
-    const float4 _e34 = moment(_e3, int(2));
-    float4 z = (((_e32 + (_e6.z * _e8)) - _e34) - (_e5.z * _e7));
-    float centre_2 = (5.0 * ((0.5 * (from_um_2 + to_um_2)) - 0.58));
-    float scale_1 = (1.0 / max((2.5 * (to_um_2 - from_um_2)), 1e-9));
-    float3 light_1 = float3(x.x, y.x, z.x);
-    float3 first_3 = float3(x.y, y.y, z.y);
-    float3 second = float3(x.z, y.z, z.z);
-    float3 third = float3(x.w, y.w, z.w);
+    const float3 _e7 = column_part(from_um_2, _e3, asint(asuint(row_6) + asuint(int(3))));
+    const float3 _e10 = column_part(to_um_2, _e4, asint(asuint(row_6) + asuint(int(3))));
+    const float4 _e11 = column_powers(_e3);
+    const float4 _e12 = column_powers(_e4);
+    const float4 _e13 = moment(_e4, row_6);
+    const float4 _e14 = moment(_e3, row_6);
+    const float4 _e17 = moment(_e4, asint(asuint(row_6) + asuint(int(1))));
+    const float4 _e20 = moment(_e3, asint(asuint(row_6) + asuint(int(1))));
+    const float4 _e23 = moment(_e4, asint(asuint(row_6) + asuint(int(2))));
+    const float4 _e26 = moment(_e3, asint(asuint(row_6) + asuint(int(2))));
+    return float4x4((((_e13 + (_e10.x * _e12)) - _e14) - (_e7.x * _e11)), (((_e17 + (_e10.y * _e12)) - _e20) - (_e7.y * _e11)), (((_e23 + (_e10.z * _e12)) - _e26) - (_e7.z * _e11)), (0.0).xxxx);
+}
+
+float3 moments_between(float from_um_3, float to_um_3, float4 powers, float3 colour)
+{
+    float4 x = (float4)0;
+    float4 y = (float4)0;
+    float4 z = (float4)0;
+    bool local_2 = (bool)0;
+
+    const float4x4 _e9 = moments_of(int(0), from_um_3, to_um_3);
+    x = (colour.z * _e9[0]);
+    y = (colour.z * _e9[1]);
+    z = (colour.z * _e9[2]);
+    float2 more = (colour.xy - (colour.z).xx);
+    if (!((more.x != 0.0))) {
+        local_2 = (more.y != 0.0);
+    } else {
+        local_2 = true;
+    }
+    bool _e31 = local_2;
+    if (_e31) {
+        const float4x4 _e33 = moments_of(int(4), from_um_3, to_um_3);
+        const float4x4 _e35 = moments_of(int(8), from_um_3, to_um_3);
+        float4 _e36 = x;
+        x = (_e36 + ((more.x * _e33[0]) + (more.y * _e35[0])));
+        float4 _e45 = y;
+        y = (_e45 + ((more.x * _e33[1]) + (more.y * _e35[1])));
+        float4 _e54 = z;
+        z = (_e54 + ((more.x * _e33[2]) + (more.y * _e35[2])));
+    }
+    float centre_2 = (5.0 * ((0.5 * (from_um_3 + to_um_3)) - 0.58));
+    float scale_1 = (1.0 / max((2.5 * (to_um_3 - from_um_3)), 1e-9));
+    float _e78 = x.x;
+    float _e80 = y.x;
+    float _e82 = z.x;
+    float3 light_1 = max(float3(_e78, _e80, _e82), (0.0).xxx);
+    float _e88 = x.y;
+    float _e90 = y.y;
+    float _e92 = z.y;
+    float3 first_3 = float3(_e88, _e90, _e92);
+    float _e95 = x.z;
+    float _e97 = y.z;
+    float _e99 = z.z;
+    float3 second = float3(_e95, _e97, _e99);
+    float _e102 = x.w;
+    float _e104 = y.w;
+    float _e106 = z.w;
+    float3 third = float3(_e102, _e104, _e106);
     float3 linear_ = ((first_3 - (centre_2 * light_1)) * scale_1);
     float3 square = (((second - (centre_2 * ((2.0 * first_3) - (centre_2 * light_1)))) * scale_1) * scale_1);
     float3 cubic = ((third - ((3.0 * centre_2) * (second - (centre_2 * first_3)))) - (((centre_2 * centre_2) * centre_2) * light_1));
@@ -660,110 +700,110 @@ float3 moments_between(float from_um_2, float to_um_2, float4 powers)
     return ((((powers.x * light_1) + (powers.y * clamp(linear_, -(light_1), light_1))) + (powers.z * clamp(square, -(light_1), light_1))) + (powers.w * clamp(cube, -(light_1), light_1)));
 }
 
-float3 panel_colour(int2 order_3, float2 frequency_7, float from_um_3, float to_um_3, float3 wr_12)
+float3 panel_colour(int2 order_3, float2 frequency_7, float from_um_4, float to_um_4, float3 colour_1, float3 wr_12)
 {
-    float middle_1 = (0.5 * (from_um_3 + to_um_3));
-    float half_3 = (0.5 * (to_um_3 - from_um_3));
+    float middle_1 = (0.5 * (from_um_4 + to_um_4));
+    float half_3 = (0.5 * (to_um_4 - from_um_4));
     float outer = (0.9238795 * half_3);
     float inner_1 = (0.38268343 * half_3);
-    const float _e16 = order_share(order_3, frequency_7, (middle_1 + outer), wr_12);
-    const float _e18 = order_share(order_3, frequency_7, (middle_1 + inner_1), wr_12);
-    const float _e20 = order_share(order_3, frequency_7, (middle_1 - inner_1), wr_12);
-    const float _e22 = order_share(order_3, frequency_7, (middle_1 - outer), wr_12);
-    float mean = (0.25 * (((_e16 + _e18) + _e20) + _e22));
-    float linear_1 = (0.5 * ((0.9238795 * (_e16 - _e22)) + (0.38268343 * (_e18 - _e20))));
-    float square_1 = (0.35355338 * (((_e16 - _e18) - _e20) + _e22));
-    float cube_1 = (0.5 * ((0.38268343 * (_e16 - _e22)) - (0.9238795 * (_e18 - _e20))));
+    const float _e17 = order_share(order_3, frequency_7, (middle_1 + outer), wr_12);
+    const float _e19 = order_share(order_3, frequency_7, (middle_1 + inner_1), wr_12);
+    const float _e21 = order_share(order_3, frequency_7, (middle_1 - inner_1), wr_12);
+    const float _e23 = order_share(order_3, frequency_7, (middle_1 - outer), wr_12);
+    float mean = (0.25 * (((_e17 + _e19) + _e21) + _e23));
+    float linear_1 = (0.5 * ((0.9238795 * (_e17 - _e23)) + (0.38268343 * (_e19 - _e21))));
+    float square_1 = (0.35355338 * (((_e17 - _e19) - _e21) + _e23));
+    float cube_1 = (0.5 * ((0.38268343 * (_e17 - _e23)) - (0.9238795 * (_e19 - _e21))));
     float4 powers_1 = float4((mean - square_1), (linear_1 - (3.0 * cube_1)), (2.0 * square_1), (4.0 * cube_1));
-    const float3 _e60 = moments_between(from_um_3, to_um_3, powers_1);
-    return _e60;
+    const float3 _e61 = moments_between(from_um_4, to_um_4, powers_1, colour_1);
+    return _e61;
 }
 
-float3 order_colour(int2 order_4, float from_um_4, float to_um_4, float3 wr_13)
+float3 order_colour(int2 order_4, float from_um_5, float to_um_5, float3 colour_2, float3 wr_13)
 {
     float3 xyz_1 = (0.0).xxx;
     float start_um = (float)0;
     int panel = int(1);
     float end_um = (float)0;
 
-    const float2 _e11 = order_frequency(order_4);
-    const int _e12 = panel_count(_e11, from_um_4, to_um_4, wr_13);
-    start_um = from_um_4;
+    const float2 _e12 = order_frequency(order_4);
+    const int _e13 = panel_count(_e12, from_um_5, to_um_5, wr_13);
+    start_um = from_um_5;
     bool loop_init_2 = true;
     while(true) {
         if (!loop_init_2) {
-            int _e28 = panel;
-            panel = asint(asuint(_e28) + asuint(int(1)));
+            int _e29 = panel;
+            panel = asint(asuint(_e29) + asuint(int(1)));
         }
         loop_init_2 = false;
-        int _e13 = panel;
-        if ((_e13 <= _e12)) {
+        int _e14 = panel;
+        if ((_e14 <= _e13)) {
         } else {
             break;
         }
         {
-            end_um = to_um_4;
-            int _e15 = panel;
-            if ((_e15 < _e12)) {
-                int _e17 = panel;
-                const float _e21 = wavelength_between(_e11, from_um_4, to_um_4, (float(_e17) / float(_e12)), wr_13);
-                end_um = _e21;
+            end_um = to_um_5;
+            int _e16 = panel;
+            if ((_e16 < _e13)) {
+                int _e18 = panel;
+                const float _e22 = wavelength_between(_e12, from_um_5, to_um_5, (float(_e18) / float(_e13)), wr_13);
+                end_um = _e22;
             }
-            float3 _e22 = xyz_1;
-            float _e23 = start_um;
-            float _e24 = end_um;
-            const float3 _e25 = panel_colour(order_4, _e11, _e23, _e24, wr_13);
-            xyz_1 = (_e22 + _e25);
-            float _e27 = end_um;
-            start_um = _e27;
+            float3 _e23 = xyz_1;
+            float _e24 = start_um;
+            float _e25 = end_um;
+            const float3 _e26 = panel_colour(order_4, _e12, _e24, _e25, colour_2, wr_13);
+            xyz_1 = (_e23 + _e26);
+            float _e28 = end_um;
+            start_um = _e28;
         }
     }
-    float3 _e31 = xyz_1;
-    return _e31;
+    float3 _e32 = xyz_1;
+    return _e32;
 }
 
-float3 tristimulus_disc(float3 axis_2, float radius_1, float3 wr_14)
+float3 tristimulus_disc_coloured(float3 axis_2, float radius_1, float3 colour_3, float3 wr_14)
 {
-    int row_5 = (int)0;
+    int row_7 = (int)0;
     int2 columns = (int2)0;
     int column_3 = (int)0;
     int2 order_5 = int2(int(0), int(0));
-    float from_um_5 = 0.0;
-    float to_um_5 = 0.0;
+    float from_um_6 = 0.0;
+    float to_um_6 = 0.0;
     float passed_um = 0.0;
     bool lit_ = false;
     float3 xyz_2 = (0.0).xxx;
     int hit_1 = int(0);
     int tried_1 = (int)0;
-    bool local_2 = (bool)0;
     bool local_3 = (bool)0;
     bool local_4 = (bool)0;
     bool local_5 = (bool)0;
+    bool local_6 = (bool)0;
 
     if (!((wr_14.z > 1e-6))) {
         return (0.0).xxx;
     }
-    const float3 _e34 = in_surface(wr_14);
-    const float3 _e35 = in_surface(axis_2);
-    const float _e36 = disc_chord_squared(radius_1);
-    float reach_5 = sqrt(_e36);
-    float2 offset_4 = (_e35.xy + _e34.xy);
-    const int2 _e41 = order_rows(offset_4, reach_5);
-    row_5 = _e41.x;
-    int _e43 = row_5;
-    const int2 _e44 = order_columns(_e43, offset_4, reach_5);
-    columns = _e44;
-    int _e46 = columns.x;
-    column_3 = _e46;
+    const float3 _e35 = in_surface(wr_14);
+    const float3 _e36 = in_surface(axis_2);
+    const float _e37 = disc_chord_squared(radius_1);
+    float reach_5 = sqrt(_e37);
+    float2 offset_4 = (_e36.xy + _e35.xy);
+    const int2 _e42 = order_rows(offset_4, reach_5);
+    row_7 = _e42.x;
+    int _e44 = row_7;
+    const int2 _e45 = order_columns(_e44, offset_4, reach_5);
+    columns = _e45;
+    int _e47 = columns.x;
+    column_3 = _e47;
     bool loop_init_3 = true;
     while(true) {
         if (!loop_init_3) {
-            int _e134 = hit_1;
-            hit_1 = asint(asuint(_e134) + asuint(int(1)));
+            int _e135 = hit_1;
+            hit_1 = asint(asuint(_e135) + asuint(int(1)));
         }
         loop_init_3 = false;
-        int _e47 = hit_1;
-        if ((_e47 < int(51))) {
+        int _e48 = hit_1;
+        if ((_e48 < int(51))) {
         } else {
             break;
         }
@@ -773,161 +813,167 @@ float3 tristimulus_disc(float3 axis_2, float radius_1, float3 wr_14)
             bool loop_init_4 = true;
             while(true) {
                 if (!loop_init_4) {
-                    int _e123 = tried_1;
-                    tried_1 = asint(asuint(_e123) + asuint(int(1)));
+                    int _e124 = tried_1;
+                    tried_1 = asint(asuint(_e124) + asuint(int(1)));
                 }
                 loop_init_4 = false;
-                int _e52 = tried_1;
-                if ((_e52 < int(68))) {
+                int _e53 = tried_1;
+                if ((_e53 < int(68))) {
                 } else {
                     break;
                 }
                 {
-                    bool _e55 = lit_;
-                    if (!(_e55)) {
-                        int _e57 = row_5;
-                        local_2 = (_e57 > _e41.y);
+                    bool _e56 = lit_;
+                    if (!(_e56)) {
+                        int _e58 = row_7;
+                        local_3 = (_e58 > _e42.y);
                     } else {
-                        local_2 = true;
+                        local_3 = true;
                     }
-                    bool _e61 = local_2;
-                    if (_e61) {
+                    bool _e62 = local_3;
+                    if (_e62) {
                         break;
                     }
-                    int _e62 = column_3;
-                    int _e63 = row_5;
-                    order_5 = int2(_e62, _e63);
-                    int2 _e65 = order_5;
-                    const float2 _e66 = order_frequency(_e65);
-                    const float2 _e67 = propagating(_e66, _e34);
-                    const float2 _e68 = crossings(_e66, _e34, _e35, _e36);
-                    float _e69 = passed_um;
-                    from_um_5 = max(_e67.x, _e69);
-                    float _e72 = from_um_5;
-                    float2 beyond = ((_e68 > (_e72).xx) ? _e68 : _e67.yy);
-                    to_um_5 = min(_e67.y, min(beyond.x, beyond.y));
-                    float _e82 = from_um_5;
-                    float _e83 = to_um_5;
-                    const float3 _e87 = arrival(_e66, (0.5 * (_e82 + _e83)), _e34);
-                    int _e88 = column_3;
-                    int _e90 = columns.y;
-                    if ((_e88 <= _e90)) {
-                        float _e92 = from_um_5;
-                        local_3 = (_e92 < _e67.y);
-                    } else {
-                        local_3 = false;
-                    }
-                    bool is_open = local_3;
-                    if (is_open) {
-                        const bool _e97 = within(_e87, _e35, _e36);
-                        local_4 = _e97;
+                    int _e63 = column_3;
+                    int _e64 = row_7;
+                    order_5 = int2(_e63, _e64);
+                    int2 _e66 = order_5;
+                    const float2 _e67 = order_frequency(_e66);
+                    const float2 _e68 = propagating(_e67, _e35);
+                    const float2 _e69 = crossings(_e67, _e35, _e36, _e37);
+                    float _e70 = passed_um;
+                    from_um_6 = max(_e68.x, _e70);
+                    float _e73 = from_um_6;
+                    float2 beyond = ((_e69 > (_e73).xx) ? _e69 : _e68.yy);
+                    to_um_6 = min(_e68.y, min(beyond.x, beyond.y));
+                    float _e83 = from_um_6;
+                    float _e84 = to_um_6;
+                    const float3 _e88 = arrival(_e67, (0.5 * (_e83 + _e84)), _e35);
+                    int _e89 = column_3;
+                    int _e91 = columns.y;
+                    if ((_e89 <= _e91)) {
+                        float _e93 = from_um_6;
+                        local_4 = (_e93 < _e68.y);
                     } else {
                         local_4 = false;
                     }
-                    bool _e99 = local_4;
-                    lit_ = _e99;
-                    if (!(!(is_open))) {
-                        float _e102 = to_um_5;
-                        local_5 = (_e102 >= _e67.y);
+                    bool is_open = local_4;
+                    if (is_open) {
+                        const bool _e98 = within(_e88, _e36, _e37);
+                        local_5 = _e98;
                     } else {
-                        local_5 = true;
+                        local_5 = false;
                     }
-                    bool _e106 = local_5;
-                    if (_e106) {
-                        int _e107 = column_3;
-                        column_3 = asint(asuint(_e107) + asuint(int(1)));
-                        int _e110 = column_3;
-                        int _e112 = columns.y;
-                        if ((_e110 > _e112)) {
-                            int _e114 = row_5;
-                            row_5 = asint(asuint(_e114) + asuint(int(1)));
-                            int _e117 = row_5;
-                            const int2 _e118 = order_columns(_e117, offset_4, reach_5);
-                            columns = _e118;
-                            int _e120 = columns.x;
-                            column_3 = _e120;
+                    bool _e100 = local_5;
+                    lit_ = _e100;
+                    if (!(!(is_open))) {
+                        float _e103 = to_um_6;
+                        local_6 = (_e103 >= _e68.y);
+                    } else {
+                        local_6 = true;
+                    }
+                    bool _e107 = local_6;
+                    if (_e107) {
+                        int _e108 = column_3;
+                        column_3 = asint(asuint(_e108) + asuint(int(1)));
+                        int _e111 = column_3;
+                        int _e113 = columns.y;
+                        if ((_e111 > _e113)) {
+                            int _e115 = row_7;
+                            row_7 = asint(asuint(_e115) + asuint(int(1)));
+                            int _e118 = row_7;
+                            const int2 _e119 = order_columns(_e118, offset_4, reach_5);
+                            columns = _e119;
+                            int _e121 = columns.x;
+                            column_3 = _e121;
                         }
                         passed_um = 0.0;
                     } else {
-                        float _e122 = to_um_5;
-                        passed_um = _e122;
+                        float _e123 = to_um_6;
+                        passed_um = _e123;
                     }
                 }
             }
-            bool _e126 = lit_;
-            if (!(_e126)) {
+            bool _e127 = lit_;
+            if (!(_e127)) {
                 break;
             }
-            float3 _e128 = xyz_2;
-            int2 _e129 = order_5;
-            float _e130 = from_um_5;
-            float _e131 = to_um_5;
-            const float3 _e132 = order_colour(_e129, _e130, _e131, _e34);
-            xyz_2 = (_e128 + _e132);
+            float3 _e129 = xyz_2;
+            int2 _e130 = order_5;
+            float _e131 = from_um_6;
+            float _e132 = to_um_6;
+            const float3 _e133 = order_colour(_e130, _e131, _e132, colour_3, _e35);
+            xyz_2 = (_e129 + _e133);
         }
     }
-    float sine_squared_1 = (_e36 * (1.0 - (0.25 * _e36)));
-    const float _e142 = normal_reflectance();
-    float3 _e143 = xyz_2;
-    return ((_e142 / (3.1415927 * sine_squared_1)) * _e143);
+    float sine_squared_1 = (_e37 * (1.0 - (0.25 * _e37)));
+    const float _e143 = normal_reflectance();
+    float3 _e144 = xyz_2;
+    return ((_e143 / (3.1415927 * sine_squared_1)) * _e144);
 }
 
-float3 tristimulus_rectangle(float3 a, float3 b, float3 c, float3 d, float3 wr_15)
+float3 tristimulus_disc(float3 axis_3, float radius_2, float3 wr_15)
 {
-    int row_6 = (int)0;
+    const float3 _e5 = tristimulus_disc_coloured(axis_3, radius_2, (1.0).xxx, wr_15);
+    return _e5;
+}
+
+float3 tristimulus_rectangle_coloured(float3 a, float3 b, float3 c, float3 d, float3 colour_4, float3 wr_16)
+{
+    int row_8 = (int)0;
     int2 columns_1 = (int2)0;
     int column_4 = (int)0;
     int2 order_6 = int2(int(0), int(0));
-    float from_um_6 = 0.0;
-    float to_um_6 = 0.0;
+    float from_um_7 = 0.0;
+    float to_um_7 = 0.0;
     float passed_um_1 = 0.0;
     bool lit_1 = false;
     float3 xyz_3 = (0.0).xxx;
     int hit_2 = int(0);
     int tried_2 = (int)0;
-    bool local_6 = (bool)0;
     bool local_7 = (bool)0;
     bool local_8 = (bool)0;
     bool local_9 = (bool)0;
     bool local_10 = (bool)0;
     bool local_11 = (bool)0;
     bool local_12 = (bool)0;
+    bool local_13 = (bool)0;
 
-    if (!((wr_15.z > 1e-6))) {
+    if (!((wr_16.z > 1e-6))) {
         return (0.0).xxx;
     }
-    const float3 _e39 = in_surface(wr_15);
+    const float3 _e40 = in_surface(wr_16);
     float3 centre_3 = normalize((((a + b) + c) + d));
     float3 turning = (((cross(a, b) + cross(b, c)) + cross(c, d)) + cross(d, a));
     float side_3 = ((dot(turning, centre_3) > 0.0) ? 1.0 : -1.0);
-    const float3 _e57 = in_surface(centre_3);
-    const float3 _e58 = edge_normal(a, b, side_3, centre_3);
-    const float3 _e59 = in_surface(_e58);
-    const float3 _e60 = edge_normal(b, c, side_3, centre_3);
-    const float3 _e61 = in_surface(_e60);
-    const float3 _e62 = edge_normal(c, d, side_3, centre_3);
-    const float3 _e63 = in_surface(_e62);
-    const float3 _e64 = edge_normal(d, a, side_3, centre_3);
-    const float3 _e65 = in_surface(_e64);
+    const float3 _e58 = in_surface(centre_3);
+    const float3 _e59 = edge_normal(a, b, side_3, centre_3);
+    const float3 _e60 = in_surface(_e59);
+    const float3 _e61 = edge_normal(b, c, side_3, centre_3);
+    const float3 _e62 = in_surface(_e61);
+    const float3 _e63 = edge_normal(c, d, side_3, centre_3);
+    const float3 _e64 = in_surface(_e63);
+    const float3 _e65 = edge_normal(d, a, side_3, centre_3);
+    const float3 _e66 = in_surface(_e65);
     float farther = max(distance(a, centre_3), distance(b, centre_3));
     float reach_6 = max(farther, max(distance(c, centre_3), distance(d, centre_3)));
-    float2 offset_5 = (_e57.xy + _e39.xy);
-    const int2 _e76 = order_rows(offset_5, reach_6);
-    row_6 = _e76.x;
-    int _e78 = row_6;
-    const int2 _e79 = order_columns(_e78, offset_5, reach_6);
-    columns_1 = _e79;
-    int _e81 = columns_1.x;
-    column_4 = _e81;
+    float2 offset_5 = (_e58.xy + _e40.xy);
+    const int2 _e77 = order_rows(offset_5, reach_6);
+    row_8 = _e77.x;
+    int _e79 = row_8;
+    const int2 _e80 = order_columns(_e79, offset_5, reach_6);
+    columns_1 = _e80;
+    int _e82 = columns_1.x;
+    column_4 = _e82;
     bool loop_init_5 = true;
     while(true) {
         if (!loop_init_5) {
-            int _e203 = hit_2;
-            hit_2 = asint(asuint(_e203) + asuint(int(1)));
+            int _e204 = hit_2;
+            hit_2 = asint(asuint(_e204) + asuint(int(1)));
         }
         loop_init_5 = false;
-        int _e82 = hit_2;
-        if ((_e82 < int(153))) {
+        int _e83 = hit_2;
+        if ((_e83 < int(153))) {
         } else {
             break;
         }
@@ -937,131 +983,137 @@ float3 tristimulus_rectangle(float3 a, float3 b, float3 c, float3 d, float3 wr_1
             bool loop_init_6 = true;
             while(true) {
                 if (!loop_init_6) {
-                    int _e192 = tried_2;
-                    tried_2 = asint(asuint(_e192) + asuint(int(1)));
+                    int _e193 = tried_2;
+                    tried_2 = asint(asuint(_e193) + asuint(int(1)));
                 }
                 loop_init_6 = false;
-                int _e87 = tried_2;
-                if ((_e87 < int(170))) {
+                int _e88 = tried_2;
+                if ((_e88 < int(170))) {
                 } else {
                     break;
                 }
                 {
-                    bool _e90 = lit_1;
-                    if (!(_e90)) {
-                        int _e92 = row_6;
-                        local_6 = (_e92 > _e76.y);
+                    bool _e91 = lit_1;
+                    if (!(_e91)) {
+                        int _e93 = row_8;
+                        local_7 = (_e93 > _e77.y);
                     } else {
-                        local_6 = true;
+                        local_7 = true;
                     }
-                    bool _e96 = local_6;
-                    if (_e96) {
+                    bool _e97 = local_7;
+                    if (_e97) {
                         break;
                     }
-                    int _e97 = column_4;
-                    int _e98 = row_6;
-                    order_6 = int2(_e97, _e98);
-                    int2 _e100 = order_6;
-                    const float2 _e101 = order_frequency(_e100);
-                    const float2 _e102 = propagating(_e101, _e39);
-                    const float2 _e104 = crossings(_e101, _e39, _e59, 2.0);
-                    const float2 _e106 = crossings(_e101, _e39, _e61, 2.0);
-                    const float2 _e108 = crossings(_e101, _e39, _e63, 2.0);
-                    const float2 _e110 = crossings(_e101, _e39, _e65, 2.0);
-                    float4 early = float4(_e104, _e106);
-                    float4 late = float4(_e108, _e110);
-                    float _e113 = passed_um_1;
-                    from_um_6 = max(_e102.x, _e113);
-                    float _e116 = from_um_6;
-                    float4 ahead = ((early > (_e116).xxxx) ? early : (_e102.y).xxxx);
-                    float _e122 = from_um_6;
-                    float4 behind = ((late > (_e122).xxxx) ? late : (_e102.y).xxxx);
+                    int _e98 = column_4;
+                    int _e99 = row_8;
+                    order_6 = int2(_e98, _e99);
+                    int2 _e101 = order_6;
+                    const float2 _e102 = order_frequency(_e101);
+                    const float2 _e103 = propagating(_e102, _e40);
+                    const float2 _e105 = crossings(_e102, _e40, _e60, 2.0);
+                    const float2 _e107 = crossings(_e102, _e40, _e62, 2.0);
+                    const float2 _e109 = crossings(_e102, _e40, _e64, 2.0);
+                    const float2 _e111 = crossings(_e102, _e40, _e66, 2.0);
+                    float4 early = float4(_e105, _e107);
+                    float4 late = float4(_e109, _e111);
+                    float _e114 = passed_um_1;
+                    from_um_7 = max(_e103.x, _e114);
+                    float _e117 = from_um_7;
+                    float4 ahead = ((early > (_e117).xxxx) ? early : (_e103.y).xxxx);
+                    float _e123 = from_um_7;
+                    float4 behind = ((late > (_e123).xxxx) ? late : (_e103.y).xxxx);
                     float4 nearest = min(ahead, behind);
-                    to_um_6 = min(_e102.y, min(min(nearest.x, nearest.y), min(nearest.z, nearest.w)));
-                    float _e138 = from_um_6;
-                    float _e139 = to_um_6;
-                    const float3 _e143 = arrival(_e101, (0.5 * (_e138 + _e139)), _e39);
-                    int _e144 = column_4;
-                    int _e146 = columns_1.y;
-                    if ((_e144 <= _e146)) {
-                        float _e148 = from_um_6;
-                        local_7 = (_e148 < _e102.y);
-                    } else {
-                        local_7 = false;
-                    }
-                    bool is_open_1 = local_7;
-                    const bool _e154 = within(_e143, _e59, 2.0);
-                    if (_e154) {
-                        const bool _e156 = within(_e143, _e61, 2.0);
-                        local_8 = _e156;
+                    to_um_7 = min(_e103.y, min(min(nearest.x, nearest.y), min(nearest.z, nearest.w)));
+                    float _e139 = from_um_7;
+                    float _e140 = to_um_7;
+                    const float3 _e144 = arrival(_e102, (0.5 * (_e139 + _e140)), _e40);
+                    int _e145 = column_4;
+                    int _e147 = columns_1.y;
+                    if ((_e145 <= _e147)) {
+                        float _e149 = from_um_7;
+                        local_8 = (_e149 < _e103.y);
                     } else {
                         local_8 = false;
                     }
-                    bool upper = local_8;
-                    if (is_open_1) {
-                        local_9 = upper;
+                    bool is_open_1 = local_8;
+                    const bool _e155 = within(_e144, _e60, 2.0);
+                    if (_e155) {
+                        const bool _e157 = within(_e144, _e62, 2.0);
+                        local_9 = _e157;
                     } else {
                         local_9 = false;
                     }
-                    bool _e160 = local_9;
-                    if (_e160) {
-                        const bool _e162 = within(_e143, _e63, 2.0);
-                        local_10 = _e162;
+                    bool upper = local_9;
+                    if (is_open_1) {
+                        local_10 = upper;
                     } else {
                         local_10 = false;
                     }
-                    bool _e164 = local_10;
-                    if (_e164) {
-                        const bool _e166 = within(_e143, _e65, 2.0);
-                        local_11 = _e166;
+                    bool _e161 = local_10;
+                    if (_e161) {
+                        const bool _e163 = within(_e144, _e64, 2.0);
+                        local_11 = _e163;
                     } else {
                         local_11 = false;
                     }
-                    bool _e168 = local_11;
-                    lit_1 = _e168;
-                    if (!(!(is_open_1))) {
-                        float _e171 = to_um_6;
-                        local_12 = (_e171 >= _e102.y);
+                    bool _e165 = local_11;
+                    if (_e165) {
+                        const bool _e167 = within(_e144, _e66, 2.0);
+                        local_12 = _e167;
                     } else {
-                        local_12 = true;
+                        local_12 = false;
                     }
-                    bool _e175 = local_12;
-                    if (_e175) {
-                        int _e176 = column_4;
-                        column_4 = asint(asuint(_e176) + asuint(int(1)));
-                        int _e179 = column_4;
-                        int _e181 = columns_1.y;
-                        if ((_e179 > _e181)) {
-                            int _e183 = row_6;
-                            row_6 = asint(asuint(_e183) + asuint(int(1)));
-                            int _e186 = row_6;
-                            const int2 _e187 = order_columns(_e186, offset_5, reach_6);
-                            columns_1 = _e187;
-                            int _e189 = columns_1.x;
-                            column_4 = _e189;
+                    bool _e169 = local_12;
+                    lit_1 = _e169;
+                    if (!(!(is_open_1))) {
+                        float _e172 = to_um_7;
+                        local_13 = (_e172 >= _e103.y);
+                    } else {
+                        local_13 = true;
+                    }
+                    bool _e176 = local_13;
+                    if (_e176) {
+                        int _e177 = column_4;
+                        column_4 = asint(asuint(_e177) + asuint(int(1)));
+                        int _e180 = column_4;
+                        int _e182 = columns_1.y;
+                        if ((_e180 > _e182)) {
+                            int _e184 = row_8;
+                            row_8 = asint(asuint(_e184) + asuint(int(1)));
+                            int _e187 = row_8;
+                            const int2 _e188 = order_columns(_e187, offset_5, reach_6);
+                            columns_1 = _e188;
+                            int _e190 = columns_1.x;
+                            column_4 = _e190;
                         }
                         passed_um_1 = 0.0;
                     } else {
-                        float _e191 = to_um_6;
-                        passed_um_1 = _e191;
+                        float _e192 = to_um_7;
+                        passed_um_1 = _e192;
                     }
                 }
             }
-            bool _e195 = lit_1;
-            if (!(_e195)) {
+            bool _e196 = lit_1;
+            if (!(_e196)) {
                 break;
             }
-            float3 _e197 = xyz_3;
-            int2 _e198 = order_6;
-            float _e199 = from_um_6;
-            float _e200 = to_um_6;
-            const float3 _e201 = order_colour(_e198, _e199, _e200, _e39);
-            xyz_3 = (_e197 + _e201);
+            float3 _e198 = xyz_3;
+            int2 _e199 = order_6;
+            float _e200 = from_um_7;
+            float _e201 = to_um_7;
+            const float3 _e202 = order_colour(_e199, _e200, _e201, colour_4, _e40);
+            xyz_3 = (_e198 + _e202);
         }
     }
-    const float _e206 = normal_reflectance();
-    float3 _e207 = xyz_3;
-    return (_e206 * _e207);
+    const float _e207 = normal_reflectance();
+    float3 _e208 = xyz_3;
+    return (_e207 * _e208);
+}
+
+float3 tristimulus_rectangle(float3 a_1, float3 b_1, float3 c_1, float3 d_1, float3 wr_17)
+{
+    const float3 _e7 = tristimulus_rectangle_coloured(a_1, b_1, c_1, d_1, (1.0).xxx, wr_17);
+    return _e7;
 }
 
 float3 ZeroValuefloat3() {
@@ -1071,13 +1123,13 @@ float3 ZeroValuefloat3() {
 // Radiance of the surroundings: the host defines it.
 float3 environment_radiance(float3 direction_4, float spread);
 
-float4 streak_light(int cell, int row_7)
+float4 streak_light(int cell, int row_9)
 {
-    float4 _e5 = streaks.Load(int3(int2(cell, row_7), int(0)));
+    float4 _e5 = streaks.Load(int3(int2(cell, row_9), int(0)));
     return _e5;
 }
 
-float3 mirror_image(float3 wr_16)
+float3 mirror_image(float3 wr_18)
 {
     float3 red = (0.0).xxx;
     float3 green = (0.0).xxx;
@@ -1099,7 +1151,7 @@ float3 mirror_image(float3 wr_16)
         {
             int _e15 = cell_1;
             const float4 _e17 = streak_light(_e15, int(0));
-            const float _e24 = order_share(int2(int(0), int(0)), (0.0).xx, _e17.w, wr_16);
+            const float _e24 = order_share(int2(int(0), int(0)), (0.0).xx, _e17.w, wr_18);
             float3 _e25 = red;
             red = (_e25 + (_e24 * _e17.xyz));
             float3 _e29 = green;
@@ -1112,7 +1164,7 @@ float3 mirror_image(float3 wr_16)
             blue = (_e36 + (_e24 * _e39.xyz));
         }
     }
-    const float3 _e50 = from_surface(float3(-(wr_16.xy), wr_16.z));
+    const float3 _e50 = from_surface(float3(-(wr_18.xy), wr_18.z));
     const float3 _e52 = environment_radiance(_e50, 0.0);
     float3 _e53 = red;
     float3 _e54 = green;
@@ -1120,14 +1172,14 @@ float3 mirror_image(float3 wr_16)
     return (((_e52.x * _e53) + (_e52.y * _e54)) + (_e52.z * _e55));
 }
 
-float3 streak(int2 order_7, float3 wr_17)
+float3 streak(int2 order_7, float3 wr_19)
 {
     float3 xyz_4 = (0.0).xxx;
     float first_um = (float)0;
     int cell_2 = (int)0;
 
     const float2 _e7 = order_frequency(order_7);
-    const float2 _e8 = propagating(_e7, wr_17);
+    const float2 _e8 = propagating(_e7, wr_19);
     float pace_3 = length(_e7);
     bool is_long = (pace_3 > LONG_CPUM);
     int first_4 = (is_long ? int(9) : int(0));
@@ -1161,10 +1213,10 @@ float3 streak(int2 order_7, float3 wr_17)
                 const float4 _e42 = streak_light(_e40, int(0));
                 float inner_2 = clamp(_e42.w, lerp(low_3, high_2, 0.3), lerp(low_3, high_2, 0.7));
                 float lambda_um_10 = ((part_4 < 0.999) ? inner_2 : _e42.w);
-                const float _e53 = order_share(order_7, _e7, lambda_um_10, wr_17);
+                const float _e53 = order_share(order_7, _e7, lambda_um_10, wr_19);
                 float share_5 = (part_4 * _e53);
                 if ((share_5 > 1e-6)) {
-                    const float3 _e57 = arrival(_e7, lambda_um_10, wr_17);
+                    const float3 _e57 = arrival(_e7, lambda_um_10, wr_19);
                     int _e58 = cell_2;
                     const float4 _e60 = streak_light(_e58, int(2));
                     float spread_1 = (((part_4 * _e60.w) * pace_3) * rsqrt(max(_e57.z, 0.0001)));
@@ -1184,27 +1236,27 @@ float3 streak(int2 order_7, float3 wr_17)
     return _e91;
 }
 
-float3 tristimulus_environment(float3 wr_18)
+float3 tristimulus_environment(float3 wr_20)
 {
     float3 xyz_5 = (float3)0;
-    int row_8 = int(0);
+    int row_10 = int(0);
     int column_5 = (int)0;
-    bool local_13 = (bool)0;
+    bool local_14 = (bool)0;
 
-    if (!((wr_18.z > 1e-6))) {
+    if (!((wr_20.z > 1e-6))) {
         return (0.0).xxx;
     }
-    const float3 _e12 = in_surface(wr_18);
+    const float3 _e12 = in_surface(wr_20);
     const float3 _e13 = mirror_image(_e12);
     xyz_5 = _e13;
     bool loop_init_9 = true;
     while(true) {
         if (!loop_init_9) {
-            int _e39 = row_8;
-            row_8 = asint(asuint(_e39) + asuint(int(1)));
+            int _e39 = row_10;
+            row_10 = asint(asuint(_e39) + asuint(int(1)));
         }
         loop_init_9 = false;
-        int _e14 = row_8;
+        int _e14 = row_10;
         if ((_e14 <= ORDER_REACH_Y)) {
         } else {
             break;
@@ -1224,18 +1276,18 @@ float3 tristimulus_environment(float3 wr_18)
                     break;
                 }
                 {
-                    int _e21 = row_8;
+                    int _e21 = row_10;
                     if (!((_e21 != int(0)))) {
                         int _e25 = column_5;
-                        local_13 = (_e25 != int(0));
+                        local_14 = (_e25 != int(0));
                     } else {
-                        local_13 = true;
+                        local_14 = true;
                     }
-                    bool _e29 = local_13;
+                    bool _e29 = local_14;
                     if (_e29) {
                         float3 _e30 = xyz_5;
                         int _e31 = column_5;
-                        int _e32 = row_8;
+                        int _e32 = row_10;
                         const float3 _e34 = streak(int2(_e31, _e32), _e12);
                         xyz_5 = (_e30 + _e34);
                     }
@@ -1253,30 +1305,44 @@ float3 to_rgb(float3 xyz_6)
     return float3(dot(float3(3.2406, -1.5372, -0.4986), xyz_6), dot(float3(-0.9689, 1.8758, 0.0415), xyz_6), dot(float3(0.0557, -0.204, 1.057), xyz_6));
 }
 
-float3 diffraction(float3 wi_6, float3 wr_19)
+float3 diffraction(float3 wi_6, float3 wr_21)
 {
-    const float3 _e2 = tristimulus(wi_6, wr_19);
+    const float3 _e2 = tristimulus(wi_6, wr_21);
     const float3 _e3 = to_rgb(_e2);
     return _e3;
 }
 
-float3 diffraction_disc(float3 axis_3, float radius_2, float3 wr_20)
+float3 diffraction_disc(float3 axis_4, float radius_3, float3 wr_22)
 {
-    const float3 _e3 = tristimulus_disc(axis_3, radius_2, wr_20);
+    const float3 _e3 = tristimulus_disc(axis_4, radius_3, wr_22);
     const float3 _e4 = to_rgb(_e3);
     return _e4;
 }
 
-float3 diffraction_rectangle(float3 a_1, float3 b_1, float3 c_1, float3 d_1, float3 wr_21)
+float3 diffraction_disc_coloured(float3 axis_5, float radius_4, float3 colour_5, float3 wr_23)
 {
-    const float3 _e5 = tristimulus_rectangle(a_1, b_1, c_1, d_1, wr_21);
+    const float3 _e4 = tristimulus_disc_coloured(axis_5, radius_4, colour_5, wr_23);
+    const float3 _e5 = to_rgb(_e4);
+    return _e5;
+}
+
+float3 diffraction_rectangle(float3 a_2, float3 b_2, float3 c_2, float3 d_2, float3 wr_24)
+{
+    const float3 _e5 = tristimulus_rectangle(a_2, b_2, c_2, d_2, wr_24);
     const float3 _e6 = to_rgb(_e5);
     return _e6;
 }
 
-float3 diffraction_environment(float3 wr_22)
+float3 diffraction_rectangle_coloured(float3 a_3, float3 b_3, float3 c_3, float3 d_3, float3 colour_6, float3 wr_25)
 {
-    const float3 _e1 = tristimulus_environment(wr_22);
+    const float3 _e6 = tristimulus_rectangle_coloured(a_3, b_3, c_3, d_3, colour_6, wr_25);
+    const float3 _e7 = to_rgb(_e6);
+    return _e7;
+}
+
+float3 diffraction_environment(float3 wr_26)
+{
+    const float3 _e1 = tristimulus_environment(wr_26);
     const float3 _e2 = to_rgb(_e1);
     return _e2;
 }
