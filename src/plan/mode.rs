@@ -62,6 +62,8 @@ pub(super) enum When {
     HasSurroundings,
     /// The number of wavelengths under surroundings is left to the tool.
     ChoosesNodes,
+    /// It has tables with wider lobes.
+    HasSpread,
     /// The relief is a dielectric.
     IsDielectric,
     /// It is not a dielectric in air with Stam's obliquity.
@@ -144,7 +146,14 @@ const BAKED: Declared = Declared {
         WINDOW,
         COLOURS,
     ],
-    sometimes: &[MATTER],
+    sometimes: &[
+        MATTER,
+        &[
+            ("spread_levels", When::HasSpread),
+            ("spread_step", When::HasSpread),
+            ("lights", When::HasSpread),
+        ],
+    ],
     refused: &[],
 };
 
