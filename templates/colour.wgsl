@@ -7,6 +7,14 @@ fn diffraction(wi: vec3f, wr: vec3f) -> vec3f {
     return to_rgb(tristimulus(wi, wr));
 }
 
+#ifdef SPREAD
+// The same with lobes widened by `spread`, a standard deviation in direction cosines: a footprint, a roughness, a light's
+// size. Wider lobes are dimmer and keep their energy. Beyond the widest table the result is that of the widest.
+fn diffraction_spread(wi: vec3f, wr: vec3f, spread: f32) -> vec3f {
+    return to_rgb(tristimulus_spread(wi, wr, spread));
+}
+
+#endif
 #ifdef DISC
 // Linear RGB of the radiance under a disc, a cap of the sphere: a lamp, the sun. `axis` points to its middle, `radius` is
 // its angular radius, 1e-4 to π/2 rad. Its irradiance, perpendicular to the axis, is 1; a white diffuser that faces it

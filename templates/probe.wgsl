@@ -6,7 +6,7 @@
 // Arguments of a function, in rows 5k to 5k+4 for row k of the picture, counted from the top. w of the first chooses the
 // function. 0: one direction to the light, then to the viewer. 1: a disc: its axis, then to the viewer, with the radius in
 // w. 2: a quadrilateral: a corner, then to the viewer, then the other corners. 3: the surroundings: any vector, then to
-// the viewer. xyz: unit vectors.
+// the viewer. 4: as 0, with the spread in w of the viewer. xyz: unit vectors.
 #else
 // xyz: unit vectors. Row 2k holds the directions to the light, row 2k+1 the directions to the viewer, for row k of the
 // picture, counted from the top.
@@ -38,6 +38,11 @@ fn probe(@location(0) place: vec2f) -> @location(0) vec4f {
 #ifdef ENVIRONMENT
     if (first.w == 3.0) {
         return vec4f(tristimulus_environment(viewer.xyz), 1.0);
+    }
+#endif
+#ifdef SPREAD
+    if (first.w == 4.0) {
+        return vec4f(tristimulus_spread(first.xyz, viewer.xyz, viewer.w), 1.0);
     }
 #endif
     return vec4f(tristimulus(first.xyz, viewer.xyz), 1.0);

@@ -368,7 +368,8 @@ fn spread_levels(item: &Item) -> Option<Auto<u32>> {
 }
 
 fn spread_step(item: &Item) -> Option<f64> {
-    let what = "the factor from the width of lobes in a table to that in the next; 1.4142136 for lamps";
+    let what =
+        "the factor from the width of lobes in a table to that in the next; 1.4142136 for lamps";
     item.number("from 1.1 to 4", what, |x| (1.1..=4.0).contains(&x))
 }
 

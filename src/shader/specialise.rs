@@ -14,7 +14,7 @@ use crate::variant::{Form, Ground};
 pub const ROOT: &str = "shader";
 
 /// Flags that forms may set.
-const FLAGS: [&str; 16] = [
+const FLAGS: [&str; 17] = [
     "COHERENCE_SCALES",
     "DISC",
     "ENSEMBLE",
@@ -29,6 +29,7 @@ const FLAGS: [&str; 16] = [
     "RECTANGLE",
     "SIZED",
     "SPECTRAL",
+    "SPREAD",
     "TABULATED",
     "THESIS_LOOP",
 ];

@@ -7,6 +7,7 @@ mod disc;
 mod environment;
 mod lamps;
 mod rectangle;
+mod spread;
 
 use serde::Serialize;
 
@@ -22,6 +23,7 @@ pub use directional::{DIRECTIONAL, Directional};
 pub use disc::{DISC, Disc};
 pub use environment::{ENVIRONMENT, Environment, skies};
 pub use rectangle::{RECTANGLE, Rectangle};
+pub use spread::{SPREAD, Spread, widened};
 
 /// A function of a shader. It has the same name in every language.
 pub trait Function: Sync {
@@ -90,13 +92,15 @@ pub struct ExactProbe {
 pub const HOSTS: [&str; 1] = ["environment_radiance"];
 
 /// All functions.
-pub static FUNCTIONS: [&dyn Function; 4] = [&DIRECTIONAL, &DISC, &RECTANGLE, &ENVIRONMENT];
+pub static FUNCTIONS: [&dyn Function; 5] = [&DIRECTIONAL, &SPREAD, &DISC, &RECTANGLE, &ENVIRONMENT];
 
 /// Which function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FunctionKind {
     /// `diffraction`.
     Direction,
+    /// `diffraction_spread`.
+    Spread,
     /// `diffraction_disc`.
     Disc,
     /// `diffraction_rectangle`.
@@ -110,26 +114,28 @@ impl FunctionKind {
     pub fn function(self) -> &'static dyn Function {
         match self {
             FunctionKind::Direction => &DIRECTIONAL,
+            FunctionKind::Spread => &SPREAD,
             FunctionKind::Disc => &DISC,
             FunctionKind::Rectangle => &RECTANGLE,
             FunctionKind::Environment => &ENVIRONMENT,
         }
     }
 
-    /// The word of the plan that asks for it.
-    pub fn word(self) -> LightFunction {
+    /// The word of the plan that asks for it. `None` for the one that comes with tables of wider lobes.
+    pub fn word(self) -> Option<LightFunction> {
         match self {
-            FunctionKind::Direction => LightFunction::Direction,
-            FunctionKind::Disc => LightFunction::Disc,
-            FunctionKind::Rectangle => LightFunction::Polygon,
-            FunctionKind::Environment => LightFunction::Environment,
+            FunctionKind::Direction => Some(LightFunction::Direction),
+            FunctionKind::Spread => None,
+            FunctionKind::Disc => Some(LightFunction::Disc),
+            FunctionKind::Rectangle => Some(LightFunction::Polygon),
+            FunctionKind::Environment => Some(LightFunction::Environment),
         }
     }
 }
 
 /// The functions that a word of the plan asks for.
 pub fn functions_of(word: LightFunction) -> impl Iterator<Item = &'static dyn Function> {
-    FUNCTIONS.into_iter().filter(move |function| function.kind().word() == word)
+    FUNCTIONS.into_iter().filter(move |function| function.kind().word() == Some(word))
 }
 
 /// Radiance of the light of a call, seen in a mirror of the material at normal incidence, relative to a white. Probes'

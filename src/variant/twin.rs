@@ -41,7 +41,7 @@ pub struct Twin<'a> {
     pub terms: &'a Table,
     /// Spectrum table, rounded or not.
     pub spectrum: &'a Table,
-    /// Table of coefficients or of moments, rounded or not. Empty if the form has neither.
+    /// Table of coefficients, of moments or of colours with wider lobes, rounded or not. Empty if the form has neither.
     pub coefficients: &'a Table,
     /// Table of streaks, rounded or not. Empty if the form has none.
     pub streaks: &'a Table,
@@ -90,6 +90,9 @@ impl<'a> Twin<'a> {
     pub fn evaluate(&self, arguments: Arguments) -> Option<[f64; 3]> {
         match (arguments, self.form) {
             (Arguments::Direction(directions), _) => Some(self.tristimulus(directions)),
+            (Arguments::Spread { directions, spread }, Form::Baked(form)) => {
+                Some(baked::tristimulus_spread(self, form, directions, spread))
+            }
             (Arguments::Disc { axis, radius_rad, wr }, Form::Orders(form)) => {
                 Some(disc::tristimulus_disc(self, form, axis, radius_rad, wr))
             }

@@ -12,6 +12,13 @@ use super::FunctionKind;
 pub enum Arguments {
     /// Of `diffraction`.
     Direction(Directions),
+    /// Of `diffraction_spread`.
+    Spread {
+        /// To the light and to the viewer.
+        directions: Directions,
+        /// Standard deviation that widens lobes, in direction cosines.
+        spread: f64,
+    },
     /// Of `diffraction_disc`.
     Disc {
         /// To the middle of the disc.
@@ -51,6 +58,7 @@ impl Arguments {
     pub fn kind(&self) -> FunctionKind {
         match self {
             Arguments::Direction(_) => FunctionKind::Direction,
+            Arguments::Spread { .. } => FunctionKind::Spread,
             Arguments::Disc { .. } => FunctionKind::Disc,
             Arguments::Rectangle { .. } => FunctionKind::Rectangle,
             Arguments::Environment { .. } => FunctionKind::Environment,
@@ -65,6 +73,10 @@ impl Arguments {
             Arguments::Direction(Directions { wi, wr }) => {
                 Arguments::Direction(Directions { wi: single(wi), wr: single(wr) })
             }
+            Arguments::Spread { directions: Directions { wi, wr }, spread } => Arguments::Spread {
+                directions: Directions { wi: single(wi), wr: single(wr) },
+                spread: f64::from(spread as f32),
+            },
             Arguments::Disc { axis, radius_rad, wr } => Arguments::Disc {
                 axis: single(axis),
                 radius_rad: f64::from(radius_rad as f32),
@@ -83,7 +95,9 @@ impl Arguments {
     /// no convex polygon.
     pub fn lamp(&self) -> Option<Light> {
         match *self {
-            Arguments::Direction(_) | Arguments::Environment { .. } => None,
+            Arguments::Direction(_) | Arguments::Spread { .. } | Arguments::Environment { .. } => {
+                None
+            }
             Arguments::Disc { axis, radius_rad, .. } => {
                 Some(Light::Disc { cap: Cap { axis, radius_rad }, irradiance: 1.0 })
             }
@@ -103,6 +117,7 @@ impl Arguments {
     pub fn wr(&self) -> DVec3 {
         match *self {
             Arguments::Direction(Directions { wr, .. })
+            | Arguments::Spread { directions: Directions { wr, .. }, .. }
             | Arguments::Disc { wr, .. }
             | Arguments::Rectangle { wr, .. }
             | Arguments::Environment { wr, .. } => wr,
@@ -139,7 +154,7 @@ impl Arguments {
     pub fn width(kind: FunctionKind) -> usize {
         match kind {
             FunctionKind::Direction => 6,
-            FunctionKind::Disc => 7,
+            FunctionKind::Spread | FunctionKind::Disc => 7,
             FunctionKind::Rectangle => 15,
             FunctionKind::Environment => 20,
         }
@@ -149,6 +164,9 @@ impl Arguments {
     pub fn to_numbers(&self) -> Vec<f64> {
         match *self {
             Arguments::Direction(Directions { wi, wr }) => [wi, wr].map(|v| v.to_array()).concat(),
+            Arguments::Spread { directions: Directions { wi, wr }, spread } => {
+                [&wi.to_array()[..], &[spread], &wr.to_array()].concat()
+            }
             Arguments::Disc { axis, radius_rad, wr } => {
                 [&axis.to_array()[..], &[radius_rad], &wr.to_array()].concat()
             }
@@ -177,6 +195,10 @@ impl Arguments {
             FunctionKind::Direction => {
                 Arguments::Direction(Directions { wi: vector(0)?, wr: vector(3)? })
             }
+            FunctionKind::Spread => Arguments::Spread {
+                directions: Directions { wi: vector(0)?, wr: vector(4)? },
+                spread: *numbers.get(3)?,
+            },
             FunctionKind::Disc => {
                 Arguments::Disc { axis: vector(0)?, radius_rad: *numbers.get(3)?, wr: vector(4)? }
             }

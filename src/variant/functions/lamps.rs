@@ -114,7 +114,9 @@ pub(super) fn cost(
     let panels = |arguments: Arguments| {
         let mut count = 0;
         let caps = match arguments {
-            Arguments::Direction(_) | Arguments::Environment { .. } => return 0,
+            Arguments::Direction(_) | Arguments::Spread { .. } | Arguments::Environment { .. } => {
+                return 0;
+            }
             Arguments::Disc { axis, radius_rad, .. } => Caps::disc(axis, radius_rad),
             Arguments::Rectangle { corners, .. } => Caps::rectangle(corners),
         };
