@@ -23,8 +23,8 @@ pub use cost::Cost;
 pub use forms::*;
 pub use functions::{
     Arguments, Around, DIRECTIONAL, DISC, Directional, Disc, ENVIRONMENT, Environment, ExactProbe,
-    FUNCTIONS, Function, FunctionKind, HOSTS, RECTANGLE, Rectangle, SPREAD, Spread, StatedError,
-    functions_of, mirrored, skies, widened,
+    FUNCTIONS, Function, FunctionKind, HOSTS, RECTANGLE, Rectangle, SOFT_DISC, SPREAD, SoftDisc,
+    Spread, StatedError, functions_of, mirrored, skies, widened,
 };
 pub use judge::{MAX_PHASE_ERROR, is_whole_light};
 pub use prefilter::{GRID_ERROR, NODE_ERROR, grid_error, node_level};

@@ -107,6 +107,24 @@ fn tristimulus_spread(wi: vec3f, wr: vec3f, spread: f32) -> vec3f {
     return factor * COLOUR_UNIT * colour_widened(path_difference(wi, wr), variance);
 }
 
+#ifdef DISC
+// X, Y, Z of the radiance under a disc of irradiance 1, relative to a white of radiance 1. In direction cosines the disc is
+// an ellipse of the area π sin² a cos θ; it counts as a lobe of the variance of a round disc of that area, a quarter of
+// its squared radius. The cosine of the light is in the gain, and cancels that of the area.
+fn tristimulus_disc(axis: vec3f, radius: f32, wr: vec3f) -> vec3f {
+    let factor = gain(axis, wr);
+    if (factor == 0.0) {
+        return vec3f(0.0);
+    }
+    let narrowest = LOBE_SIGMA * LOBE_SIGMA;
+    let sine = sin(radius);
+    let variance = 0.25 * sine * sine * axis.z / narrowest;
+    let normal = textureLoad(spectrum, vec2i(SPREAD_LEVELS, 0), 0).x;
+    let white = normal * factor * COLOUR_UNIT / (6.2831853 * narrowest);
+    return white * colour_widened(path_difference(axis, wr), variance);
+}
+
+#endif
 // X, Y, Z without the gain and in units of COLOUR_UNIT, of lobes whose variance is `variance` times that of the narrowest
 // ones, up to the widest: between the two nearest levels. Wider lobes are dimmer by the same factor, which keeps energy.
 fn colour_widened(path: vec3f, variance: f32) -> vec3f {

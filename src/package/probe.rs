@@ -91,10 +91,7 @@ pub fn json(surface: &str, variant: &Variant, form: &Form, probed: &[Probed]) ->
                 arguments => {
                     let (mut axis, mut radius, mut corners, mut sky) = (None, None, None, None);
                     let (mut wi, mut spread) = (None, None);
-                    let mut tolerance = tolerance;
-                    if !matches!(arguments, Arguments::Spread { .. }) {
-                        tolerance = light_tolerance(&arguments, form.matter(), &xyz);
-                    }
+                    let tolerance = light_tolerance(form, &arguments, &xyz);
                     match arguments {
                         Arguments::Spread { directions, spread: width } => {
                             (wi, spread) = (Some(directions.wi.to_array()), Some(width));

@@ -232,11 +232,9 @@ impl WideSpec {
 pub struct SpreadsSpec {
     /// Rotation of the surface, degrees.
     pub rotate_deg: f64,
-    /// The levels with their sizes and places.
-    pub wide: WideAxes,
-    /// What the surface is made of. `None`: a dielectric in air.
-    pub matter: Option<MatterSpec>,
-    /// Refractive index of the dielectric.
+    /// The tables.
+    pub wide: Box<WideSpec>,
+    /// Refractive index of a dielectric in air.
     pub refractive_index: Option<f64>,
     /// Reflectance at normal incidence, which follows from these.
     #[serde(skip)]
@@ -416,7 +414,7 @@ impl TableSpec {
                 Table { filtered: spec.filtered, ..bake::shape(&spec.axes, spec.format) }
             }
             TableSpec::Wide(spec) => spec.shape(),
-            TableSpec::Spreads(spec) => spectrum_shape(spec.wide.levels.len() + 1, 2),
+            TableSpec::Spreads(spec) => spectrum_shape(spec.wide.wide.levels.len() + 1, 2),
             TableSpec::Nodes(spec) => {
                 spectrum_shape(spec.wavelengths.nodes_nm().len(), 2 + spec.settings.rows())
             }
@@ -538,7 +536,7 @@ impl TableSpec {
             }
             TableSpec::Wide(spec) => spec.compute(height, done)?,
             TableSpec::Spreads(spec) => {
-                let levels = spec.wide.levels.iter().map(WideLevel::texel);
+                let levels = spec.wide.wide.levels.iter().map(WideLevel::texel);
                 let texels = levels.chain([[spec.normal, 0.0, 0.0, 0.0]]).collect();
                 spreads_table(texels, spec.rotate_deg)
             }

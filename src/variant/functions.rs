@@ -7,6 +7,7 @@ mod disc;
 mod environment;
 mod lamps;
 mod rectangle;
+mod soft_disc;
 mod spread;
 
 use serde::Serialize;
@@ -23,6 +24,7 @@ pub use directional::{DIRECTIONAL, Directional};
 pub use disc::{DISC, Disc};
 pub use environment::{ENVIRONMENT, Environment, skies};
 pub use rectangle::{RECTANGLE, Rectangle};
+pub use soft_disc::{SOFT_DISC, SoftDisc};
 pub use spread::{SPREAD, Spread, widened};
 
 /// A function of a shader. It has the same name in every language.
@@ -46,6 +48,11 @@ pub trait Function: Sync {
 
     /// Which function it is.
     fn kind(&self) -> FunctionKind;
+
+    /// Its probes: functions with the same name may have others.
+    fn probed(&self) -> &'static str {
+        self.name()
+    }
 
     /// Unit of its result, in words.
     fn unit(&self, form: &Form) -> &'static str;

@@ -93,6 +93,9 @@ impl<'a> Twin<'a> {
             (Arguments::Spread { directions, spread }, Form::Baked(form)) => {
                 Some(baked::tristimulus_spread(self, form, directions, spread))
             }
+            (Arguments::Disc { axis, radius_rad, wr }, Form::Baked(form)) => {
+                Some(baked::tristimulus_disc(self, form, axis, radius_rad, wr))
+            }
             (Arguments::Disc { axis, radius_rad, wr }, Form::Orders(form)) => {
                 Some(disc::tristimulus_disc(self, form, axis, radius_rad, wr))
             }

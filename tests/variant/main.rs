@@ -17,3 +17,4 @@ mod orders;
 mod pq;
 mod prefiltered;
 mod quantised;
+mod spread;

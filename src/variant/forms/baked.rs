@@ -2,7 +2,7 @@
 
 use crate::defines::Defines;
 use crate::error::{Error, Result};
-use crate::plan::{Auto, Illuminant, TableFormat, Variant, Window};
+use crate::plan::{Auto, Illuminant, LightFunction, TableFormat, Variant, Window};
 use crate::surface::HeightField;
 use crate::tables::{
     Aim, BEND, BakedAxes, ColoursSpec, PACKED, RotationSpec, SpreadsSpec, TableSpec, WideAxes,
@@ -11,7 +11,7 @@ use crate::tables::{
 use crate::variant::judge::Light;
 use crate::variant::tolerance::{Promise, is_visible};
 use crate::variant::{
-    Coat, Computation, Cost, DIRECTIONAL, Function, Ground, SPREAD, StatedError, lay,
+    Coat, Computation, Cost, DIRECTIONAL, Function, Ground, SOFT_DISC, SPREAD, StatedError, lay,
 };
 
 /// Range of the heights from which on layers for the phase are enough for the reflectance of a metal in air, µm.
@@ -47,6 +47,8 @@ pub struct Wide {
     is_uncut: bool,
     /// Factor from the width of lobes in a table to that in the next.
     pub step: f64,
+    /// Whether the shader has a function for discs.
+    pub has_disc: bool,
     /// Standard deviation of the narrowest lobes, in direction cosines.
     pub lobe_sigma: f64,
 }
@@ -130,6 +132,7 @@ impl Baked {
                 axes: widened(aim),
                 is_uncut: widened(aim) == widened(unlimited),
                 step: variant.spread_step,
+                has_disc: variant.has_function(LightFunction::Disc),
                 lobe_sigma: lobe_sigma(window),
             }),
         };
@@ -158,6 +161,11 @@ impl Baked {
             under: "a direction, with any spread up to the widest table".to_owned(),
             de2000_p95: 2.0 * self.aim.error,
         })
+    }
+
+    /// The errors that the function of discs promises.
+    pub fn disc_errors(&self) -> Vec<StatedError> {
+        Vec::new()
     }
 }
 
@@ -214,6 +222,7 @@ impl Computation for Baked {
         into.flag("SPREAD", self.wide.is_some());
         into.flag("SIZED", self.wide.is_some());
         if let Some(wide) = &self.wide {
+            into.flag("DISC", wide.has_disc);
             wide.define(into);
         }
     }
@@ -239,13 +248,6 @@ impl Computation for Baked {
             let rotation = (on.rotate_deg != 0.0).then_some(rotation);
             return [TableSpec::Colours(colours)].into_iter().chain(rotation).collect();
         };
-        let spreads = SpreadsSpec {
-            rotate_deg: on.rotate_deg,
-            wide: wide.clone(),
-            matter: self.coat.rows.clone(),
-            refractive_index: self.coat.rows.is_none().then_some(self.refractive_index),
-            normal: self.coat.matter.normal_reflectance(),
-        };
         let wide = WideSpec {
             surface: on.surface.to_owned(),
             range_nm: self.range_nm,
@@ -256,11 +258,18 @@ impl Computation for Baked {
             format: self.format,
             filtered: self.filters,
         };
+        let spreads = SpreadsSpec {
+            rotate_deg: on.rotate_deg,
+            wide: Box::new(wide.clone()),
+            refractive_index: self.coat.rows.is_none().then_some(self.refractive_index),
+            normal: self.coat.matter.normal_reflectance(),
+        };
         vec![TableSpec::Colours(colours), TableSpec::Spreads(spreads), TableSpec::Wide(wide)]
     }
 
     fn functions(&self) -> Vec<&'static dyn Function> {
-        match self.wide {
+        match &self.wide {
+            Some(Wide { has_disc: true, .. }) => vec![&DIRECTIONAL, &SPREAD, &SOFT_DISC],
             Some(_) => vec![&DIRECTIONAL, &SPREAD],
             None => vec![&DIRECTIONAL],
         }

@@ -1,5 +1,7 @@
 //! Colours from a table over `(u, v, w)` in f64; see `templates/baked.wgsl`.
 
+use std::f64::consts::TAU;
+
 use glam::{DVec2, DVec3};
 
 use crate::field::reference::Directions;
@@ -71,6 +73,24 @@ pub fn tristimulus_spread(
     let variance = 1.0 + (spread / wide.lobe_sigma).powi(2);
     let xyz = colour_widened(twin, form, wide, matter.path(wi, wr, twin.rotate_deg), variance);
     xyz.map(|c| factor / form.axes.colour_scale() * c)
+}
+
+/// Radiance under a disc of irradiance 1. 0 without tables of wider lobes.
+pub fn tristimulus_disc(
+    twin: &Twin<'_>,
+    form: &Baked,
+    axis: DVec3,
+    radius_rad: f64,
+    wr: DVec3,
+) -> [f64; 3] {
+    let matter = &form.coat.matter;
+    let factor = matter.geometry(axis, wr);
+    let Some(wide) = form.wide.as_ref().filter(|_| factor != 0.0) else { return [0.0; 3] };
+    let narrowest = wide.lobe_sigma * wide.lobe_sigma;
+    let variance = 0.25 * radius_rad.sin().powi(2) * axis.z / narrowest;
+    let white = matter.normal_reflectance() * factor / (TAU * narrowest);
+    let xyz = colour_widened(twin, form, wide, matter.path(axis, wr, twin.rotate_deg), variance);
+    xyz.map(|c| white / form.axes.colour_scale() * c)
 }
 
 /// Colours of lobes with a multiple of the narrowest variance, between the two nearest levels.

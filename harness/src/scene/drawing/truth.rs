@@ -162,7 +162,9 @@ fn diffracted(twin: &Twin<'_>, scale: f64, light: &Light, to_frame: DMat3, wr: D
             Arguments::Rectangle { corners, wr } => {
                 Arguments::Rectangle { corners: corners.map(|corner| to_frame * corner), wr }
             }
-            Arguments::Direction(_) | Arguments::Environment { .. } => call,
+            Arguments::Direction(_) | Arguments::Spread { .. } | Arguments::Environment { .. } => {
+                call
+            }
         };
         factor * DVec3::from(twin.evaluate(call).unwrap_or([f64::NAN; 3]))
     });

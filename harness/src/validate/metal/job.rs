@@ -55,6 +55,9 @@ fn arguments(probe: &Value) -> Vec<[f64; 4]> {
     let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
     match probe["function"].as_str() {
         None => vec![row(&probe["wi"], 0.0), row(&probe["wr"], 0.0)],
+        Some("diffraction_spread") => {
+            vec![row(&probe["wi"], 4.0), row(&probe["wr"], number(&probe["spread"]))]
+        }
         Some("diffraction_disc") => {
             vec![row(&probe["axis"], 1.0), row(&probe["wr"], number(&probe["radius"]))]
         }
