@@ -262,6 +262,8 @@ pub fn tolerance_under(form: &Form, lights: &Lights, part: Part) -> Option<Toler
             values(AROUND_ARITHMETIC)
         }
         Part::Arithmetic | Part::Across => values(LIGHT_ARITHMETIC),
+        // of a table of colours the same numbers are read
+        Part::Packing if matches!(form, Form::Baked(_)) => of_direction,
         Part::Packing if form.matter().is_plain() => values(LIGHT_PACKING),
         Part::Packing => values(LIGHT_PACKING_OF_MATTER),
         Part::Model | Part::Total => {
