@@ -106,7 +106,7 @@ fn worst(height: &HeightField, variant: &Variant, colours: &Colours) -> f64 {
 /// Tables of wider lobes pool bins, where the others do not.
 #[test]
 fn pooled_bins_give_the_exact_colours() {
-    let keys = "coherence = \"ensemble\"\ncoherence_scaling = \"wavelength\"\ncoherence_um = 3";
+    let keys = "coherence = \"ensemble\"\ncoherence_scaling = \"wavelength\"\ncoherence_um = 1";
     let (height, variant) = read(DOMES, keys);
     let bake_with = |pooled| {
         let optics = &variant.optics;
@@ -114,7 +114,7 @@ fn pooled_bins_give_the_exact_colours() {
         bake(&height, light, &optics.illuminant, FEW, &|_| ()).unwrap()
     };
     let (pooled, plain) = (bake_with(true), bake_with(false));
-    assert_ne!(pooled, plain);
+    assert!(pooled != plain, "no bins were pooled");
     let found = worst(&height, &variant, &pooled);
     assert!(found < 1.5e-3, "{found:.1e}");
     let greatest = plain.xyz.iter().flatten().fold(0.0_f32, |most, c| most.max(*c));
