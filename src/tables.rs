@@ -17,6 +17,7 @@ mod series;
 mod spec;
 pub mod paths;
 pub mod streaks;
+mod wide;
 
 use serde::{Deserialize, Serialize};
 
@@ -38,6 +39,7 @@ pub use meaning::{Meaning, NODE_LEVELS};
 pub use period::{strongest_period_bytes, strongest_period_um};
 pub use series::{Choice, LaidExpansion, Reach, Series};
 pub use spec::*;
+pub use wide::{PACKED, WideAxes, WideLevel, lobe_sigma};
 
 /// Texel format of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -252,7 +254,7 @@ pub const SPECTRUM: u32 = 2;
 /// Binding of the probe's directions.
 pub const DIRECTIONS: u32 = 3;
 
-/// Binding of the table of coefficients, or of moments.
+/// Binding of the table of coefficients, of moments, or of colours with wider lobes.
 pub const COEFFICIENTS: u32 = 4;
 /// Binding of the table of streaks.
 pub const STREAKS: u32 = 6;
@@ -480,6 +482,12 @@ pub fn grating_table([x_um, y_um]: [f64; 2], rotate_deg: f64) -> Table {
 /// Spectrum table for shaders that need only the rotation. Row 1 is as in [`spectrum_table`].
 pub fn rotation_table(rotate_deg: f64) -> Table {
     two_rows(vec![[0.0; 4]], &Settings::rotated(rotate_deg))
+}
+
+/// Spectrum table for shaders with tables of wider lobes. Row 0: a texel for each, and
+/// one with the reflectance at normal incidence. Row 1 is as in [`spectrum_table`].
+pub fn spreads_table(levels: Vec<[f64; 4]>, rotate_deg: f64) -> Table {
+    two_rows(levels, &Settings::rotated(rotate_deg))
 }
 
 /// The spectrum table of sums over lobes. Row 0: one texel per node, with X, Y, Z of the lobe about it and the

@@ -7,6 +7,14 @@ fn diffraction(wi: vec3f, wr: vec3f) -> vec3f {
     return to_rgb(tristimulus(wi, wr));
 }
 
+#ifdef SPREAD
+// The same with lobes widened by `spread`, a standard deviation in direction cosines: a footprint, a roughness, a light's
+// size. Wider lobes are dimmer and keep their energy. Beyond the widest table the result is that of the widest.
+fn diffraction_spread(wi: vec3f, wr: vec3f, spread: f32) -> vec3f {
+    return to_rgb(tristimulus_spread(wi, wr, spread));
+}
+
+#endif
 #ifdef DISC
 // Linear RGB of the radiance under a disc, a cap of the sphere: a lamp, the sun. `axis` points to its middle, `radius` is
 // its angular radius, 1e-4 to π/2 rad. Its irradiance, perpendicular to the axis, is 1; a white diffuser that faces it
@@ -15,12 +23,14 @@ fn diffraction_disc(axis: vec3f, radius: f32, wr: vec3f) -> vec3f {
     return to_rgb(tristimulus_disc(axis, radius, wr));
 }
 
+#ifdef LAMPS
 // The same under a disc of a colour: its irradiance in linear sRGB, nowhere negative. White, vec3f(1.0), is the disc above.
 // The result times a colour is something else: an order brings light of few wavelengths, and red light has no blue ones.
 fn diffraction_disc_coloured(axis: vec3f, radius: f32, colour: vec3f, wr: vec3f) -> vec3f {
     return to_rgb(tristimulus_disc_coloured(axis, radius, colour, wr));
 }
 
+#endif
 #endif
 #ifdef RECTANGLE
 // Linear RGB of the radiance under a spherical quadrilateral of radiance 1: a window, a softbox. Its corners are unit

@@ -8,7 +8,7 @@
 // w. 2: a quadrilateral: a corner, then to the viewer, then the other corners. 3: the surroundings: any vector, then to
 // the viewer. 4 and 5: a disc and a quadrilateral of a colour, which is in w of the last three rows. 8: a path of light from
 // a sky: its constant radiance, the viewer with the deviation of a lobe in w, the lobe's axis, its radiance, three random
-// numbers. xyz of the others: unit vectors.
+// numbers. 9: as 0, with the spread in w of the viewer. xyz of the others: unit vectors.
 #else
 // xyz: unit vectors. Row 2k holds the directions to the light, row 2k+1 the directions to the viewer, for row k of the
 // picture, counted from the top.
@@ -28,10 +28,12 @@ fn probe(@location(0) place: vec2f) -> @location(0) vec4f {
     if (first.w == 1.0) {
         return vec4f(tristimulus_disc(first.xyz, viewer.w, viewer.xyz), 1.0);
     }
+#ifdef LAMPS
     if (first.w == 4.0) {
         let colour = probe_colour(column, row);
         return vec4f(tristimulus_disc_coloured(first.xyz, viewer.w, colour, viewer.xyz), 1.0);
     }
+#endif
 #endif
 #ifdef RECTANGLE
     if (first.w == 2.0 || first.w == 5.0) {
@@ -65,6 +67,11 @@ fn probe(@location(0) place: vec2f) -> @location(0) vec4f {
 #ifdef ENVIRONMENT
     if (first.w == 3.0) {
         return vec4f(tristimulus_environment(viewer.xyz), 1.0);
+    }
+#endif
+#ifdef SPREAD
+    if (first.w == 9.0) {
+        return vec4f(tristimulus_spread(first.xyz, viewer.xyz, viewer.w), 1.0);
     }
 #endif
     return vec4f(tristimulus(first.xyz, viewer.xyz), 1.0);

@@ -40,6 +40,7 @@ vec3 environment_radiance(vec3 direction, float spread) {{
 """
 ARGUMENTS = {
     "diffraction": ("wi", "wr"),
+    "diffraction_spread": ("wi", "wr", "spread"),
     "diffraction_disc": ("axis", "radius", "wr"),
     "diffraction_disc_coloured": ("axis", "radius", "colour", "wr"),
     "diffraction_rectangle": ("a", "b", "c", "d", "wr"),
@@ -113,8 +114,9 @@ def blurred(sky):
 
 
 def resized(arguments):
-    """A disc of another radius, or a quadrilateral without its last corner."""
-    changed = {"radius": 1.5 * arguments["radius"]} if "radius" in arguments else {"d": arguments["c"]}
+    """A disc of another radius, lobes of another spread, or a quadrilateral without its last corner."""
+    sizes = [name for name in ("radius", "spread") if name in arguments]
+    changed = {name: 1.5 * arguments[name] for name in sizes} or {"d": arguments["c"]}
     return arguments | changed
 
 

@@ -31,7 +31,8 @@ use crate::drivers::routes::Route;
 use crate::results::{Energy, Gap, Lit, Record};
 
 pub use controls::{
-    AROUND_CONTROLS, CONTROLS, LAMP_CONTROLS, MATTER_CONTROLS, SURFACE as CONTROL_SURFACE,
+    AROUND_CONTROLS, CONTROLS, LAMP_CONTROLS, MATTER_CONTROLS, SPREAD_CONTROLS,
+    SURFACE as CONTROL_SURFACE,
 };
 pub use pictures::{AMPLIFIED, difference, mean_flip};
 

@@ -89,11 +89,14 @@ pub fn json(surface: &str, variant: &Variant, form: &Form, probed: &[Probed]) ->
                     probes.push(json_line(&place, &Probe { wi, wr, exact, expected, tolerance })?);
                 }
                 arguments => {
-                    let tolerance = light_tolerance(&arguments, form.matter(), &xyz);
                     let (mut axis, mut radius, mut corners, mut sky) = (None, None, None, None);
-                    let mut random = None;
-                    let mut colour = None;
+                    let (mut random, mut colour) = (None, None);
+                    let (mut wi, mut spread) = (None, None);
+                    let tolerance = light_tolerance(form, &arguments, &xyz);
                     match arguments {
+                        Arguments::Spread { directions, spread: width } => {
+                            (wi, spread) = (Some(directions.wi.to_array()), Some(width));
+                        }
                         Arguments::Disc { axis: to, radius_rad, colour: of, .. } => {
                             (axis, radius) = (Some(to.to_array()), Some(radius_rad));
                             colour = of;
@@ -114,6 +117,8 @@ pub fn json(surface: &str, variant: &Variant, form: &Form, probed: &[Probed]) ->
                     let (function, wr) = (function.name(), arguments.wr().to_array());
                     let light = OfLight {
                         function,
+                        wi,
+                        spread,
                         axis,
                         radius,
                         corners,
@@ -174,6 +179,10 @@ struct Probe {
 #[derive(Serialize)]
 struct OfLight {
     function: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    wi: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    spread: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     axis: Option<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]

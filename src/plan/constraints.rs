@@ -5,7 +5,7 @@ use super::mode::declared;
 use super::reads::{is_prefiltered, reads};
 use super::variant::axes;
 use super::{
-    Basis, Coherence, CoherenceScaling, Colour, LightFunction, Mode, Obliquity, Optics,
+    Auto, Basis, Coherence, CoherenceScaling, Colour, LightFunction, Mode, Obliquity, Optics,
     TableFormat, Variant, Wavelengths,
 };
 
@@ -36,11 +36,16 @@ pub(super) fn broken(variant: &Variant) -> Vec<(&'static str, String)> {
         Mode::Baked => has_paths,
         _ => false,
     };
-    let paths = [LightFunction::Direction, LightFunction::Path];
+    let has_levels = variant.spread_levels != Auto::Value(0);
+    let is_known = |light: &LightFunction| match light {
+        LightFunction::Direction | LightFunction::Path => true,
+        LightFunction::Disc => has_levels,
+        LightFunction::Polygon | LightFunction::Environment => false,
+    };
     refuse(
-        mode == Mode::Baked && has_paths && variant.lights != paths,
+        mode == Mode::Baked && has_paths && !variant.lights.iter().all(is_known),
         "lights",
-        "a table of colours has functions for \"direction\" and \"path\" only; the others are of mode = \"orders\"",
+        "a table of colours has functions for \"direction\", \"path\" and, with spread_levels, \"disc\"; the others are of mode = \"orders\"",
     );
     refuse(
         variant.filters() && variant.table == TableFormat::F32,
@@ -76,6 +81,17 @@ pub(super) fn broken(variant: &Variant) -> Vec<(&'static str, String)> {
         mode == Mode::Baked && variant.wavelengths.max_nm <= variant.wavelengths.min_nm,
         "wavelengths",
         "baked integrates over a range of wavelengths; make max_nm larger than min_nm",
+    );
+    let spreads = mode == Mode::Baked && variant.spread_levels != Auto::Value(0);
+    refuse(
+        spreads && !ensemble,
+        "coherence",
+        "wider lobes add the intensities of orders, but coherence = \"single\" adds their amplitudes; use coherence = \"ensemble\", or spread_levels = 0",
+    );
+    refuse(
+        spreads && optics.coherence_scaling == CoherenceScaling::Fixed,
+        "coherence_scaling",
+        "the lobes of a coherence length that is the same for all wavelengths have a width for each wavelength, and a spread adds the same to all; use coherence_scaling = \"wavelength\" or source_diameter_deg, or spread_levels = 0",
     );
     refuse(
         mode == Mode::Orders && variant.wavelengths.max_nm <= variant.wavelengths.min_nm,

@@ -64,6 +64,8 @@ pub(super) enum When {
     HasPaths,
     /// The number of wavelengths under surroundings is left to the tool.
     ChoosesNodes,
+    /// It has tables with wider lobes.
+    HasSpread,
     /// The relief is a dielectric.
     IsDielectric,
     /// It is not a dielectric in air with Stam's obliquity.
@@ -146,7 +148,15 @@ const BAKED: Declared = Declared {
         WINDOW,
         COLOURS,
     ],
-    sometimes: &[MATTER, &[("lights", When::HasPaths)]],
+    sometimes: &[
+        MATTER,
+        &[
+            ("spread_levels", When::HasSpread),
+            ("spread_step", When::HasSpread),
+            ("lights", When::HasSpread),
+            ("lights", When::HasPaths),
+        ],
+    ],
     refused: &[],
 };
 

@@ -10,7 +10,7 @@ use super::axis::Part;
 use super::number::number;
 use super::reads::{declares, reads};
 use super::variant::{STEP_NM, axes};
-use super::{LightFunction, Optics, Sampling, Variant, Wavelengths};
+use super::{LightFunction, Mode, Optics, Sampling, Variant, Wavelengths};
 
 impl Variant {
     /// The configuration as one line of JSON with sorted keys. This is the text that is hashed. It contains neither the
@@ -43,7 +43,9 @@ impl Variant {
 
     /// Whether its shader has a function for a kind of light.
     pub fn has_function(&self, light: LightFunction) -> bool {
-        light == LightFunction::Direction || (reads(self, "lights") && self.lights.contains(&light))
+        let has_others = self.mode != Mode::Baked || light == LightFunction::Disc;
+        light == LightFunction::Direction
+            || (has_others && reads(self, "lights") && self.lights.contains(&light))
     }
 
     /// Whether its shader reads a table through a linear filter.

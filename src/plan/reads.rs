@@ -17,6 +17,7 @@ impl When {
             When::ChoosesNodes => {
                 When::HasSurroundings.holds(variant) && variant.nodes == Auto::Auto
             }
+            When::HasSpread => variant.spread_levels != Auto::Value(0),
             When::IsDielectric => variant.optics.material == Material::Dielectric,
             When::HasMatter => !variant.optics.is_plain(),
         }

@@ -21,7 +21,7 @@ use crate::tables::TableSpec;
 use crate::variant::{Form, Ground};
 
 /// One variant of every form, small enough to be computed many times.
-const FORMS: [&str; 23] = [
+const FORMS: [&str; 25] = [
     "terms = 5\ncoherence_um = 9",
     "terms = \"auto\"\nwindow_radius = \"auto\"\ncoherence_um = 9",
     "terms = 5\nwavelengths = { min_nm = 550, max_nm = 550 }",
@@ -33,6 +33,8 @@ const FORMS: [&str; 23] = [
     "mode = \"adaptive\"\nterms = 5",
     "mode = \"adaptive\"\nterms = 5\nreconstruction = \"prefiltered\"\ntable = \"f16\"\ncoherence_um = 9",
     "mode = \"baked\"\ntable = \"f16\"\nbake_mib = 4\ncoherence_um = 9",
+    "mode = \"baked\"\nbake_mib = 2\ncoherence_um = 9\ncoherence = \"ensemble\"\ncoherence_scaling = \"wavelength\"\nspread_levels = 3",
+    "mode = \"baked\"\nbake_mib = 2\ncoherence = \"ensemble\"\nsource_diameter_deg = 3\nspread_levels = \"auto\"\nspread_step = 1.5",
     "mode = \"gems\"",
     "mode = \"orders\"\nlights = \"direction\"\ncoherence = \"ensemble\"",
     "mode = \"orders\"\ncoherence = \"ensemble\"\ncoherence_scaling = \"wavelength\"",
@@ -65,6 +67,8 @@ fn others(key: &str) -> &'static [&'static str] {
         ],
         "bake_error" => &["2"],
         "bake_mib" => &["0.3"],
+        "spread_levels" => &["0", "2"],
+        "spread_step" => &["1.7"],
         "lights" => &["[\"direction\", \"disc\"]"],
         "nodes" => &["11"],
         "environment_error" => &["0.7"],

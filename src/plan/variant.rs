@@ -52,7 +52,12 @@ pub struct Variant {
     pub bake_error: f64,
     /// Maximum size of the table of colours, MiB. It takes precedence over the error. Read by `baked` only.
     pub bake_mib: f64,
-    /// Kinds of light that the shader has functions for, sorted; always with [`LightFunction::Direction`]. Read by `orders`, and by `baked` for paths.
+    /// Number of tables with wider lobes beside that of `diffraction`. Read by `baked` only.
+    pub spread_levels: Auto<u32>,
+    /// Factor from the width of a table's lobes to that of the next. Read by variants with such tables.
+    pub spread_step: f64,
+    /// Kinds of light that the shader has functions for, sorted; always with [`LightFunction::Direction`]. Read by `orders`, and
+    /// by `baked` for paths and with tables of wider lobes. Words that a mode has no function for have no effect.
     pub lights: Vec<LightFunction>,
     /// Wavelengths per order under surroundings. Read by variants with [`LightFunction::Environment`].
     pub nodes: Auto<u32>,
@@ -87,6 +92,8 @@ impl Variant {
             hoist: true,
             bake_error: 0.5,
             bake_mib: 32.0,
+            spread_levels: Auto::Value(0),
+            spread_step: 2.0,
             lights: LIGHT_FUNCTIONS
                 .iter()
                 .map(|(_, function)| *function)
@@ -119,7 +126,7 @@ pub(super) fn axes() -> impl Iterator<Item = &'static Axis> {
 }
 
 /// Keys of `[variants]` and of presets, other than those of the optics.
-pub(super) static AXES: [Axis; 18] = [
+pub(super) static AXES: [Axis; 20] = [
     worded!("mode", mode, MODES, "method, see above", Part::Always(|v| v.mode.as_str().to_owned())),
     worded!(
         "basis",
@@ -252,6 +259,25 @@ pub(super) static AXES: [Axis; 18] = [
         Part::Changed(|v| format!("m{}", number(v.bake_mib)))
     ),
     Axis {
+        words: auto,
+        ..valued!(
+            "spread_levels",
+            spread_levels,
+            spread_levels,
+            "0 to 16",
+            "number of baked tables with wider lobes; `auto`: until a lobe is 20° wide",
+            Part::Changed(|v| format!("w{}", v.spread_levels))
+        )
+    },
+    valued!(
+        "spread_step",
+        spread_step,
+        spread_step,
+        "1.1 to 4",
+        "factor from the width of lobes in a baked table to the next",
+        Part::Changed(|v| format!("x{}", number(v.spread_step)))
+    ),
+    Axis {
         words: || words::names(LIGHT_FUNCTIONS),
         is_one: Some(is_of_words),
         ..valued!(
@@ -339,6 +365,16 @@ fn terms(item: &Item) -> Option<Auto<u32>> {
 
 fn window_radius(item: &Item) -> Option<Auto<u32>> {
     number_or_auto(item, 0..65, "the number of bins to each side of the nearest one, or \"auto\"")
+}
+
+fn spread_levels(item: &Item) -> Option<Auto<u32>> {
+    number_or_auto(item, 0..17, "the number of tables with wider lobes, or \"auto\"")
+}
+
+fn spread_step(item: &Item) -> Option<f64> {
+    let what =
+        "the factor from the width of lobes in a table to that in the next; 1.4142136 for lamps";
+    item.number("from 1.1 to 4", what, |x| (1.1..=4.0).contains(&x))
 }
 
 fn nodes(item: &Item) -> Option<Auto<u32>> {

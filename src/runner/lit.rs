@@ -72,7 +72,10 @@ pub fn missing(name: &str, form: &Form, light: &Light) -> Option<Error> {
     }
     let cause = format!("has no function for a light of kind {:?}", light.kind());
     let remedy = match light.white().0 {
-        Light::Disc { .. } | Light::Polygon { .. } => {
+        Light::Disc { .. } => {
+            "use a variant with mode = \"orders\", or for white discs mode = \"baked\" with spread_levels, and this kind in its lights, or --runner exact"
+        }
+        Light::Polygon { .. } => {
             "use a variant with mode = \"orders\" and this kind in its lights, or --runner exact"
         }
         Light::Sky { .. } | Light::Environment(_) => {

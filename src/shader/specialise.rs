@@ -14,7 +14,7 @@ use crate::variant::{Form, Ground};
 pub const ROOT: &str = "shader";
 
 /// Flags that forms may set.
-const FLAGS: [&str; 18] = [
+const FLAGS: [&str; 19] = [
     "COHERENCE_SCALES",
     "DISC",
     "ENSEMBLE",
@@ -31,6 +31,7 @@ const FLAGS: [&str; 18] = [
     "RECTANGLE",
     "SIZED",
     "SPECTRAL",
+    "SPREAD",
     "TABULATED",
     "THESIS_LOOP",
 ];

@@ -16,6 +16,8 @@ use serde::Serialize;
 use crate::optics::{REFERENCE_NM, window_sigma_um};
 use crate::plan::{TableFormat, Window};
 
+use super::colour_format;
+
 /// Factor of colours in their table, unless the reflectance rises: see [`BakedAxes::colour_scale`]. A colour without gain is at most the illuminant's white. This power of two leaves
 /// room for sharpening in 16-bit floats and in numbers with a shared exponent, and it keeps dim colours above the
 /// smallest numbers of these formats.
@@ -74,44 +76,36 @@ impl BakedAxes {
     /// changes by `4πH/λ`. Errors of linear interpolation are proportional to the square of the steps. How they are
     /// divided among the axes was chosen by measurement.
     pub fn new(window: Window, format: TableFormat, aim: Aim, height_um: f64) -> BakedAxes {
-        let sigma_um = window_sigma_um(window, REFERENCE_NM);
-        let lobe = WAVELENGTH_UM / (TAU * sigma_um * SQRT_2);
-        let turns = 2.0 * height_um / WAVELENGTH_UM;
-        let stretch = (1.0 / (LOBE_ROWS * lobe * PACE)).round().max(1.0);
-        let sized = |fineness: f64| {
-            let columns = fineness * TAU / (LOBE_COLUMNS * lobe);
-            let pages = (columns / f64::from(MAX_COLUMNS)).ceil().max(1.0) as u32;
-            let page = (columns / f64::from(8 * pages)).ceil().clamp(2.0, 1e6) as u32 * 8;
-            let pace = (fineness * PACE).round().max(4.0);
-            BakedAxes {
-                columns: pages * page.min(MAX_COLUMNS),
-                pages,
-                rows: (pace * (2.0 * stretch).asinh()).ceil() as u32 + 1,
-                levels: (fineness * TURN_LEVELS * turns).ceil() as u32 + 2,
-                stretch,
-                pace,
-                least_w_squared: 0.0,
-                even_w: false,
-                dimmed: 0,
-            }
-        };
-        let texel = match format {
-            TableFormat::F32 => 16.0,
-            TableFormat::F16 => 8.0,
-            TableFormat::Rgb9e5 => 4.0,
-        };
+        let texel = colour_format(format).texel_bytes() as f64;
         let fits = |axes: &BakedAxes| {
             axes.texels() as f64 * texel <= aim.mib * f64::from(1 << 20)
                 && axes.pages * axes.levels <= MAX_LAYERS
                 && axes.rows <= MAX_COLUMNS
         };
-        let mut fineness = (STANDARD_ERROR / aim.error).sqrt();
-        let mut axes = sized(fineness);
-        while !fits(&axes) && fineness > MIN_FINENESS {
-            fineness *= SHRINKING;
-            axes = sized(fineness);
+        finest(aim.error, |fineness| BakedAxes::sized(window, height_um, fineness), fits)
+    }
+
+    /// Sizes for the lobes of a window. `fineness`: 1 for [`STANDARD_ERROR`].
+    pub(super) fn sized(window: Window, height_um: f64, fineness: f64) -> BakedAxes {
+        let sigma_um = window_sigma_um(window, REFERENCE_NM);
+        let lobe = WAVELENGTH_UM / (TAU * sigma_um * SQRT_2);
+        let turns = 2.0 * height_um / WAVELENGTH_UM;
+        let stretch = (1.0 / (LOBE_ROWS * lobe * PACE)).round().max(1.0);
+        let columns = fineness * TAU / (LOBE_COLUMNS * lobe);
+        let pages = (columns / f64::from(MAX_COLUMNS)).ceil().max(1.0) as u32;
+        let page = (columns / f64::from(8 * pages)).ceil().clamp(2.0, 1e6) as u32 * 8;
+        let pace = (fineness * PACE).round().max(4.0);
+        BakedAxes {
+            columns: pages * page.min(MAX_COLUMNS),
+            pages,
+            rows: (pace * (2.0 * stretch).asinh()).ceil() as u32 + 1,
+            levels: (fineness * TURN_LEVELS * turns).ceil() as u32 + 2,
+            stretch,
+            pace,
+            least_w_squared: 0.0,
+            even_w: false,
+            dimmed: 0,
         }
-        axes
     }
 
     /// The same for other matter than a dielectric in air, under a cover if `least_w_squared` is above 0.
@@ -176,6 +170,17 @@ impl BakedAxes {
     }
 }
 
+/// The sizes for an error, or the largest smaller ones that fit.
+pub(super) fn finest<T>(error: f64, sized: impl Fn(f64) -> T, fits: impl Fn(&T) -> bool) -> T {
+    let mut fineness = (STANDARD_ERROR / error).sqrt();
+    let mut axes = sized(fineness);
+    while !fits(&axes) && fineness > MIN_FINENESS {
+        fineness *= SHRINKING;
+        axes = sized(fineness);
+    }
+    axes
+}
+
 /// Position in an octant, 0 to 1, of a tangent from 0 to 1. It is within 0.4 % of the arc tangent's position.
 pub fn octant(tangent: f64) -> f64 {
     tangent * (BEND - (BEND - 1.0) * tangent)
@@ -206,6 +211,6 @@ const MIN_FINENESS: f64 = 1e-3;
 /// Maximum number of columns of a page, and of rows: a multiple of eight that, with one column more, fits every profile.
 const MAX_COLUMNS: u32 = 2040;
 /// Maximum number of layers. Every profile allows it.
-const MAX_LAYERS: u32 = 256;
+pub(super) const MAX_LAYERS: u32 = 256;
 /// Slope of [`octant`] at 0.
 pub const BEND: f64 = 1.35;

@@ -7,8 +7,8 @@ use crate::plan::Packing;
 
 use super::orders::{CENTRE_NM, EfficiencyAxes, UNIT_NM, moment_columns};
 use super::paths::{OrderPaths, path_columns, wavelength_cells};
-use super::spec::{CoefficientsSpec, LobesSpec};
-use super::{BakedAxes, MatterSpec, Series, Table, TableSpec, TermScale};
+use super::spec::{CoefficientsSpec, LobesSpec, WideSpec};
+use super::{BakedAxes, MatterSpec, PACKED, Series, Table, TableSpec, TermScale};
 
 /// Number of levels of `|(u, v)|`, from 0 to 2, each with wavelength nodes of its own.
 pub const NODE_LEVELS: u32 = 64;
@@ -33,6 +33,8 @@ impl TableSpec {
             TableSpec::Terms(spec) => terms(&spec.series),
             TableSpec::Coefficients(spec) => coefficients(spec),
             TableSpec::Colours(spec) => colours(self.shape().format.channels(), &spec.axes),
+            TableSpec::Wide(spec) => wide(self.shape().format.channels(), spec),
+            TableSpec::Spreads(_) => spreads(),
             TableSpec::Nodes(spec) => nodes([spec.wavelengths.min_nm, spec.wavelengths.max_nm]),
             TableSpec::Levels(spec) if spec.counts.len() == 1 => nodes(spec.range_nm),
             TableSpec::Levels(spec) => levels(spec.range_nm),
@@ -52,6 +54,9 @@ impl TableSpec {
         };
         let scale = match self {
             TableSpec::Colours(spec) => 1.0 / spec.axes.colour_scale(),
+            TableSpec::Wide(spec) => {
+                spec.wide.levels.first().map_or(1.0, |level| 1.0 / level.axes.colour_scale())
+            }
             _ => 1.0,
         };
         let term_scales = match self {
@@ -202,6 +207,45 @@ fn colours(channels: usize, axes: &BakedAxes) -> Words {
         ),
     ]);
     (names, axes)
+}
+
+/// The tables of wider lobes, one after the other: the axes of each as those of the narrowest.
+fn wide(channels: usize, spec: &WideSpec) -> Words {
+    let mut all = (Vec::new(), BTreeMap::new());
+    for (index, level) in spec.wide.levels.iter().enumerate() {
+        let ([left, top], [columns, rows]) = (level.place, level.size());
+        let (names, axes) = colours(channels, &BakedAxes { pages: 1, ..level.axes });
+        let pages = level.axes.pages;
+        let head = format!(
+            "level {}, lobes of a coherence length of {} µm with the peak 1, in columns from {left} to {} and rows from {top} to {}, {pages} pages of {} rows below one another: ",
+            index + 1,
+            level.window.coherence_um,
+            left + columns - 1,
+            top + rows - 1,
+            level.axes.rows
+        );
+        all.0 = names;
+        for (axis, meaning) in axes {
+            let text: &mut String = all.1.entry(axis).or_default();
+            if !text.is_empty() {
+                text.push_str("; ");
+            }
+            *text += &format!("{head}{meaning}");
+        }
+    }
+    all
+}
+
+fn spreads() -> Words {
+    let channels = [
+        format!("first column + {PACKED}·number of rows of a page"),
+        "first row".to_owned(),
+        format!("columns of a page, without the repeated one + {PACKED}·number of pages"),
+        "factor of |(u, v)| in the argument of asinh".to_owned(),
+    ];
+    let column = "level of wider lobes, from 1; the last column has the reflectance at normal incidence in its first channel";
+    let axes = BTreeMap::from([("column", column.to_owned()), ("row", row("the level's sizes"))]);
+    (channels.to_vec(), axes)
 }
 
 fn rotation() -> Words {

@@ -22,9 +22,10 @@ use super::paths::{
 };
 use super::streaks::{streaks_shape, streaks_table};
 use super::{
-    Aim, BakedAxes, LaidExpansion, LobeGeometry, MatterSpec, Series, Settings, Table, TermLayers,
-    TermScale, bake, coefficients_shape, coefficients_table, grating_table, levels_table,
-    rotation_table, spectrum_shape, spectrum_table, strongest_period_um, terms_shape,
+    Aim, BakedAxes, COEFFICIENTS, LaidExpansion, LobeGeometry, MatterSpec, Series, Settings, Table,
+    TermLayers, TermScale, WideAxes, WideLevel, bake, coefficients_shape, coefficients_table,
+    colour_format, grating_table, levels_table, rotation_table, spectrum_shape, spectrum_table,
+    spreads_table, strongest_period_um, terms_shape,
 };
 
 /// A table, described by its inputs. Fields called `surface` are the identity of the heights. They are empty if the
@@ -38,6 +39,10 @@ pub enum TableSpec {
     Coefficients(CoefficientsSpec),
     /// Colours over `(u, v, w)`.
     Colours(ColoursSpec),
+    /// Colours of wider lobes.
+    Wide(WideSpec),
+    /// Sizes of the tables of wider lobes, and the rotation.
+    Spreads(SpreadsSpec),
     /// A spectrum at uniform wavelengths.
     Nodes(NodesSpec),
     /// A spectrum at wavelengths that depend on `|(u, v)|`.
@@ -155,8 +160,92 @@ pub struct ColoursSpec {
 impl ColoursSpec {
     fn light<'a>(&'a self, range: &'a Wavelengths) -> bake::Light<'a> {
         let matter = self.matter.as_ref().map(MatterSpec::matter);
-        bake::Light { window: self.window, range, matter }
+        bake::Light { window: self.window, range, matter, pooled: false }
     }
+}
+
+/// See [`WideAxes`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WideSpec {
+    /// Identity of the heights.
+    pub surface: String,
+    /// Range of wavelengths, nm.
+    pub range_nm: [f64; 2],
+    /// The light.
+    #[serde(serialize_with = "Illuminant::serialize_identity")]
+    pub illuminant: Illuminant,
+    /// Targets for the size.
+    pub aim: Aim,
+    /// The levels with their windows, sizes and places.
+    pub wide: WideAxes,
+    /// What reflectance is in the colours.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub matter: Option<MatterSpec>,
+    /// Number format.
+    pub format: TableFormat,
+    /// As in [`TermsSpec::filtered`].
+    #[serde(skip)]
+    pub filtered: bool,
+}
+
+impl WideSpec {
+    fn light<'a>(&'a self, level: &WideLevel, range: &'a Wavelengths) -> bake::Light<'a> {
+        let matter = self.matter.as_ref().map(MatterSpec::matter);
+        bake::Light { window: level.window, range, matter, pooled: true }
+    }
+
+    fn shape(&self) -> Table {
+        let ([width, height], layers) = (self.wide.size(), self.wide.layers());
+        Table {
+            name: "wide",
+            binding: COEFFICIENTS,
+            format: colour_format(self.format),
+            width: width as usize,
+            height: height as usize,
+            layers: layers as usize,
+            filtered: self.filtered,
+            texels: Vec::new(),
+        }
+    }
+
+    /// The texture. Texels of no level are 0.
+    fn compute(&self, height: &HeightField, done: &(dyn Fn(usize) + Sync)) -> Result<Table> {
+        let shape = self.shape();
+        let range = range(self.range_nm);
+        let channels = shape.format.channels();
+        let mut texels = vec![0.0; shape.texel_count() * channels];
+        for level in &self.wide.levels {
+            let light = self.light(level, &range);
+            let colours = bake::bake(height, light, &self.illuminant, level.axes, done)?;
+            let table = bake::table(&bake::sharpen(colours), self.format);
+            let [left, top] = level.place.map(|place| place as usize);
+            let lines = table.texels.chunks_exact(table.width * channels);
+            for (index, line) in lines.enumerate() {
+                let (layer, row) = (index / table.height, index % table.height);
+                let levels = level.axes.levels as usize;
+                // pages stand below one another
+                let row = top + layer / levels * table.height + row;
+                let start = ((layer % levels * shape.height + row) * shape.width + left) * channels;
+                texels[start..start + line.len()].copy_from_slice(line);
+            }
+        }
+        Ok(Table { texels, ..shape })
+    }
+}
+
+/// The spectrum table of tables with wider lobes. Row 0: for each level [`WideLevel::texel`], then the reflectance at
+/// normal incidence. Row 1: the rotation.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SpreadsSpec {
+    /// Rotation of the surface, degrees.
+    pub rotate_deg: f64,
+    /// The tables.
+    pub wide: Box<WideSpec>,
+    /// Refractive index of a dielectric in air.
+    pub refractive_index: Option<f64>,
+    /// Reflectance at normal incidence, which follows from these.
+    #[serde(skip)]
+    pub normal: f64,
 }
 
 /// The inputs of the row of settings of a spectrum table.
@@ -350,6 +439,8 @@ impl TableSpec {
             TableSpec::Colours(spec) => {
                 Table { filtered: spec.filtered, ..bake::shape(&spec.axes, spec.format) }
             }
+            TableSpec::Wide(spec) => spec.shape(),
+            TableSpec::Spreads(spec) => spectrum_shape(spec.wide.wide.levels.len() + 1, 2),
             TableSpec::Nodes(spec) => {
                 spectrum_shape(spec.wavelengths.nodes_nm().len(), 2 + spec.settings.rows())
             }
@@ -372,7 +463,18 @@ impl TableSpec {
 
     /// Whether the table takes so long to compute that it is cached.
     pub fn is_expensive(&self) -> bool {
-        matches!(self, TableSpec::Terms(_) | TableSpec::Colours(_))
+        matches!(self, TableSpec::Terms(_) | TableSpec::Colours(_) | TableSpec::Wide(_))
+    }
+
+    /// Number of columns that [`TableSpec::compute_with`] reports in all.
+    pub fn columns(&self) -> usize {
+        match self {
+            TableSpec::Colours(spec) => spec.axes.columns as usize,
+            TableSpec::Wide(spec) => {
+                spec.wide.levels.iter().map(|level| level.axes.columns as usize).sum()
+            }
+            _ => 0,
+        }
     }
 
     /// The table with its texels, unrounded. `height` must be the heights that its name refers to.
@@ -419,6 +521,15 @@ impl TableSpec {
             TableSpec::ColourPaths(ColourPathsSpec { colours }) => {
                 TableSpec::Colours(colours.clone()).working_bytes(height, threads)
             }
+            TableSpec::Wide(spec) => {
+                let range = range(spec.range_nm);
+                let of = |level: &WideLevel| {
+                    let light = spec.light(level, &range);
+                    let sizes = [texels, table];
+                    bake::working_bytes(height, light, level.axes, sizes, threads)
+                };
+                texels + spec.wide.levels.iter().map(of).max().unwrap_or(table)
+            }
             _ => texels + table,
         }
     }
@@ -453,6 +564,12 @@ impl TableSpec {
                 let colours = bake::bake(height, light, &spec.illuminant, spec.axes, done)?;
                 let table = bake::table(&bake::sharpen(colours), spec.format);
                 Table { filtered: spec.filtered, ..table }
+            }
+            TableSpec::Wide(spec) => spec.compute(height, done)?,
+            TableSpec::Spreads(spec) => {
+                let levels = spec.wide.wide.levels.iter().map(WideLevel::texel);
+                let texels = levels.chain([[spec.normal, 0.0, 0.0, 0.0]]).collect();
+                spreads_table(texels, spec.rotate_deg)
             }
             TableSpec::Nodes(spec) => {
                 let samples = Spectrum::new(&spec.illuminant)?.samples(&spec.wavelengths);

@@ -22,7 +22,7 @@ use crate::tables::{CoefficientsSpec, NodesSpec, Series, SettingsSpec, TableSpec
 
 use super::{Coat, Computation, Ground};
 
-pub use baked::Baked;
+pub use baked::{Baked, Wide};
 pub use full_prefiltered::FullPrefiltered;
 pub use full_window::FullWindow;
 pub use gems::Gems;

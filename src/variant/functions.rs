@@ -9,6 +9,8 @@ mod environment;
 mod lamps;
 mod path;
 mod rectangle;
+mod soft_disc;
+mod spread;
 
 use serde::Serialize;
 
@@ -26,6 +28,8 @@ pub use disc::{DISC, Disc};
 pub use environment::{ENVIRONMENT, Environment, skies};
 pub use path::{PATH, Paths};
 pub use rectangle::{RECTANGLE, Rectangle};
+pub use soft_disc::{SOFT_DISC, SoftDisc};
+pub use spread::{SPREAD, Spread, widened};
 
 /// A function of a shader. It has the same name in every language.
 pub trait Function: Sync {
@@ -58,6 +62,11 @@ pub trait Function: Sync {
 
     /// Which function it is.
     fn kind(&self) -> FunctionKind;
+
+    /// Its probes: functions with the same name may have others.
+    fn probed(&self) -> &'static str {
+        self.name()
+    }
 
     /// Unit of its result, in words.
     fn unit(&self, form: &Form) -> &'static str;
@@ -104,14 +113,24 @@ pub struct ExactProbe {
 pub const HOSTS: [&str; 1] = ["environment_radiance"];
 
 /// All functions.
-pub static FUNCTIONS: [&dyn Function; 7] =
-    [&DIRECTIONAL, &DISC, &DISC_COLOURED, &RECTANGLE, &RECTANGLE_COLOURED, &ENVIRONMENT, &PATH];
+pub static FUNCTIONS: [&dyn Function; 8] = [
+    &DIRECTIONAL,
+    &SPREAD,
+    &DISC,
+    &DISC_COLOURED,
+    &RECTANGLE,
+    &RECTANGLE_COLOURED,
+    &ENVIRONMENT,
+    &PATH,
+];
 
 /// Which function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FunctionKind {
     /// `diffraction`.
     Direction,
+    /// `diffraction_spread`.
+    Spread,
     /// `diffraction_disc`.
     Disc,
     /// `diffraction_disc_coloured`.
@@ -131,6 +150,7 @@ impl FunctionKind {
     pub fn function(self) -> &'static dyn Function {
         match self {
             FunctionKind::Direction => &DIRECTIONAL,
+            FunctionKind::Spread => &SPREAD,
             FunctionKind::Disc => &DISC,
             FunctionKind::DiscColoured => &DISC_COLOURED,
             FunctionKind::Rectangle => &RECTANGLE,
@@ -140,21 +160,24 @@ impl FunctionKind {
         }
     }
 
-    /// The word of the plan that asks for it.
-    pub fn word(self) -> LightFunction {
+    /// The word of the plan that asks for it. `None` for the one that comes with tables of wider lobes.
+    pub fn word(self) -> Option<LightFunction> {
         match self {
-            FunctionKind::Direction => LightFunction::Direction,
-            FunctionKind::Disc | FunctionKind::DiscColoured => LightFunction::Disc,
-            FunctionKind::Rectangle | FunctionKind::RectangleColoured => LightFunction::Polygon,
-            FunctionKind::Environment => LightFunction::Environment,
-            FunctionKind::Path => LightFunction::Path,
+            FunctionKind::Direction => Some(LightFunction::Direction),
+            FunctionKind::Spread => None,
+            FunctionKind::Disc | FunctionKind::DiscColoured => Some(LightFunction::Disc),
+            FunctionKind::Rectangle | FunctionKind::RectangleColoured => {
+                Some(LightFunction::Polygon)
+            }
+            FunctionKind::Environment => Some(LightFunction::Environment),
+            FunctionKind::Path => Some(LightFunction::Path),
         }
     }
 }
 
 /// The functions that a word of the plan asks for.
 pub fn functions_of(word: LightFunction) -> impl Iterator<Item = &'static dyn Function> {
-    FUNCTIONS.into_iter().filter(move |function| function.kind().word() == word)
+    FUNCTIONS.into_iter().filter(move |function| function.kind().word() == Some(word))
 }
 
 /// Radiance of the light of a call, seen in a mirror of the material at normal incidence, relative to a white. Probes'

@@ -6,7 +6,6 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::light::{Light, Lights};
-use crate::optics::Matter;
 use crate::plan::{Basis, TableFormat};
 use crate::tables::Series;
 
@@ -217,17 +216,25 @@ pub fn probe_tolerances(form: &Form, exact: &[[f64; 3]], expected: &[[f64; 3]]) 
 /// 32-bit arithmetic of lights with a size, relative to the result: a narrow light is a small difference of wavelengths.
 const OWN_LIGHT: f64 = 2e-3;
 
-/// Maximum difference of each of X, Y and Z of a call of a function of lights with a size from `expected` in a shader of
-/// 32-bit floats: the larger of 2e-3 of the result's own maximum and of 2e-5 of what a mirror of the material shows, 1e-4
-/// under surroundings.
-pub fn light_tolerance(arguments: &Arguments, matter: &Matter, expected: &[f64; 3]) -> f64 {
+/// Maximum difference of each of X, Y and Z of a call of a function of wider lobes or of lights with a size from `expected`
+/// in a shader of 32-bit floats: the larger of 2e-3 of the result's own maximum, 4e-3 for `baked`, and of 2e-5 of what a
+/// mirror of the material shows, 1e-4 under surroundings.
+pub fn light_tolerance(form: &Form, arguments: &Arguments, expected: &[f64; 3]) -> f64 {
     let largest = expected.iter().fold(0.0, |max: f64, v| max.max(v.abs()));
     let centred = match arguments {
         // the filter's weights have 8 bits, and the surroundings of probes change by a twentieth between texels
         Arguments::Environment { .. } => 5.0 * CENTRED,
         _ => CENTRED,
     };
-    (OWN_LIGHT * largest).max(centred * mirrored(arguments, matter))
+    let most = match (*arguments, form) {
+        // the peak of the widened lobe
+        (Arguments::Spread { spread, .. }, Form::Baked(baked)) => {
+            let narrowest = baked.wide.as_ref().map_or(1.0, |wide| wide.lobe_sigma);
+            1.0 / (1.0 + (spread / narrowest).powi(2))
+        }
+        _ => mirrored(arguments, form.matter()),
+    };
+    (OWN_LIGHT.max(form.promise().own) * largest).max(centred * most)
 }
 
 /// 32-bit arithmetic under lights with a size, relative to the maximum (4e-5 under the sun).
@@ -255,6 +262,8 @@ pub fn tolerance_under(form: &Form, lights: &Lights, part: Part) -> Option<Toler
             values(AROUND_ARITHMETIC)
         }
         Part::Arithmetic | Part::Across => values(LIGHT_ARITHMETIC),
+        // of a table of colours the same numbers are read
+        Part::Packing if matches!(form, Form::Baked(_)) => of_direction,
         Part::Packing if form.matter().is_plain() => values(LIGHT_PACKING),
         Part::Packing => values(LIGHT_PACKING_OF_MATTER),
         Part::Model | Part::Total => {

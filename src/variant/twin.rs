@@ -45,7 +45,7 @@ pub struct Twin<'a> {
     pub terms: &'a Table,
     /// Spectrum table, rounded or not.
     pub spectrum: &'a Table,
-    /// Table of coefficients or of moments, rounded or not. Empty if the form has neither.
+    /// Table of coefficients, of moments or of colours with wider lobes, rounded or not. Empty if the form has neither.
     pub coefficients: &'a Table,
     /// Table of streaks, rounded or not. Empty if the form has none.
     pub streaks: &'a Table,
@@ -97,6 +97,12 @@ impl<'a> Twin<'a> {
     pub fn evaluate(&self, arguments: Arguments) -> Option<[f64; 3]> {
         match (arguments, self.form) {
             (Arguments::Direction(directions), _) => Some(self.tristimulus(directions)),
+            (Arguments::Spread { directions, spread }, Form::Baked(form)) => {
+                Some(baked::tristimulus_spread(self, form, directions, spread))
+            }
+            (Arguments::Disc { axis, radius_rad, colour: None, wr }, Form::Baked(form)) => {
+                Some(baked::tristimulus_disc(self, form, axis, radius_rad, wr))
+            }
             (Arguments::Disc { axis, radius_rad, colour, wr }, Form::Orders(form)) => {
                 Some(match colour {
                     None => disc::tristimulus_disc(self, form, axis, radius_rad, wr),

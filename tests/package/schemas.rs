@@ -173,6 +173,17 @@ packing = "single"
 coherence_um = 2.0
 terms = 3
 [[preset]]
+name = "soft"
+mode = "baked"
+table = "f16"
+sampling = "filter"
+bake_error = 10.0
+bake_mib = 0.25
+coherence = "ensemble"
+source_diameter_deg = 6
+spread_levels = 3
+spread_step = 1.5
+[[preset]]
 name = "gems"
 mode = "gems"
 BAKED[targets]

@@ -213,6 +213,7 @@ fn section(heading: &str, large: Large, first: Vec<String>, rest: Vec<String>) -
         [heading.to_owned()].into_iter().chain(first).chain(rest).collect();
     let filters = lines.iter().any(|line| line.contains("\"filter\""));
     let surrounds = lines.iter().any(|line| line.starts_with("environment_error"));
+    let spreads = lines.iter().any(|line| line.starts_with("spread_step"));
     for (is_needed, key, value) in [
         (large.prefiltered, "reconstruction", "\"prefiltered\""),
         (large.baked, "mode", "\"baked\""),
@@ -220,6 +221,9 @@ fn section(heading: &str, large: Large, first: Vec<String>, rest: Vec<String>) -
         (large.baked, "bake_mib", "0.25"),
         (filters, "table", "\"f16\""),
         // without a form of this kind nothing reads it
+        (spreads, "spread_levels", "2"),
+        (spreads, "coherence", "\"ensemble\""),
+        (spreads, "coherence_scaling", "\"wavelength\""),
         (surrounds, "mode", "\"orders\""),
         (surrounds, "nodes", "\"auto\""),
         (surrounds, "coherence_scaling", "\"wavelength\""),
@@ -276,6 +280,8 @@ fn numbers(name: &str, large: Large) -> Option<BoxedStrategy<String>> {
         "hoist" | "shadowing" | "accept_error" => any::<bool>().prop_map(|x| x.to_string()).boxed(),
         "bake_error" => float(2.0..10.0),
         "bake_mib" => float(0.25..0.5),
+        "spread_levels" => (0..4u32).prop_map(|n| n.to_string()).boxed(),
+        "spread_step" => float(1.1..4.0),
         "nodes" => (2..17u32).prop_map(|n| n.to_string()).boxed(),
         "environment_error" => float(1.0..20.0),
         "coherence_um" => float(if large.prefiltered { 0.1..4.0 } else { 0.1..200.0 }),

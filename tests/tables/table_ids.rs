@@ -138,6 +138,19 @@ fn inputs(spec: &TableSpec, surface: &SurfaceInput, variant: &Variant, forget: &
             [id, waves.min_nm, waves.max_nm, variant.table, variant.bake_error, variant.bake_mib],
             [coherence_um, coherence, coherence_scaling, light, matter]
         ]),
+        TableSpec::Wide(_) | TableSpec::Spreads(_) => {
+            let (levels, step) = (variant.spread_levels.to_string(), variant.spread_step);
+            let step = if forget == "spread_step" { 0.0 } else { step };
+            let wide = json!([
+                [id, waves.min_nm, waves.max_nm, variant.table, variant.bake_error],
+                [coherence_um, light, matter, variant.bake_mib, levels, step]
+            ]);
+            let normal = matter.is_none().then_some(optics.refractive_index);
+            match spec {
+                TableSpec::Spreads(_) => json!([wide, rotate_deg, normal]),
+                _ => wide,
+            }
+        }
         TableSpec::Nodes(_) => json!([light, waves, rotate_deg, scales, matter]),
         TableSpec::Levels(_) => {
             json!([
@@ -163,12 +176,30 @@ fn inputs(spec: &TableSpec, surface: &SurfaceInput, variant: &Variant, forget: &
     }
 }
 
+/// Wider lobes.
+const SPREADS: &str = r#"
+[variants]
+mode = "baked"
+table = ["f16", "f32"]
+bake_mib = [0.5, 0.25]
+bake_error = 2
+coherence = "ensemble"
+coherence_um = [5, 20]
+coherence_scaling = "wavelength"
+lights = [["direction"], ["disc"]]
+material = ["dielectric", "gold"]
+refractive_index = [1.5, 1.3]
+spread_levels = [0, 1, 3]
+spread_step = [1.5, 2]
+illuminant = ["D65", "A"]
+"#;
+
 /// Tables that two names or two lists of inputs tell apart, and those that only one of both does.
 fn compare(forget: &str) -> (usize, Vec<String>) {
     let mut of_inputs: BTreeMap<(String, String), String> = BTreeMap::new();
     let mut of_ids: BTreeMap<(String, String), String> = BTreeMap::new();
     let mut wrong = Vec::new();
-    for variants in [VARIANTS, OPTICS, MATTER] {
+    for variants in [VARIANTS, OPTICS, MATTER, SPREADS] {
         let plan = Plan::parse(&format!("{SURFACES}{variants}"), Path::new("plan.toml")).unwrap();
         for surface in &read_surfaces(&plan.surfaces).unwrap() {
             let field = &surface.surface().unwrap().field;
@@ -206,7 +237,7 @@ fn tables_have_one_name_exactly_if_they_have_the_same_inputs() {
 
 #[test]
 fn a_forgotten_input_shows() {
-    for forgotten in ["packing", "coherence_um", "material"] {
+    for forgotten in ["packing", "coherence_um", "material", "spread_step"] {
         assert!(!compare(forgotten).1.is_empty(), "{forgotten}");
     }
 }

@@ -296,7 +296,7 @@ fn probes_see_the_spread() {
             let sharp = Twin { surroundings: Some(&Sharp(sky)), ..twin };
             let call = Arguments::Environment { around: Around::Host, wr };
             let wrong = sharp.evaluate(call).unwrap();
-            let allowed = light_tolerance(&probe.arguments, shader.form.matter(), &right);
+            let allowed = light_tolerance(&shader.form, &probe.arguments, &right);
             let apart = (0..3).map(|c| (right[c] - wrong[c]).abs()).fold(0.0, f64::max);
             worst = worst.max(apart / allowed);
         }

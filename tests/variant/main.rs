@@ -18,3 +18,4 @@ mod path;
 mod pq;
 mod prefiltered;
 mod quantised;
+mod spread;

@@ -106,6 +106,14 @@ nodes = "auto"
 environment_error = 3.5
 source_diameter_deg = 0.53
 [[preset]]
+name = "soft"
+mode = "baked"
+coherence = "ensemble"
+source_diameter_deg = 1
+spread_levels = 3
+spread_step = 1.5
+lights = ["disc"]
+[[preset]]
 name = "metal"
 mode = "orders"
 lights = ["direction"]

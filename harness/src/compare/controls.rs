@@ -43,7 +43,7 @@ const DRAWN: usize = 512;
 pub const SURFACE: &str = "blazed-control";
 
 /// What the right shader of a control depends on.
-type Kind = (Mode, bool, bool, bool);
+type Kind = (Mode, bool, bool, [bool; 2]);
 
 /// A fault: its name, the mode of the variant, and how the shader is spoilt. `mean` is the mean colour of the right map.
 pub struct Control {
@@ -57,6 +57,8 @@ pub struct Control {
     pub matter: bool,
     /// Whether it is among surroundings in place of lamps.
     pub around: bool,
+    /// Whether it has tables of wider lobes, and is under lamps.
+    pub spread: bool,
     spoil: fn(&mut Prepared<'_>, [f64; 3]),
 }
 
@@ -69,9 +71,10 @@ impl Control {
         rights: &mut BTreeMap<Kind, Right>,
     ) -> Result<results::Control> {
         let mut prepared = Prepared::new(placement)?;
-        let right = match rights.entry((self.mode, self.filtered, self.matter, self.around)) {
+        let under = [self.around, self.spread];
+        let right = match rights.entry((self.mode, self.filtered, self.matter, under)) {
             Entry::Occupied(known) => known.into_mut(),
-            Entry::Vacant(place) => place.insert(Right::new(&prepared, route, self.around)?),
+            Entry::Vacant(place) => place.insert(Right::new(&prepared, route, under)?),
         };
         (self.spoil)(&mut prepared, right.mean());
         let Right { truth, allowed, max_abs } = right;
@@ -101,6 +104,7 @@ pub const AROUND_CONTROLS: [Control; 4] = [
         filtered: false,
         matter: false,
         around: true,
+        spread: false,
         spoil: |p, _| {
             let right = "from_surface(wi), spread)";
             replace(p, "environment", right, "from_surface(wi), 0.0)");
@@ -112,6 +116,7 @@ pub const AROUND_CONTROLS: [Control; 4] = [
         filtered: false,
         matter: false,
         around: true,
+        spread: false,
         spoil: |p, _| replace(p, "surroundings", "atan2(direction.y,", "atan2(-direction.y,"),
     },
     Control {
@@ -120,6 +125,7 @@ pub const AROUND_CONTROLS: [Control; 4] = [
         filtered: false,
         matter: false,
         around: true,
+        spread: false,
         spoil: |p, _| {
             let right = "xyz += light.x * red.xyz + light.y * green.xyz + light.z * blue.xyz;";
             let wrong = "xyz += light.z * red.xyz + light.y * green.xyz + light.x * blue.xyz;";
@@ -132,6 +138,7 @@ pub const AROUND_CONTROLS: [Control; 4] = [
         filtered: false,
         matter: false,
         around: true,
+        spread: false,
         spoil: |p, _| replace(p, "environment", "pace > LONG_CPUM", "pace < LONG_CPUM"),
     },
 ];
@@ -144,6 +151,7 @@ pub const LAMP_CONTROLS: [Control; 8] = [
         filtered: false,
         matter: false,
         around: false,
+        spread: false,
         spoil: |p, _| {
             let right = "start_um, end_um, colour, wr)";
             replace(p, "lamps", right, "end_um, start_um, colour, wr)");
@@ -155,6 +163,7 @@ pub const LAMP_CONTROLS: [Control; 8] = [
         filtered: false,
         matter: false,
         around: false,
+        spread: false,
         spoil: |p, _| {
             let right = "min(min(nearest.x, nearest.y), min(nearest.z, nearest.w))";
             replace(p, "rectangle", right, "nearest.x");
@@ -166,6 +175,7 @@ pub const LAMP_CONTROLS: [Control; 8] = [
         filtered: false,
         matter: false,
         around: false,
+        spread: false,
         spoil: |p, _| {
             let right = "select(-1.0, 1.0, dot(turning, centre) > 0.0)";
             replace(p, "rectangle", right, "-1.0 + 1e-9 * dot(turning, centre)");
@@ -177,6 +187,7 @@ pub const LAMP_CONTROLS: [Control; 8] = [
         filtered: false,
         matter: false,
         around: false,
+        spread: false,
         spoil: |p, _| {
             let right = "(3.1415927 * sine_squared)";
             replace(p, "disc", right, "(1.0 + 1e-9 * sine_squared)");
@@ -188,6 +199,7 @@ pub const LAMP_CONTROLS: [Control; 8] = [
         filtered: false,
         matter: false,
         around: false,
+        spread: false,
         spoil: |p, _| {
             let right = "return gain(wi, wr) / max";
             let wrong = "return select(gain(wi, wr), 0.0, all(order == vec2i(0, 0))) / max";
@@ -200,6 +212,7 @@ pub const LAMP_CONTROLS: [Control; 8] = [
         filtered: false,
         matter: false,
         around: false,
+        spread: false,
         spoil: |p, _| {
             let right = "vec4f(mean - square, linear - 3.0 * cube, 2.0 * square, 4.0 * cube)";
             replace(p, "lamps", right, "vec4f(mean, 1e-9 * (linear + square + cube), 0.0, 0.0)");
@@ -211,6 +224,7 @@ pub const LAMP_CONTROLS: [Control; 8] = [
         filtered: false,
         matter: false,
         around: false,
+        spread: false,
         spoil: |p, _| {
             // blue takes the rows of red, and red is what the others leave
             replace(
@@ -227,6 +241,7 @@ pub const LAMP_CONTROLS: [Control; 8] = [
         filtered: false,
         matter: false,
         around: false,
+        spread: false,
         spoil: |p, _| {
             let right = "tristimulus_disc_coloured(first.xyz, viewer.w, colour, viewer.xyz)";
             let white = "to_rgb(tristimulus_disc(first.xyz, viewer.w, viewer.xyz))";
@@ -234,6 +249,55 @@ pub const LAMP_CONTROLS: [Control; 8] = [
                 "mat3x3f(0.4124, 0.2126, 0.0193, 0.3576, 0.7152, 0.1192, 0.1805, 0.0722, 0.9505)";
             replace(p, "probe", right, &format!("{to_xyz} * (colour * {white})"));
         },
+    },
+];
+
+/// Controls of wider lobes.
+pub const SPREAD_CONTROLS: [Control; 4] = [
+    Control {
+        name: "level of wider lobes off by one",
+        mode: Mode::Baked,
+        filtered: false,
+        matter: false,
+        around: false,
+        spread: true,
+        spoil: |p, _| {
+            replace(p, "baked", "wide_between(path, level)", "wide_between(path, level + 1)")
+        },
+    },
+    Control {
+        name: "energy of wider lobes forgotten",
+        mode: Mode::Baked,
+        filtered: false,
+        matter: false,
+        around: false,
+        spread: true,
+        spoil: |p, _| {
+            let right = "wider_share(wanted / own)) / own;";
+            replace(p, "baked", right, "wider_share(wanted / own));");
+        },
+    },
+    Control {
+        name: "width of amplitudes in place of intensities",
+        mode: Mode::Baked,
+        filtered: false,
+        matter: false,
+        around: false,
+        spread: true,
+        // the standard deviation is √2 times as large
+        spoil: |p, _| {
+            let right = "let narrowest = LOBE_SIGMA * LOBE_SIGMA;";
+            replace(p, "baked", right, "let narrowest = 2.0 * LOBE_SIGMA * LOBE_SIGMA;");
+        },
+    },
+    Control {
+        name: "tables of wider lobes one row off",
+        mode: Mode::Baked,
+        filtered: false,
+        matter: false,
+        around: false,
+        spread: true,
+        spoil: |p, _| replace(p, "baked", "sizes.y + page * rows)", "sizes.y + page * rows + 1.0)"),
     },
 ];
 
@@ -245,6 +309,7 @@ pub const MATTER_CONTROLS: [Control; 4] = [
         filtered: false,
         matter: true,
         around: false,
+        spread: false,
         spoil: |p, _| {
             let right = "* reflected * efficiency";
             replace(p, "arrivals", right, "* (1.0 + 1e-9 * reflected) * efficiency");
@@ -256,6 +321,7 @@ pub const MATTER_CONTROLS: [Control; 4] = [
         filtered: false,
         matter: true,
         around: false,
+        spread: false,
         spoil: |p, _| {
             let right = "-COVER_INDEX * (inside(wi).z + inside(wr).z)";
             replace(p, "gain", right, "-(wi.z + wr.z)");
@@ -267,6 +333,7 @@ pub const MATTER_CONTROLS: [Control; 4] = [
         filtered: false,
         matter: true,
         around: false,
+        spread: false,
         spoil: |p, _| {
             let right = "crossed(wi, light, wr, viewer) * wi.z / light.z";
             replace(
@@ -283,6 +350,7 @@ pub const MATTER_CONTROLS: [Control; 4] = [
         filtered: false,
         matter: true,
         around: false,
+        spread: false,
         spoil: |p, _| {
             let right = "crossed(wi, light, wr, viewer) * wi.z / light.z";
             replace(p, "gain", right, "crossed(wi, light, wr, viewer)");
@@ -298,6 +366,7 @@ pub const CONTROLS: [Control; 10] = [
         filtered: false,
         matter: false,
         around: false,
+        spread: false,
         spoil: |p, _| p.spectrum.texels.chunks_mut(4).for_each(|texel| texel[..3].fill(0.0)),
     },
     Control {
@@ -306,6 +375,7 @@ pub const CONTROLS: [Control; 10] = [
         filtered: false,
         matter: false,
         around: false,
+        spread: false,
         // of all constants, the mean colour is the hardest to catch
         spoil: |p, [x, y, z]| {
             // the tables must still be read, or the driver would not know their names
@@ -320,6 +390,7 @@ pub const CONTROLS: [Control; 10] = [
         filtered: false,
         matter: false,
         around: false,
+        spread: false,
         spoil: |p, _| {
             let mirrored = "return path * vec3f(-1.0, 1.0, 1.0);";
             replace(p, "gain", "return path;", mirrored);
@@ -331,6 +402,7 @@ pub const CONTROLS: [Control; 10] = [
         filtered: false,
         matter: false,
         around: false,
+        spread: false,
         spoil: |p, _| drop_largest(&mut p.terms),
     },
     Control {
@@ -339,6 +411,7 @@ pub const CONTROLS: [Control; 10] = [
         filtered: false,
         matter: false,
         around: false,
+        spread: false,
         spoil: |p, _| forget_scale(p),
     },
     Control {
@@ -347,6 +420,7 @@ pub const CONTROLS: [Control; 10] = [
         filtered: false,
         matter: false,
         around: false,
+        spread: false,
         spoil: |p, _| {
             replace(p, "pq", "a.x * b.y + a.y * b.x", "a.x * b.x + a.y * b.y");
         },
@@ -357,6 +431,7 @@ pub const CONTROLS: [Control; 10] = [
         filtered: false,
         matter: false,
         around: false,
+        spread: false,
         // weights per wavenumber, λ² times too small; 550 nm keeps its own
         spoil: |p, _| {
             let (width, mut rows) = (p.spectrum.width, p.spectrum.texels.chunks_mut(4));
@@ -374,6 +449,7 @@ pub const CONTROLS: [Control; 10] = [
         filtered: true,
         matter: false,
         around: false,
+        spread: false,
         spoil: |p, _| replace(p, "prefiltered", "place / size", "floor(place + 0.5) / size"),
     },
     Control {
@@ -382,6 +458,7 @@ pub const CONTROLS: [Control; 10] = [
         filtered: false,
         matter: false,
         around: false,
+        spread: false,
         spoil: |p, _| {
             let share = "min(path.z * path.z / max(4.0 - squared, 1e-6), 1.0)";
             replace(p, "baked", share, "0.5");
@@ -393,6 +470,7 @@ pub const CONTROLS: [Control; 10] = [
         filtered: false,
         matter: false,
         around: false,
+        spread: false,
         spoil: |p, _| replace(p, "baked", "uv.x < 0.0", "uv.x > 0.0"),
     },
 ];
@@ -410,9 +488,10 @@ pub(super) fn run(
     let mut rights: BTreeMap<Kind, Right> = BTreeMap::new();
     let mut failures = 0;
     let lamps = if with_lamps { &LAMP_CONTROLS[..] } else { &[] };
+    let spread = if with_lamps { &SPREAD_CONTROLS[..] } else { &[] };
     let matter = if with_matter { &MATTER_CONTROLS[..] } else { &[] };
     let around = if with_around { &AROUND_CONTROLS[..] } else { &[] };
-    for control in CONTROLS.iter().chain(lamps).chain(matter).chain(around) {
+    for control in CONTROLS.iter().chain(lamps).chain(spread).chain(matter).chain(around) {
         if failures == PATIENCE || sink.has_control(&route.name(), control.name) {
             continue;
         }
@@ -444,12 +523,20 @@ struct Right {
 }
 
 impl Right {
-    fn new(prepared: &Prepared<'_>, route: &dyn Route, around: bool) -> Result<Right> {
+    fn new(
+        prepared: &Prepared<'_>,
+        route: &dyn Route,
+        [around, spread]: [bool; 2],
+    ) -> Result<Right> {
         let Placement { height, variant, .. } = prepared.placement;
         let map = view_directions(SIZE);
         let count = map.len();
-        let (query, allowed) = if variant.mode == Mode::Orders {
-            let lights = if around { studio() } else { lamps() };
+        let (query, allowed) = if variant.mode == Mode::Orders || spread {
+            let lights = match (around, spread) {
+                (true, _) => studio(),
+                (_, true) => discs(),
+                _ => lamps(),
+            };
             let views = under_lights(height, &variant.optics, 0.0, &lights, SIZE);
             let views = views.into_iter().map(rounded).collect();
             let allowed = tolerance_under(&prepared.form, &lights, Part::Arithmetic);
@@ -487,12 +574,19 @@ impl Right {
     }
 }
 
+/// A disc of irradiance 1.
+fn disc(theta_deg: f64, phi_deg: f64, radius_deg: f64) -> Light {
+    let (axis, radius_rad) = (direction(theta_deg, phi_deg), radius_deg.to_radians());
+    Light::Disc { cap: Cap { axis, radius_rad }, irradiance: 1.0 }
+}
+
+/// The lights of controls of wider lobes: discs between two tables, the first and later ones.
+fn discs() -> Lights {
+    Lights { all: vec![disc(LIGHT[0], LIGHT[1], 1.0), disc(40.0, 200.0, 3.0)], notes: Vec::new() }
+}
+
 /// The lights of controls: the sun, a wide lamp, a softbox; the sun and the softbox once more, elsewhere and in colours.
 fn lamps() -> Lights {
-    let disc = |theta_deg, phi_deg, radius_deg: f64| {
-        let (axis, radius_rad) = (direction(theta_deg, phi_deg), radius_deg.to_radians());
-        Light::Disc { cap: Cap { axis, radius_rad }, irradiance: 1.0 }
-    };
     let softbox = |phi_deg: f64| {
         let corners = [[30.0, 0.0], [30.0, 20.0], [60.0, 20.0], [60.0, 0.0]];
         let corners = corners.map(|[theta, phi]| direction(theta, phi_deg + phi));
@@ -521,7 +615,7 @@ fn surface() -> Result<HeightField> {
 }
 
 /// The right variant of a mode. A filtered one has a narrow window, which keeps its table small.
-fn variant(&Control { mode, filtered, matter, .. }: &Control) -> Variant {
+fn variant(&Control { mode, filtered, matter, spread, .. }: &Control) -> Variant {
     let coherence_um = if filtered { 10.0 } else { Optics::standard().coherence_um };
     let mut standard = Optics { coherence_um, ..Optics::standard() };
     if matter {
@@ -529,6 +623,12 @@ fn variant(&Control { mode, filtered, matter, .. }: &Control) -> Variant {
         standard.cover_index = Medium::Named("polycarbonate");
     }
     let texts = Variant::texts(&match mode {
+        _ if spread => Optics {
+            coherence_um: 40.0,
+            coherence: Coherence::Ensemble,
+            coherence_scaling: CoherenceScaling::Wavelength,
+            ..standard
+        },
         Mode::Orders => Optics {
             coherence: Coherence::Ensemble,
             coherence_scaling: CoherenceScaling::Wavelength,
@@ -553,6 +653,7 @@ fn variant(&Control { mode, filtered, matter, .. }: &Control) -> Variant {
         },
         // small, since it is computed for every route
         bake_mib: 2.0,
+        spread_levels: Auto::Value(if spread { 4 } else { 0 }),
         hoist: true,
         ..texts
     }
@@ -606,8 +707,12 @@ mod tests {
     #[test]
     fn every_control_changes_what_is_prepared() {
         let height = surface().expect("valid");
-        for control in
-            CONTROLS.iter().chain(&LAMP_CONTROLS).chain(&MATTER_CONTROLS).chain(&AROUND_CONTROLS)
+        for control in CONTROLS
+            .iter()
+            .chain(&LAMP_CONTROLS)
+            .chain(&SPREAD_CONTROLS)
+            .chain(&MATTER_CONTROLS)
+            .chain(&AROUND_CONTROLS)
         {
             let variant = variant(control);
             let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };

@@ -83,6 +83,9 @@ fn place(call: &Arguments) -> String {
     };
     match call {
         Arguments::Direction(Directions { wi, .. }) => format!("light at {wi:.4}"),
+        Arguments::Spread { directions: Directions { wi, .. }, spread } => {
+            format!("light at {wi:.4}, lobes widened by {spread:.4}")
+        }
         Arguments::Disc { axis, radius_rad, colour, .. } => {
             let wide = 2.0 * radius_rad.to_degrees();
             format!("disc of {wide:.2}° at {axis:.4}{}", of(*colour))
@@ -137,7 +140,7 @@ fn lit(prepared: &Prepared<'_>) -> Result<Vec<Group>> {
                 Some(sky) => Arguments::Environment { around: Around::Sky(sky), wr: call.wr() },
                 None => *call,
             };
-            light_tolerance(&call, prepared.form.matter(), expected)
+            light_tolerance(&prepared.form, &call, expected)
         };
         let tolerances = calls.iter().zip(&expected).map(allowed).collect();
         Group { around, calls, expected, tolerances }

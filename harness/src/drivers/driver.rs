@@ -320,6 +320,9 @@ fn directions_table(calls: &[Arguments], rows: usize) -> Table {
     for (i, call) in calls.iter().enumerate() {
         let arguments: &[(DVec3, f64)] = match *call {
             Arguments::Direction(Directions { wi, wr }) => &[(wi, 0.0), (wr, 0.0)],
+            Arguments::Spread { directions: Directions { wi, wr }, spread } => {
+                &[(wi, 9.0), (wr, spread)]
+            }
             Arguments::Disc { axis, radius_rad, colour: None, wr } => {
                 &[(axis, 1.0), (wr, radius_rad)]
             }

@@ -8,7 +8,8 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use diffraction_harness::compare::{
-    AROUND_CONTROLS, CONTROLS, Job, LAMP_CONTROLS, MATTER_CONTROLS, Shine, Sink, Unit, run, steps,
+    AROUND_CONTROLS, CONTROLS, Job, LAMP_CONTROLS, MATTER_CONTROLS, SPREAD_CONTROLS, Shine, Sink,
+    Unit, run, steps,
 };
 use diffraction_harness::drivers::Prepared;
 use diffraction_harness::drivers::routes::{self, Route};
@@ -523,7 +524,8 @@ terms = [19]
     let total = compares.iter().find(|c| c.part == Part::Total && c.route == "twin").unwrap();
     assert!(total.lit > 0.2 && total.de2000.p95 < 0.5, "{total:?}");
     let controls: Vec<&Control> = right.controls();
-    assert_eq!(controls.len(), CONTROLS.len() + LAMP_CONTROLS.len());
+    let under_lamps = LAMP_CONTROLS.len() + SPREAD_CONTROLS.len();
+    assert_eq!(controls.len(), CONTROLS.len() + under_lamps);
     assert!(controls.iter().all(|control| control.caught), "{controls:#?}");
     let gaps: Vec<&Gap> = right.gaps();
     assert!(gaps.iter().any(|gap| gap.reason.contains("no function for a light")), "{gaps:#?}");
@@ -537,7 +539,7 @@ terms = [19]
     let total = compares.iter().find(|c| c.part == Part::Total && c.route == "twin").unwrap();
     assert!(total.lit > 0.2 && total.de2000.p95 > 0.1 && total.de2000.p95 < 6.0, "{total:?}");
     let controls: Vec<&Control> = right.controls();
-    assert_eq!(controls.len(), CONTROLS.len() + LAMP_CONTROLS.len() + AROUND_CONTROLS.len());
+    assert_eq!(controls.len(), CONTROLS.len() + under_lamps + AROUND_CONTROLS.len());
     assert!(controls.iter().all(|control| control.caught), "{controls:#?}");
 
     // a metal under a cover, which brings controls of its own
@@ -548,7 +550,7 @@ terms = [19]
     let compares = right.compares();
     assert!(compares.len() >= 4 && compares.iter().all(|c| c.pass), "{compares:#?}");
     let controls: Vec<&Control> = right.controls();
-    let all = CONTROLS.len() + LAMP_CONTROLS.len() + MATTER_CONTROLS.len();
+    let all = CONTROLS.len() + under_lamps + MATTER_CONTROLS.len();
     assert_eq!(controls.len(), all);
     assert!(controls.iter().all(|control| control.caught), "{controls:#?}");
     let sky: Vec<&Energy> = right.energies();

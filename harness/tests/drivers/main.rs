@@ -10,4 +10,5 @@ mod checked;
 mod egl;
 mod passthrough;
 mod shader_against_twin;
+mod spread;
 mod engine_forms;

@@ -166,11 +166,7 @@ impl Built<'_> {
             return Ok(());
         }
         let table = spec.shape();
-        let done = |columns: usize| {
-            if let TableSpec::Colours(spec) = spec {
-                baked(columns, spec.axes.columns as usize);
-            }
-        };
+        let done = |columns: usize| baked(columns, spec.columns());
         let make = || spec.bytes_with(self.surface.field, &done);
         let content = if spec.is_expensive() {
             work.cache.content(id, table.byte_count(), make)?

@@ -9,7 +9,7 @@ use crate::variant::Function;
 
 /// Identity of a function's probes and their exact colours on a surface.
 pub(super) fn exact_id(function: &dyn Function, surface: &str, optics: &Optics) -> String {
-    let inputs = json!([TOOL_VERSION, function.name(), surface, optics.identity()]);
+    let inputs = json!([TOOL_VERSION, function.probed(), surface, optics.identity()]);
     format!("exact-{}", of_value(&inputs))
 }
 

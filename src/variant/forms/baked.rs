@@ -3,17 +3,21 @@
 use std::f64::consts::PI;
 
 use crate::defines::Defines;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::optics::{REFERENCE_NM, window_sigma_um};
-use crate::plan::{Illuminant, LightFunction, TableFormat, Variant, Window};
+use crate::plan::{Auto, Illuminant, LightFunction, TableFormat, Variant, Window};
 use crate::surface::HeightField;
 use crate::tables::paths::{PATH_LEVELS, colour_paths_shape, path_columns};
 use crate::tables::{
-    Aim, BEND, BakedAxes, ColourPathsSpec, ColoursSpec, RotationSpec, TableSpec, colour_format,
+    Aim, BEND, BakedAxes, ColourPathsSpec, ColoursSpec, PACKED, RotationSpec, SpreadsSpec,
+    TableSpec, WideAxes, WideSpec, colour_format, lobe_sigma,
 };
 use crate::variant::judge::Light;
 use crate::variant::tolerance::{Promise, is_visible};
-use crate::variant::{Coat, Computation, Cost, Function, Ground, functions_of, lay};
+use crate::variant::{
+    Coat, Computation, Cost, DIRECTIONAL, Function, Ground, PATH, SOFT_DISC, SPREAD, StatedError,
+    lay,
+};
 
 /// Range of the heights from which on layers for the phase are enough for the reflectance of a metal in air, µm.
 const FLATTEST_UM: f64 = 0.15;
@@ -38,11 +42,73 @@ pub struct Baked {
     pub coat: Coat,
     illuminant: Illuminant,
     filters: bool,
-    functions: Vec<LightFunction>,
+    has_paths: bool,
     /// Axes of the colours that probabilities of paths follow.
     path_axes: BakedAxes,
     /// Radiance relative to a white diffuser per unit of the result, divided by π.
     pub radiance_scale: f64,
+    refractive_index: f64,
+    /// Tables of wider lobes.
+    pub wide: Option<Wide>,
+}
+
+/// The tables of wider lobes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wide {
+    /// Their sizes.
+    pub axes: WideAxes,
+    /// Whether the sizes reach the target error.
+    is_uncut: bool,
+    /// Factor from the width of lobes in a table to that in the next.
+    pub step: f64,
+    /// Whether the shader has a function for discs.
+    pub has_disc: bool,
+    /// Standard deviation of the narrowest lobes, in direction cosines.
+    pub lobe_sigma: f64,
+}
+
+impl Wide {
+    /// Factor from the variance of lobes in a table to that in the next.
+    pub fn ratio(&self) -> f64 {
+        self.step * self.step
+    }
+
+    /// Variance of the widest lobes relative to that of the narrowest.
+    pub fn widest(&self) -> f64 {
+        self.axes.levels.iter().fold(1.0, |variance, _| variance * self.ratio())
+    }
+}
+
+/// Coherence length of a lobe that is as wide as a disc of 20°, µm: where `spread_levels = "auto"` ends.
+const WIDE_UM: f64 = 2.835;
+/// The shortest coherence length of a table, µm, as wide as a disc of 81°. Wider lobes would reach around the hemisphere,
+/// where a width in direction cosines means nothing.
+const WIDEST_UM: f64 = 0.7;
+
+/// Number of tables of wider lobes. It is an error if lobes become too wide.
+fn level_count(variant: &Variant) -> Result<u32> {
+    let (step, narrowest_um) = (variant.spread_step, variant.optics.coherence_um);
+    let count = match variant.spread_levels {
+        Auto::Value(count) => count,
+        Auto::Auto => {
+            let mut count = 1;
+            let mut coherence_um = narrowest_um / step;
+            while coherence_um > WIDE_UM {
+                coherence_um /= step;
+                count += 1;
+            }
+            count
+        }
+    };
+    let widest_um = (0..count).fold(narrowest_um, |um, _| um / step);
+    if count > 0 && widest_um < WIDEST_UM {
+        let cause = format!(
+            "{count} tables, each with lobes {step} times as wide as the last, end with a coherence length of {widest_um:.2} µm, below {WIDEST_UM} µm"
+        );
+        return Err(Error::new(&variant.name, cause)
+            .remedy("use fewer spread_levels, or a smaller spread_step"));
+    }
+    Ok(count)
 }
 
 impl Baked {
@@ -52,45 +118,123 @@ impl Baked {
         let aim = Aim { error: variant.bake_error, mib: variant.bake_mib };
         let coat = Coat::new(variant)?;
         let range_um = lay::height_range_um(height);
-        let sized = |aim| match &coat.rows {
-            None => BakedAxes::new(window, variant.table, aim, range_um),
+        let least = coat.matter.least_w_squared();
+        let layered_um = match &coat.rows {
+            None => range_um,
             Some(_) => {
-                let least = coat.matter.least_w_squared();
                 // interference in films changes with w as fast as in a relief of their depth; equal steps of w need twice as
                 // many layers, and so does a reflectance even on a flat relief
                 let deep_um = range_um + coat.matter.detail_um(0.0);
-                let layered_um =
-                    if least == 0.0 { 2.0 * deep_um.max(FLATTEST_UM) } else { deep_um };
-                BakedAxes::new(window, variant.table, aim, layered_um)
-                    .with_matter(least, coat.matter.brightest(lay::range_nm(variant)))
+                if least == 0.0 { 2.0 * deep_um.max(FLATTEST_UM) } else { deep_um }
             }
         };
+        let with_matter = |axes: BakedAxes| match &coat.rows {
+            None => axes,
+            Some(_) => axes.with_matter(least, coat.matter.brightest(lay::range_nm(variant))),
+        };
+        let sized = |aim| with_matter(BakedAxes::new(window, variant.table, aim, layered_um));
         let axes = sized(aim);
-        let has_paths = variant.has_function(LightFunction::Path);
         let sigma_um = window_sigma_um(window, REFERENCE_NM);
+        let count = level_count(variant)?;
+        let widened = |aim| {
+            let (steps, format) = ((window, variant.spread_step), variant.table);
+            WideAxes::new(steps, count, (format, aim), layered_um, with_matter)
+        };
+        let unlimited = Aim { mib: f64::INFINITY, ..aim };
+        let wide = match count {
+            0 => None,
+            _ => Some(Wide {
+                axes: widened(aim),
+                is_uncut: widened(aim) == widened(unlimited),
+                step: variant.spread_step,
+                has_disc: variant.has_function(LightFunction::Disc),
+                lobe_sigma: lobe_sigma(window),
+            }),
+        };
         Ok(Baked {
+            wide,
             axes,
-            functions: match has_paths {
-                true => vec![LightFunction::Direction, LightFunction::Path],
-                false => vec![LightFunction::Direction],
-            },
+            has_paths: variant.has_function(LightFunction::Path),
             path_axes: sized(Aim { error: aim.error.max(PATH_ERROR), ..aim }),
             radiance_scale: coat.matter.diffuser_scale(sigma_um) / PI,
             format: variant.table,
             aim,
-            is_uncut: axes == sized(Aim { mib: f64::INFINITY, ..aim }),
+            is_uncut: axes == sized(unlimited),
             window,
             range_nm: lay::range_nm(variant),
             coat,
             illuminant: variant.optics.illuminant.clone(),
             filters: variant.filters(),
+            refractive_index: variant.optics.refractive_index,
         })
     }
 }
 
 impl Baked {
-    fn has_paths(&self) -> bool {
-        self.functions.contains(&LightFunction::Path)
+    /// The error that the function of wider lobes promises: that of a table, and between two of them that of their mixture
+    /// (9.5 on fingers with step 2, 3.5 with step √2; 2.0 and 0.6 on a scan). `None` if the maximum size reduced the tables.
+    pub fn spread_error(&self) -> Option<StatedError> {
+        let wide = self.wide.as_ref()?;
+        let kept = self.is_uncut && wide.is_uncut && is_visible(self.range_nm);
+        kept.then(|| StatedError {
+            under: "a direction, with any spread up to the widest table".to_owned(),
+            de2000_p95: 2.0 * self.aim.error + wide.mixing_error(),
+        })
+    }
+
+    /// The errors that the function of discs promises, for every radius that the tables reach. Empty as above, and with steps
+    /// that are too wide for lamps.
+    pub fn disc_errors(&self) -> Vec<StatedError> {
+        let Some(wide) = self.wide.as_ref().filter(|wide| wide.step <= LAMP_STEP) else {
+            return Vec::new();
+        };
+        let kept = self.is_uncut && wide.is_uncut && is_visible(self.range_nm);
+        let reached = |radius_deg: f64| {
+            let lobe = 2.0 * wide.lobe_sigma;
+            kept && (lobe..=lobe * wide.widest().sqrt()).contains(&radius_deg.to_radians().sin())
+        };
+        let stated = DISC_ERRORS.into_iter().filter(|(radius_deg, _)| reached(*radius_deg));
+        let error = |(radius_deg, de2000_p95): (f64, f64)| StatedError {
+            under: format!(
+                "a disc of {radius_deg}° in radius, on a relief without a period, with many orders in the disc"
+            ),
+            de2000_p95,
+        };
+        stated.map(error).collect()
+    }
+}
+
+/// Error of a mixture of two tables per squared logarithm of the step between them.
+const MIXING: f64 = 24.0;
+/// Largest step for which errors under discs are stated: √2, rounded up.
+const LAMP_STEP: f64 = 1.4143;
+/// Radius of a disc, degrees, and the 95th percentile of CIEDE2000 against the exact colours. A disc has an edge, and a
+/// lobe has not, so it depends on the relief: 4.7 and 6.8 on a scan of 65 µm, 9.5 and 14.9 on synthetic reliefs of 40 µm.
+const DISC_ERRORS: [(f64, f64); 2] = [(3.0, 12.0), (8.0, 18.0)];
+
+impl Wide {
+    /// Error of a lobe between two tables.
+    fn mixing_error(&self) -> f64 {
+        MIXING * self.step.ln().powi(2)
+    }
+
+    fn define(&self, into: &mut Defines) {
+        let narrowest = "standard deviation of the narrowest lobes, in direction cosines";
+        into.number("LOBE_SIGMA", self.lobe_sigma, narrowest);
+        let ratio = "factor from the variance of lobes on a level to that on the next";
+        into.number("LEVEL_RATIO", self.ratio(), ratio);
+        let widest = "variance of the widest lobes, relative to that of the narrowest";
+        into.number("WIDEST_VARIANCE", self.widest(), widest);
+        let levels = "number of levels with wider lobes";
+        into.count("SPREAD_LEVELS", self.axes.levels.len(), levels);
+        let packed = "factor of the second of two numbers in one";
+        into.number("PACKED", f64::from(PACKED), packed);
+        let pace = "number of rows per unit of asinh on these levels";
+        into.number("WIDE_PACE", self.axes.levels.first().map_or(1.0, |l| l.axes.pace), pace);
+        let [columns, rows] = self.axes.size();
+        into.count("WIDE_COLUMNS", columns as usize, "number of columns of all these levels");
+        into.count("WIDE_ROWS", rows as usize, "number of rows of all these levels");
+        into.count("WIDE_LAYERS", self.axes.layers() as usize, "number of layers of these levels");
     }
 }
 
@@ -99,9 +243,8 @@ impl Computation for Baked {
         let BakedAxes { columns, levels, pages, rows, pace, stretch, .. } = self.axes;
         let BakedAxes { least_w_squared, even_w, .. } = self.axes;
         into.flag("EVEN_LEVELS", even_w);
-        let path = self.has_paths();
+        let path = self.has_paths;
         into.flag("PATH", path);
-        into.flag("SIZED", path);
         into.count("PATH_LEVELS", PATH_LEVELS as usize, "number of divisions of a path");
         let columns_of_paths = "number of columns of the table of paths";
         into.count("PATH_COLUMNS", path_columns(), columns_of_paths);
@@ -131,6 +274,12 @@ impl Computation for Baked {
         into.count("ROW_COUNT", rows as usize, "number of rows");
         into.number("ROW_PACE", pace, "number of rows per unit of asinh(STRETCH |(u, v)|)");
         into.number("STRETCH", stretch, "factor of |(u, v)| in the argument of asinh");
+        into.flag("SPREAD", self.wide.is_some());
+        into.flag("SIZED", self.wide.is_some() || self.has_paths);
+        if let Some(wide) = &self.wide {
+            into.flag("DISC", wide.has_disc);
+            wide.define(into);
+        }
     }
 
     fn coat(&self) -> &Coat {
@@ -149,22 +298,60 @@ impl Computation for Baked {
             format: self.format,
             filtered: self.filters,
         };
-        let rotation = TableSpec::Rotation(RotationSpec { rotate_deg: on.rotate_deg });
-        let rotation = (on.rotate_deg != 0.0).then_some(rotation);
         let coarse = ColoursSpec { axes: self.path_axes, ..colours.clone() };
         let paths = TableSpec::ColourPaths(ColourPathsSpec { colours: coarse });
-        let paths = self.has_paths().then_some(paths);
-        [TableSpec::Colours(colours)].into_iter().chain(rotation).chain(paths).collect()
+        let paths = self.has_paths.then_some(paths);
+        let Some(Wide { axes: wide, .. }) = &self.wide else {
+            let rotation = TableSpec::Rotation(RotationSpec { rotate_deg: on.rotate_deg });
+            let rotation = (on.rotate_deg != 0.0).then_some(rotation);
+            return [TableSpec::Colours(colours)]
+                .into_iter()
+                .chain(rotation)
+                .chain(paths)
+                .collect();
+        };
+        let wide = WideSpec {
+            surface: on.surface.to_owned(),
+            range_nm: self.range_nm,
+            illuminant: self.illuminant.clone(),
+            aim: self.aim,
+            wide: wide.clone(),
+            matter: self.coat.rows.clone(),
+            format: self.format,
+            filtered: self.filters,
+        };
+        let spreads = SpreadsSpec {
+            rotate_deg: on.rotate_deg,
+            wide: Box::new(wide.clone()),
+            refractive_index: self.coat.rows.is_none().then_some(self.refractive_index),
+            normal: self.coat.matter.normal_reflectance(),
+        };
+        let all = [TableSpec::Colours(colours), TableSpec::Spreads(spreads), TableSpec::Wide(wide)];
+        all.into_iter().chain(paths).collect()
+    }
+
+    fn functions(&self) -> Vec<&'static dyn Function> {
+        let mut all: Vec<&'static dyn Function> = match &self.wide {
+            Some(Wide { has_disc: true, .. }) => vec![&DIRECTIONAL, &SPREAD, &SOFT_DISC],
+            Some(_) => vec![&DIRECTIONAL, &SPREAD],
+            None => vec![&DIRECTIONAL],
+        };
+        if self.has_paths {
+            all.push(&PATH);
+        }
+        all
     }
 
     fn cost(&self) -> Cost {
         // two neighbouring levels, filtered or not
         let fetches: u64 = if self.filters { 2 } else { 8 };
+        let wide = self.wide.as_ref().map_or(0, |wide| wide.axes.texels());
+        let texels = self.axes.texels() + wide;
         Cost {
             fetches,
             fetches_mean: fetches as f64,
-            table_bytes: self.axes.texels() * colour_format(self.format).texel_bytes() as u64
-                + if self.has_paths() { colour_paths_shape().byte_count() as u64 } else { 0 },
+            table_bytes: texels * colour_format(self.format).texel_bytes() as u64
+                + if self.has_paths { colour_paths_shape().byte_count() as u64 } else { 0 },
             ..Cost::default()
         }
     }
@@ -180,10 +367,6 @@ impl Computation for Baked {
 
     fn filters(&self) -> bool {
         self.filters
-    }
-
-    fn functions(&self) -> Vec<&'static dyn Function> {
-        self.functions.iter().flat_map(|word| functions_of(*word)).collect()
     }
 
     fn no_wavelength_axis(&self) -> Option<&'static str> {

@@ -12,6 +12,13 @@ use super::FunctionKind;
 pub enum Arguments {
     /// Of `diffraction`.
     Direction(Directions),
+    /// Of `diffraction_spread`.
+    Spread {
+        /// To the light and to the viewer.
+        directions: Directions,
+        /// Standard deviation that widens lobes, in direction cosines.
+        spread: f64,
+    },
     /// Of `diffraction_disc` and `diffraction_disc_coloured`.
     Disc {
         /// To the middle of the disc.
@@ -64,6 +71,7 @@ impl Arguments {
     pub fn kind(&self) -> FunctionKind {
         match self {
             Arguments::Direction(_) => FunctionKind::Direction,
+            Arguments::Spread { .. } => FunctionKind::Spread,
             Arguments::Disc { colour: None, .. } => FunctionKind::Disc,
             Arguments::Disc { .. } => FunctionKind::DiscColoured,
             Arguments::Rectangle { colour: None, .. } => FunctionKind::Rectangle,
@@ -80,7 +88,10 @@ impl Arguments {
             Arguments::Disc { colour, .. } | Arguments::Rectangle { colour, .. } => {
                 *colour = Some(of);
             }
-            Arguments::Direction(_) | Arguments::Environment { .. } | Arguments::Path { .. } => {}
+            Arguments::Direction(_)
+            | Arguments::Spread { .. }
+            | Arguments::Environment { .. }
+            | Arguments::Path { .. } => {}
         }
         self
     }
@@ -93,6 +104,10 @@ impl Arguments {
             Arguments::Direction(Directions { wi, wr }) => {
                 Arguments::Direction(Directions { wi: single(wi), wr: single(wr) })
             }
+            Arguments::Spread { directions: Directions { wi, wr }, spread } => Arguments::Spread {
+                directions: Directions { wi: single(wi), wr: single(wr) },
+                spread: f64::from(spread as f32),
+            },
             Arguments::Disc { axis, radius_rad, colour, wr } => Arguments::Disc {
                 axis: single(axis),
                 radius_rad: f64::from(radius_rad as f32),
@@ -117,9 +132,10 @@ impl Arguments {
     /// no convex polygon.
     pub fn lamp(&self) -> Option<Light> {
         match *self {
-            Arguments::Direction(_) | Arguments::Environment { .. } | Arguments::Path { .. } => {
-                None
-            }
+            Arguments::Direction(_)
+            | Arguments::Spread { .. }
+            | Arguments::Environment { .. }
+            | Arguments::Path { .. } => None,
             Arguments::Disc { axis, radius_rad, colour, .. } => {
                 let disc = Light::Disc { cap: Cap { axis, radius_rad }, irradiance: 1.0 };
                 Some(disc.coloured(colour.unwrap_or(DVec3::ONE)))
@@ -141,6 +157,7 @@ impl Arguments {
     pub fn wr(&self) -> DVec3 {
         match *self {
             Arguments::Direction(Directions { wr, .. })
+            | Arguments::Spread { directions: Directions { wr, .. }, .. }
             | Arguments::Disc { wr, .. }
             | Arguments::Rectangle { wr, .. }
             | Arguments::Environment { wr, .. }
@@ -179,7 +196,7 @@ impl Arguments {
     pub fn width(kind: FunctionKind) -> usize {
         match kind {
             FunctionKind::Direction => 6,
-            FunctionKind::Disc => 7,
+            FunctionKind::Spread | FunctionKind::Disc => 7,
             FunctionKind::DiscColoured => 10,
             FunctionKind::Rectangle => 15,
             FunctionKind::RectangleColoured => 18,
@@ -195,6 +212,9 @@ impl Arguments {
         };
         match *self {
             Arguments::Direction(Directions { wi, wr }) => [wi, wr].map(|v| v.to_array()).concat(),
+            Arguments::Spread { directions: Directions { wi, wr }, spread } => {
+                [&wi.to_array()[..], &[spread], &wr.to_array()].concat()
+            }
             Arguments::Disc { axis, radius_rad, colour, wr } => {
                 [&axis.to_array()[..], &[radius_rad], &numbers(colour), &wr.to_array()].concat()
             }
@@ -227,6 +247,10 @@ impl Arguments {
             FunctionKind::Direction => {
                 Arguments::Direction(Directions { wi: vector(0)?, wr: vector(3)? })
             }
+            FunctionKind::Spread => Arguments::Spread {
+                directions: Directions { wi: vector(0)?, wr: vector(4)? },
+                spread: *numbers.get(3)?,
+            },
             FunctionKind::Disc => Arguments::Disc {
                 axis: vector(0)?,
                 radius_rad: *numbers.get(3)?,

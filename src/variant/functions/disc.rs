@@ -20,6 +20,12 @@ pub struct Disc;
 /// Angular radii of probes, degrees: a small lamp, the sun, bulbs, softboxes, nearly a hemisphere.
 const RADII_DEG: [f64; 8] = [0.05, 0.2665, 0.2665, 1.0, 5.0, 15.0, 40.0, 89.0];
 
+/// Meaning of the arguments.
+pub(super) const ARGUMENTS: &str = "axis: unit vector to the middle of the disc; radius: angular radius, 1e-4 to π/2 rad; wr: unit vector to the viewer; both point away from the surface";
+
+/// Unit of the result.
+pub(super) const UNIT: &str = "radiance under a disc of irradiance 1, perpendicular to its axis, relative to a white of radiance 1; a white diffuser that faces the disc shows 1/π";
+
 /// 95th percentile of CIEDE2000 against the exact colours (0.33 on a DVD under a disc of 15° in radius).
 const ERROR: f64 = 0.5;
 
@@ -37,7 +43,7 @@ impl Function for Disc {
     }
 
     fn arguments(&self) -> &'static str {
-        "axis: unit vector to the middle of the disc; radius: angular radius, 1e-4 to π/2 rad; wr: unit vector to the viewer; both point away from the surface"
+        ARGUMENTS
     }
 
     fn kind(&self) -> FunctionKind {
@@ -45,7 +51,7 @@ impl Function for Disc {
     }
 
     fn unit(&self, _: &Form) -> &'static str {
-        "radiance under a disc of irradiance 1, perpendicular to its axis, relative to a white of radiance 1; a white diffuser that faces the disc shows 1/π"
+        UNIT
     }
 
     fn cost(&self, form: &Form) -> Cost {

@@ -121,7 +121,10 @@ pub(super) fn cost(
     let panels = |arguments: Arguments| {
         let mut count = 0;
         let caps = match arguments {
-            Arguments::Direction(_) | Arguments::Environment { .. } | Arguments::Path { .. } => {
+            Arguments::Direction(_)
+            | Arguments::Spread { .. }
+            | Arguments::Environment { .. }
+            | Arguments::Path { .. } => {
                 return 0;
             }
             Arguments::Disc { axis, radius_rad, .. } => Caps::disc(axis, radius_rad),

@@ -1,10 +1,12 @@
 //! Colours from a table over `(u, v, w)` in f64; see `templates/baked.wgsl`.
 
+use std::f64::consts::TAU;
+
 use glam::{DVec2, DVec3};
 
 use crate::field::reference::Directions;
-use crate::tables::{BakedAxes, bilinear, octant};
-use crate::variant::Baked;
+use crate::tables::{BakedAxes, WideLevel, bilinear, octant};
+use crate::variant::{Baked, Wide};
 
 use super::Twin;
 
@@ -56,4 +58,97 @@ fn row_at(axes: &BakedAxes, squared: f64) -> f64 {
 /// A layer, interpolated between texels. Whole numbers are the centres of texels.
 fn texel_at(twin: &Twin<'_>, place: DVec2, layer: usize) -> [f64; 4] {
     bilinear(twin.terms, place.to_array(), layer)
+}
+
+/// The same with lobes widened by a standard deviation in direction cosines. 0 without tables of wider lobes.
+pub fn tristimulus_spread(
+    twin: &Twin<'_>,
+    form: &Baked,
+    Directions { wi, wr }: Directions,
+    spread: f64,
+) -> [f64; 3] {
+    let matter = &form.coat.matter;
+    let factor = matter.geometry(wi, wr);
+    let Some(wide) = form.wide.as_ref().filter(|_| factor != 0.0) else { return [0.0; 3] };
+    let variance = 1.0 + (spread / wide.lobe_sigma).powi(2);
+    let xyz = colour_widened(twin, form, wide, matter.path(wi, wr, twin.rotate_deg), variance);
+    xyz.map(|c| factor / form.axes.colour_scale() * c)
+}
+
+/// Radiance under a disc of irradiance 1. 0 without tables of wider lobes.
+pub fn tristimulus_disc(
+    twin: &Twin<'_>,
+    form: &Baked,
+    axis: DVec3,
+    radius_rad: f64,
+    wr: DVec3,
+) -> [f64; 3] {
+    let matter = &form.coat.matter;
+    let factor = matter.geometry(axis, wr);
+    let Some(wide) = form.wide.as_ref().filter(|_| factor != 0.0) else { return [0.0; 3] };
+    let narrowest = wide.lobe_sigma * wide.lobe_sigma;
+    let variance = 0.25 * radius_rad.sin().powi(2) * axis.z / narrowest;
+    let white = matter.normal_reflectance() * factor / (TAU * narrowest);
+    let xyz = colour_widened(twin, form, wide, matter.path(axis, wr, twin.rotate_deg), variance);
+    xyz.map(|c| white / form.axes.colour_scale() * c)
+}
+
+/// Colours of lobes with a multiple of the narrowest variance, between the two nearest levels.
+fn colour_widened(
+    twin: &Twin<'_>,
+    form: &Baked,
+    wide: &Wide,
+    path: DVec3,
+    variance: f64,
+) -> [f64; 3] {
+    let wanted = variance.clamp(1.0, wide.widest());
+    let (mut level, mut own) = (0, 1.0);
+    for next in 1..wide.axes.levels.len() {
+        if wanted >= own * wide.ratio() {
+            own *= wide.ratio();
+            level = next;
+        }
+    }
+    let of = |level: usize| match level.checked_sub(1).and_then(|i| wide.axes.levels.get(i)) {
+        Some(level) => wide_between(twin, level, path),
+        None => colour_between(twin, &form.axes, path),
+    };
+    let (narrower, wider) = (of(level), of(level + 1));
+    let share = wider_share(wide, wanted / own);
+    let mixed = |c| narrower[c] + share * (wider[c] / wide.ratio() - narrower[c]);
+    std::array::from_fn(|c| mixed(c) / own)
+}
+
+/// Share of the wider of two levels.
+fn wider_share(wide: &Wide, variance: f64) -> f64 {
+    (variance - 1.0) / (wide.ratio() - 1.0)
+}
+
+/// A table of wider lobes, interpolated between two layers.
+fn wide_between(twin: &Twin<'_>, level: &WideLevel, path: DVec3) -> [f64; 3] {
+    let WideLevel { axes, place: corner, .. } = level;
+    let squared = path.truncate().length_squared();
+    let turn = column_at(axes, path.truncate());
+    let columns = f64::from(axes.page_columns());
+    let page = (turn / columns).floor().min(f64::from(axes.pages - 1));
+    let [left, top] = corner.map(f64::from);
+    let first = DVec2::new(left, top + page * f64::from(axes.rows));
+    let part = DVec2::new(turn - page * columns, row_at(axes, squared));
+    let layer = layer_at(axes, path.z, squared);
+    let below = layer.floor().min(f64::from(axes.levels - 2));
+    let at = |layer: usize| wide_texel_at(twin, first, part, layer);
+    let [a, b] = [below as usize, below as usize + 1].map(at);
+    std::array::from_fn(|c| a[c] + (layer - below) * (b[c] - a[c]))
+}
+
+/// Position on the layers of a table of wider lobes.
+fn layer_at(axes: &BakedAxes, w: f64, squared: f64) -> f64 {
+    let share = ((w * w - axes.least_w_squared) / (4.0 - squared).max(1e-6)).clamp(0.0, 1.0);
+    let share = if axes.even_w { share.sqrt() } else { share };
+    share * f64::from(axes.levels - 1)
+}
+
+/// A layer of the tables of wider lobes, interpolated between texels.
+fn wide_texel_at(twin: &Twin<'_>, first: DVec2, part: DVec2, layer: usize) -> [f64; 4] {
+    bilinear(twin.coefficients, (first + part).to_array(), layer)
 }

@@ -123,7 +123,10 @@ fn read(path: &Path, variants: &[Variant], console: &Console) -> Result<(String,
     lights.notes.iter().for_each(|note| console.note(note));
     for light in lights.with_size() {
         let calls = Arguments::under(light, DVec3::Z);
-        let has = |v: &Variant| calls.iter().all(|(call, _)| v.has_function(call.kind().word()));
+        let has = |v: &Variant| {
+            let words = calls.iter().map(|(call, _)| call.kind().word());
+            words.into_iter().all(|word| word.is_some_and(|word| v.has_function(word)))
+        };
         if calls.is_empty() || !variants.iter().any(has) {
             bail!(
                 "--lights {}: none of the variants has a function for a light of kind {:?}; these are functions of mode = \"orders\", for white lamps, skies and maps",

@@ -163,9 +163,10 @@ fn diffracted(twin: &Twin<'_>, scale: f64, light: &Light, to_frame: DMat3, wr: D
                 let corners = corners.map(|corner| to_frame * corner);
                 Arguments::Rectangle { corners, colour, wr }
             }
-            Arguments::Direction(_) | Arguments::Environment { .. } | Arguments::Path { .. } => {
-                call
-            }
+            Arguments::Direction(_)
+            | Arguments::Spread { .. }
+            | Arguments::Environment { .. }
+            | Arguments::Path { .. } => call,
         };
         factor * DVec3::from(twin.evaluate(call).unwrap_or([f64::NAN; 3]))
     });

@@ -59,6 +59,9 @@ fn arguments(probe: &Value) -> Vec<[f64; 4]> {
     let colour = [0, 1, 2].map(|i| &probe["colour"][i]).map(number);
     match probe["function"].as_str() {
         None => vec![row(&probe["wi"], 0.0), row(&probe["wr"], 0.0)],
+        Some("diffraction_spread") => {
+            vec![row(&probe["wi"], 9.0), row(&probe["wr"], number(&probe["spread"]))]
+        }
         Some("diffraction_disc") => {
             vec![row(&probe["axis"], 1.0), row(&probe["wr"], number(&probe["radius"]))]
         }

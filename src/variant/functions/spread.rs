@@ -1,0 +1,124 @@
+//! `diffraction_spread(wi, wr, spread)`: light from one direction, with wider lobes.
+
+use crate::error::{Error, Result};
+use crate::field::comparison_directions::pool;
+use crate::field::reference::{Directions, Reference};
+use crate::optics::colour_difference::{LIT, auto_exposure};
+use crate::plan::{Coherence, CoherenceScaling, Optics};
+use crate::surface::HeightField;
+use crate::tables::lobe_sigma;
+use crate::variant::{Cost, Form};
+
+use super::lamps::PROBES;
+use super::{Arguments, ExactProbe, Function, FunctionKind, StatedError};
+
+/// Wider lobes.
+pub static SPREAD: Spread = Spread;
+
+/// Light from one direction, with lobes widened by an argument: `diffraction_spread(wi, wr, spread)`.
+pub struct Spread;
+
+/// Spreads of probes, in standard deviations of the narrowest lobe: none, within the first step, near a level, beyond it.
+const SPREADS: [f64; 4] = [0.0, 0.8, 1.7, 3.5];
+
+impl Function for Spread {
+    fn name(&self) -> &'static str {
+        "diffraction_spread"
+    }
+
+    fn tristimulus_name(&self) -> &'static str {
+        "tristimulus_spread"
+    }
+
+    fn signature(&self) -> &'static str {
+        "(wi: vec3f, wr: vec3f, spread: f32) -> vec3f"
+    }
+
+    fn arguments(&self) -> &'static str {
+        "wi: unit vector to the light; wr: unit vector to the viewer; both point away from the surface; spread: standard deviation that widens lobes, in direction cosines, from 0; beyond the widest table lobes are as wide as there"
+    }
+
+    fn kind(&self) -> FunctionKind {
+        FunctionKind::Spread
+    }
+
+    fn unit(&self, form: &Form) -> &'static str {
+        form.unit()
+    }
+
+    /// Two levels, and a texel with the sizes of each but the narrowest.
+    fn cost(&self, form: &Form) -> Cost {
+        let one = form.cost();
+        Cost { fetches: 2 * one.fetches + 2, fetches_mean: 2.0 * one.fetches_mean + 2.0, ..one }
+    }
+
+    fn errors(&self, form: &Form) -> Vec<StatedError> {
+        let Form::Baked(form) = form else { return Vec::new() };
+        form.spread_error().into_iter().collect()
+    }
+
+    fn probe_count(&self) -> usize {
+        PROBES
+    }
+
+    /// The first lit directions of the comparison's pool, each third of it in turn. Time: an exact field for each spread.
+    fn probes(
+        &self,
+        height: &HeightField,
+        rotate_deg: f64,
+        optics: &Optics,
+    ) -> Result<Vec<ExactProbe>> {
+        let kinds = pool(height, optics, rotate_deg);
+        let each = kinds.iter().map(Vec::len).min().unwrap_or(0);
+        let mixed = (0..each).flat_map(|i| kinds.each_ref().map(|kind| kind[i]));
+        let directions: Vec<Directions> = mixed.take(CANDIDATES).collect();
+        let mut found = Vec::with_capacity(PROBES);
+        for width in SPREADS {
+            let spread = f64::from((width * lobe_sigma(optics.into())) as f32);
+            let xyz = widened(height, rotate_deg, optics, spread, &directions)?;
+            let exposure = auto_exposure(&xyz).unwrap_or(1.0);
+            let lit = directions.iter().zip(xyz).filter(|(_, xyz)| exposure * xyz[1] > LIT);
+            let probe = |(directions, xyz): (&Directions, [f64; 3])| ExactProbe {
+                arguments: Arguments::Spread { directions: *directions, spread },
+                xyz,
+            };
+            found.extend(lit.take(PROBES / SPREADS.len()).map(probe));
+        }
+        if found.len() < PROBES {
+            let cause = format!("only {} of {PROBES} probes are lit", found.len());
+            return Err(Error::new("probe.json", cause));
+        }
+        Ok(found)
+    }
+}
+
+/// Directions that probes are chosen from.
+const CANDIDATES: usize = 6 * PROBES;
+
+/// Exact colours of lobes that are wider by a standard deviation in direction cosines.
+///
+/// The window's intensity `exp(-|f - f_rs|²/σf²)` has the standard deviation `σf/√2`, so a spread `σ` makes of `σf²` the sum
+/// `σf² + 2(σ/λ)²`, and to keep energy the colours are multiplied by the ratio of both. With a coherence length that is
+/// proportional to the wavelength this ratio is the same for all wavelengths, and the wider window is a shorter coherence
+/// length. It is an error if the optics do not add intensities under such a window.
+pub fn widened(
+    height: &HeightField,
+    rotate_deg: f64,
+    optics: &Optics,
+    spread: f64,
+    directions: &[Directions],
+) -> Result<Vec<[f64; 3]>> {
+    if optics.coherence != Coherence::Ensemble
+        || optics.coherence_scaling != CoherenceScaling::Wavelength
+    {
+        let cause = "only with coherence = \"ensemble\" and coherence_scaling = \"wavelength\" is a spread a shorter coherence length";
+        return Err(Error::new("a spread", cause));
+    }
+    let variance = 1.0 + (spread / lobe_sigma(optics.into())).powi(2);
+    let wider = Optics { coherence_um: optics.coherence_um / variance.sqrt(), ..optics.clone() };
+    let visible = Reference::VISIBLE_NM;
+    let reference =
+        Reference::new(height, rotate_deg, &wider, visible, directions.iter().copied())?;
+    let colours = reference.tristimulus_all(directions);
+    Ok(colours.into_iter().map(|xyz| xyz.map(|c| c / variance)).collect())
+}
