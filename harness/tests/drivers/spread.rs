@@ -20,7 +20,7 @@ fn soft(table: TableFormat, sampling: Sampling) -> Variant {
     let optics = Optics {
         coherence: Coherence::Ensemble,
         coherence_scaling: CoherenceScaling::Wavelength,
-        coherence_um: 90.0,
+        coherence_um: 500.0,
         ..Optics::standard()
     };
     Variant {
@@ -28,8 +28,8 @@ fn soft(table: TableFormat, sampling: Sampling) -> Variant {
         mode: Mode::Baked,
         table,
         sampling,
-        bake_mib: 8.0,
-        bake_error: 0.5,
+        bake_mib: 64.0,
+        bake_error: 10.0,
         spread_levels: Auto::Value(6),
         spread_step: 1.4142136,
         hoist: true,

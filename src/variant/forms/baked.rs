@@ -172,7 +172,7 @@ impl Baked {
 
 impl Baked {
     /// The error that the function of wider lobes promises: that of a table, and between two of them that of their mixture
-    /// (9.5 on fingers with step 2, 3.5 with step √2; 2.0 and 0.6 on a scan). `None` if the maximum size reduced the tables.
+    /// (12 on fingers with step 2, 3.5 with step √2; 2.0 and 0.6 on a scan). `None` if the maximum size reduced the tables.
     pub fn spread_error(&self) -> Option<StatedError> {
         let wide = self.wide.as_ref()?;
         let kept = self.is_uncut && wide.is_uncut && is_visible(self.range_nm);
@@ -205,7 +205,7 @@ impl Baked {
 }
 
 /// Error of a mixture of two tables per squared logarithm of the step between them.
-const MIXING: f64 = 24.0;
+const MIXING: f64 = 30.0;
 /// Largest step for which errors under discs are stated: √2, rounded up.
 const LAMP_STEP: f64 = 1.4143;
 /// Radius of a disc, degrees, and the 95th percentile of CIEDE2000 against the exact colours. A disc has an edge, and a
