@@ -16,10 +16,10 @@ from draw import BLACK, draw, open_context
 
 PROBE = """
 {uniforms}
-out vec4 colour;
+out vec4 seen;
 void main() {{
     ivec2 at = ivec2(gl_FragCoord.xy);
-    colour = vec4(at.y == 0 ? {tristimulus}({arguments}) : {function}({arguments}), 1.0);
+    seen = vec4(at.y == 0 ? {tristimulus}({arguments}) : {function}({arguments}), 1.0);
 }}
 """
 # the sky of a probe: a constant, with a factor on the spread in w, and lobes: axis with its width in w, and radiance
