@@ -1004,7 +1004,7 @@ fn map(@location(0) place: vec2f) -> @location(0) vec4f {
 // w. 2: a quadrilateral: a corner, then to the viewer, then the other corners. 3: the surroundings: any vector, then to
 // the viewer. 4 and 5: a disc and a quadrilateral of a colour, which is in w of the last three rows. 8: a path of light from
 // a sky: its constant radiance, the viewer with the deviation of a lobe in w, the lobe's axis, its radiance, three random
-// numbers. xyz of the others: unit vectors.
+// numbers. 9: as 0, with the spread in w of the viewer. xyz of the others: unit vectors.
 @group(0) @binding(3) var directions: texture_2d<f32>;
 
 // X, Y, Z of a pixel, alpha 1.
