@@ -117,7 +117,7 @@ fn the_gallery_passes_the_probes_and_reacts() {
         assert_eq!(driven.console, Vec::<String>::new(), "{api}");
         assert_eq!((&found["message"], &found["errors"]), (&Value::Null, &json!([])), "{api}");
         assert!(
-            found["checked"].as_str().unwrap().contains("112 probes within tolerance"),
+            found["checked"].as_str().unwrap().contains("144 probes within tolerance"),
             "{found}"
         );
         check(api, &found["probes"]);
