@@ -129,7 +129,7 @@ fn read(path: &Path, variants: &[Variant], console: &Console) -> Result<(String,
         };
         if calls.is_empty() || !variants.iter().any(has) {
             bail!(
-                "--lights {}: none of the variants has a function for a light of kind {:?}; these are functions of mode = \"orders\", for white lamps, skies and maps",
+                "--lights {}: none of the variants has a function for a light of kind {:?}; these are functions of mode = \"orders\"",
                 path.display(),
                 light.kind()
             );
