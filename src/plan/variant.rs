@@ -285,7 +285,7 @@ pub(super) static AXES: [Axis; 20] = [
             lights,
             lights,
             "an array of these words",
-            "kinds of light that the shader has functions for; `direction` is always one of them",
+            "kinds of light that the shader has functions for, `disc` and `polygon` in white and in colours; `direction` is always one of them; `path`: random directions for path tracers; `baked` has `direction`, `path`, and with `spread_levels` `disc`",
             Part::Changed(|v| {
                 let words: Vec<&str> = v.lights.iter().map(|light| light.as_str()).collect();
                 words.join("-")

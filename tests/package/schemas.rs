@@ -123,6 +123,7 @@ terms = 3
 [[preset]]
 name = "orders"
 mode = "orders"
+lights = ["direction", "disc", "polygon", "environment", "path"]
 nodes = "auto"
 source_diameter_deg = 0.53
 [[preset]]
@@ -183,6 +184,23 @@ coherence = "ensemble"
 source_diameter_deg = 6
 spread_levels = 3
 spread_step = 1.5
+[[preset]]
+name = "softest"
+mode = "baked"
+bake_error = 10.0
+bake_mib = 0.25
+coherence = "ensemble"
+source_diameter_deg = 8
+spread_levels = "auto"
+lights = ["direction"]
+[[preset]]
+name = "traced"
+mode = "baked"
+bake_error = 10.0
+bake_mib = 0.25
+coherence = "ensemble"
+source_diameter_deg = 8
+lights = ["direction", "path"]
 [[preset]]
 name = "gems"
 mode = "gems"

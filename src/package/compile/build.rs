@@ -16,7 +16,7 @@ use crate::plan::{Mode, TableFormat, Variant};
 use crate::shader::emit::emit;
 use crate::shader::specialise;
 use crate::tables::container::encode;
-use crate::tables::{Table, TableSpec, TexelFormat};
+use crate::tables::{TERMS, Table, TableSpec, TexelFormat};
 use crate::variant::{
     Form, Function, FunctionKind, MAX_PROBE_ERROR, Twin, is_whole_light, probe_error,
 };
@@ -229,16 +229,19 @@ impl Built<'_> {
         let expected = cache.numbers(&id, 3 * function.probe_count(), || {
             let mut tables = Vec::new();
             for (spec, id) in self.tables.iter().zip(&self.ids) {
-                if spec.is_expensive() {
-                    self.read_terms(spec, &self.table_path(id), package, last)?;
-                } else {
-                    tables.push(spec.compute(surface.field)?.rounded());
+                let (path, shape) = (self.table_path(id), spec.shape());
+                match package.files().get(&path).filter(|_| spec.is_expensive()) {
+                    // variants of a surface share the largest table
+                    Some(_) if shape.binding == TERMS => {
+                        self.read_terms(spec, &path, package, last)?;
+                    }
+                    Some(file) => tables.push(file.content.table(shape)?),
+                    None => tables.push(spec.compute(surface.field)?.rounded()),
                 }
             }
+            let is_shared = |spec: &TableSpec| spec.is_expensive() && spec.shape().binding == TERMS;
             let mut twin = Twin::new(form, &tables, rotate_deg);
-            if let (Some((_, terms)), true) =
-                (last.as_ref(), self.tables.iter().any(TableSpec::is_expensive))
-            {
+            if let (Some((_, terms)), true) = (last.as_ref(), self.tables.iter().any(is_shared)) {
                 twin.terms = terms;
             }
             Ok(probe::expected(&twin, &exact).concat())

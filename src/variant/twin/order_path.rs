@@ -1,6 +1,6 @@
 //! Random paths over orders in f64; see `templates/order_path.wgsl`.
 
-use glam::{DVec2, DVec3, DVec4};
+use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 
 use crate::tables::paths::wavelength_cells;
 use crate::variant::Orders;
@@ -22,7 +22,7 @@ pub fn diffraction_path(twin: &Twin<'_>, form: &Orders, wr: DVec3, random: DVec3
 pub fn diffraction_light(twin: &Twin<'_>, form: &Orders, rgb: DVec3, lambda_um: f64) -> f64 {
     let place = wavelength_place(form, lambda_um);
     let cell = wavelength_cell(form, place);
-    let [before, after] = [0, 1].map(|next| numbers(twin, cell + next, 2));
+    let [before, after] = [0, 1].map(|next| DVec4::from(twin.paths.load(cell + next, 2, 0)).yzw());
     rgb.dot(before.lerp(after, place - cell as f64))
 }
 
@@ -42,7 +42,7 @@ pub fn tristimulus_weight(twin: &Twin<'_>, form: &Orders, wr: DVec3, path: DVec4
     let [_, _, chance, _] = twin.paths.load(column as i64, 0, 0);
     let place = wavelength_place(form, path.w);
     let cell = wavelength_cell(form, place);
-    let [before, after] = [0, 1].map(|next| numbers(twin, cell + next, 1));
+    let [before, after] = [0, 1].map(|next| DVec4::from(twin.paths.load(cell + next, 1, 0)).yzw());
     let light = before.lerp(after, place - cell as f64) / twin.paths.load(cell, 2, 0)[0];
     let share = order_share(twin, form, order, path.w, viewer);
     normal_reflectance(form) * share / chance * light
@@ -60,7 +60,7 @@ fn drawn_order(twin: &Twin<'_>, form: &Orders, random: DVec2) -> DVec2 {
 }
 
 fn drawn_wavelength(twin: &Twin<'_>, form: &Orders, random: f64) -> f64 {
-    let cells = cells(form);
+    let cells = wavelength_cells(form.sum.range_nm) as i64;
     let (mut cell, mut end) = (0, cells);
     while end - cell > 1 {
         let middle = (cell + end) / 2;
@@ -79,19 +79,10 @@ fn drawn_wavelength(twin: &Twin<'_>, form: &Orders, random: f64) -> f64 {
 
 fn wavelength_place(form: &Orders, lambda_um: f64) -> f64 {
     let [min_um, max_um] = form.wavelengths_um();
-    ((lambda_um - min_um) / (max_um - min_um)).clamp(0.0, 1.0) * cells(form) as f64
+    let share = ((lambda_um - min_um) / (max_um - min_um)).clamp(0.0, 1.0);
+    share * wavelength_cells(form.sum.range_nm) as f64
 }
 
 fn wavelength_cell(form: &Orders, place: f64) -> i64 {
-    (place as i64).min(cells(form) - 1)
-}
-
-fn cells(form: &Orders) -> i64 {
-    wavelength_cells(form.sum.range_nm) as i64
-}
-
-/// The last three channels of a texel.
-fn numbers(twin: &Twin<'_>, column: i64, row: i64) -> DVec3 {
-    let [_, x, y, z] = twin.paths.load(column, row, 0);
-    DVec3::new(x, y, z)
+    (place as i64).min(wavelength_cells(form.sum.range_nm) as i64 - 1)
 }
