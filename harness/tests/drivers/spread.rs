@@ -31,7 +31,7 @@ fn soft(table: TableFormat, sampling: Sampling) -> Variant {
         bake_mib: 8.0,
         bake_error: 0.5,
         spread_levels: Auto::Value(6),
-        spread_step: 1.4142136,
+        spread_step: std::f64::consts::SQRT_2,
         hoist: true,
         ..Variant::texts(&optics)
     }
