@@ -105,7 +105,7 @@ fn wider_lobes_have_the_exact_colours() {
     let all = directions(300, 1);
     for keys in [
         "coherence_um = 40\nspread_levels = 3",
-        "coherence_um = 40\nspread_levels = 4\nspread_step = 1.4142136",
+        "coherence_um = 40\nspread_levels = 4\nspread_step = 1.4142136\nbake_mib = 512",
     ] {
         let shader = Shader::new(FINGERS, keys);
         let wide = wide(&shader.form);

@@ -204,8 +204,8 @@ impl Baked {
     }
 }
 
-/// Error of a mixture of two tables per squared logarithm of the step between them.
-const MIXING: f64 = 30.0;
+/// Error of a mixture of two tables per logarithm of the step between them: at most 17 on fingers, where it is largest.
+const MIXING: f64 = 20.0;
 /// Largest step for which errors under discs are stated: √2, rounded up.
 const LAMP_STEP: f64 = 1.4143;
 /// Radius of a disc, degrees, and the 95th percentile of CIEDE2000 against the exact colours. A disc has an edge, and a
@@ -215,7 +215,7 @@ const DISC_ERRORS: [(f64, f64); 2] = [(3.0, 12.0), (8.0, 18.0)];
 impl Wide {
     /// Error of a lobe between two tables.
     fn mixing_error(&self) -> f64 {
-        MIXING * self.step.ln().powi(2)
+        MIXING * self.step.ln()
     }
 
     fn define(&self, into: &mut Defines) {
