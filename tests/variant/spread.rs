@@ -3,10 +3,8 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use diffraction_shaders::field::orders::OrderSum;
 use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::input::load_surface;
-use diffraction_shaders::light::{Cap, Light};
 use diffraction_shaders::optics::colour_difference::{auto_exposure, colour_difference};
 use diffraction_shaders::optics::{Matter, direction};
 use diffraction_shaders::plan::{Plan, Variant};
@@ -15,11 +13,9 @@ use diffraction_shaders::shader::specialise;
 use diffraction_shaders::surface::HeightField;
 use diffraction_shaders::tables::{Table, TableSpec, WideAxes, WideSpec, lobe_sigma};
 use diffraction_shaders::variant::{
-    Arguments, Baked, Form, Function, Ground, SOFT_DISC, SPREAD, Twin, Wide, widened,
+    Arguments, Baked, Form, Function, Ground, SPREAD, Twin, Wide, widened,
 };
 use glam::{DVec2, DVec3};
-
-use crate::support::data;
 
 const FINGERS: &str = "grating = { kind = \"fingers\", size_um = 16, pixels = 320, pitch_um = 1.1, height_um = 0.25, seed = 7 }";
 
@@ -216,46 +212,4 @@ fn levels_leave_the_narrowest_table_alone() {
     // a lobe cannot be wider than the hemisphere
     let (height, variant) = subject(FINGERS, "coherence_um = 20\nspread_levels = 9");
     assert!(Form::new(&variant, &height).unwrap_err().message().contains("below 0.7 µm"));
-}
-
-/// Colours under a disc against the exact sum over orders, and those of a single direction, which is no lamp.
-fn discs(shader: &Shader, limits: [(f64, f64); 2]) {
-    let orders = OrderSum::new(&shader.height, 0.0, &shader.variant.optics).unwrap();
-    let axis = direction(30.0, 0.0);
-    let views: Vec<DVec3> = directions(120, 3).iter().map(|d| d.wr).collect();
-    for (radius_deg, limit) in limits {
-        let radius_rad = radius_deg.to_radians();
-        let light = Light::Disc { cap: Cap { axis, radius_rad }, irradiance: 1.0 };
-        let exact = orders.radiance_all_with(&[&*light.emitter().unwrap()], &views, &|_| ());
-        let under = |radius_rad: f64| -> Vec<[f64; 3]> {
-            views
-                .iter()
-                .map(|wr| shader.call(Arguments::Disc { axis, radius_rad, colour: None, wr: *wr }))
-                .collect()
-        };
-        let (found, narrow) = (p95(&exact, &under(radius_rad)), p95(&exact, &under(0.01)));
-        let mut ratios: Vec<f64> =
-            under(radius_rad).iter().zip(&exact).map(|(a, b)| a[1] / b[1]).collect();
-        ratios.sort_by(f64::total_cmp);
-        let middle = ratios[ratios.len() / 2];
-        println!("disc of {radius_deg}°: {found:.2}, of 0.6°: {narrow:.1}, level {middle:.3}");
-        assert!(found <= limit && narrow > 1.5 * found, "{radius_deg}: {found} {narrow}");
-        // a forgotten cosine or irradiance is a level of its own
-        assert!((middle - 1.0).abs() < 0.03, "{middle}");
-    }
-}
-
-const LAMPS: &str =
-    "coherence_um = 40\nspread_levels = \"auto\"\nspread_step = 1.4142136\nbake_error = 1";
-
-#[test]
-fn discs_are_lobes_on_a_scan() {
-    let Some(path) = data::find("elaphe_65um.png") else { return };
-    let surface = format!("file = {path:?}\nsize_um = 65.0\nheight_um = 0.375");
-    let started = std::time::Instant::now();
-    let shader = Shader::new(&surface, LAMPS);
-    println!("baked in {:.0} s", started.elapsed().as_secs_f64());
-    let errors = SOFT_DISC.errors(&shader.form);
-    assert!(errors.len() == 2 && errors[1].de2000_p95 < 20.0, "{errors:?}");
-    discs(&shader, [(3.0, 5.0), (8.0, 8.0)]);
 }
