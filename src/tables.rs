@@ -11,11 +11,11 @@ mod matter;
 mod meaning;
 mod number;
 pub mod orders;
+pub mod paths;
 mod period;
 mod scale;
 mod series;
 mod spec;
-pub mod paths;
 pub mod streaks;
 mod wide;
 

@@ -172,7 +172,7 @@ impl Baked {
 
 impl Baked {
     /// The error that the function of wider lobes promises: that of a table, and between two of them that of their mixture
-    /// (12 on fingers with step 2, 3.5 with step √2; 2.0 and 0.6 on a scan). `None` if the maximum size reduced the tables.
+    /// (12 on fingers with step 2, 5 with step √2; 2.0 and 0.6 on a scan). `None` if the maximum size reduced the tables.
     pub fn spread_error(&self) -> Option<StatedError> {
         let wide = self.wide.as_ref()?;
         let kept = self.is_uncut && wide.is_uncut && is_visible(self.range_nm);

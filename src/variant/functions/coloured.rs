@@ -48,7 +48,7 @@ pub struct Coloured {
     kind: FunctionKind,
     /// The function of a white lamp of this shape.
     white: FunctionKind,
-    /// Its cost if each end of a range needs moments of so many lights.
+    /// Its cost, with the number of spectra whose moments are read at each end of a range of wavelengths.
     cost: fn(&Form, u64) -> Cost,
     /// A white lamp at a place.
     candidate: fn(usize, Place<'_>) -> Arguments,

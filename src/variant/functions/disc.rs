@@ -76,7 +76,7 @@ impl Function for Disc {
     }
 }
 
-/// Cost under a bulb and under the widest disc, if each end of a range needs moments of so many lights.
+/// Cost under a bulb and under the widest disc. `lights`: spectra whose moments are read at each end of a range, 1 for white light.
 pub(super) fn cost(form: &Form, lights: u64) -> Cost {
     let disc = |radius_rad| {
         let axis = direction(20.0, 0.0);

@@ -71,7 +71,7 @@ impl Function for Rectangle {
     }
 }
 
-/// Cost under a window and under the widest quadrilateral, if each end of a range needs moments of so many lights.
+/// Cost under a window and under the widest quadrilateral. `lights`: spectra whose moments are read at each end of a range, 1 for white light.
 pub(super) fn cost(form: &Form, lights: u64) -> Cost {
     let [window, widest] = [[24.0, 10.0], [170.0, 170.0]].map(|size_deg| {
         let corners = corners(direction(20.0, 0.0), size_deg, 0.0);
