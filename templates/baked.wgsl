@@ -108,20 +108,31 @@ fn tristimulus_spread(wi: vec3f, wr: vec3f, spread: f32) -> vec3f {
 }
 
 #ifdef DISC
-// X, Y, Z of the radiance under a disc of irradiance 1, relative to a white of radiance 1. In direction cosines the disc is
-// an ellipse of the area π sin² a cos θ; it counts as a lobe of the variance of a round disc of that area, a quarter of
-// its squared radius. The cosine of the light is in the gain, and cancels that of the area.
+// X, Y, Z of the radiance under a disc of irradiance 1, relative to a white of radiance 1: the sum of lobes that stand in
+// its middle and on a ring. A disc that is hardly wider than the narrowest lobes is one lobe of the same variance.
 fn tristimulus_disc(axis: vec3f, radius: f32, wr: vec3f) -> vec3f {
-    let factor = gain(axis, wr);
-    if (factor == 0.0) {
-        return vec3f(0.0);
-    }
-    let narrowest = LOBE_SIGMA * LOBE_SIGMA;
     let sine = sin(radius);
-    let variance = 0.25 * sine * sine * axis.z / narrowest;
+    let disc = 0.25 * sine * sine;
+    let is_wide = disc > NARROW_DISC * LOBE_SIGMA * LOBE_SIGMA;
+    let count = select(1, DISC_LOBES, is_wide);
+    let variance = select(disc, DISC_SHARE * disc, is_wide);
+    // two directions across the axis
+    let other = select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(axis.x) > 0.7);
+    let across = normalize(cross(axis, other));
+    let along = cross(axis, across);
+    let away = DISC_RING * radius;
+    var xyz = vec3f(0.0);
+    for (var lobe = 0; lobe < count; lobe++) {
+        let turn = 6.2831853 / f32(DISC_LOBES - 1) * f32(lobe);
+        let on_ring = cos(away) * axis + sin(away) * (cos(turn) * across + sin(turn) * along);
+        let wi = select(on_ring, axis, lobe == 0);
+        // in direction cosines a lobe is as wide as its cosine allows
+        xyz += tristimulus_spread(wi, wr, sqrt(variance * max(wi.z, 0.0)));
+    }
     let normal = textureLoad(spectrum, vec2i(SPREAD_LEVELS, 0), 0).x;
-    let white = normal * factor * COLOUR_UNIT / (6.2831853 * narrowest);
-    return white * colour_widened(path_difference(axis, wr), variance);
+    // solid angle of the disc times its radiance
+    let light = 2.0 / (1.0 + cos(radius));
+    return light * normal / (6.2831853 * LOBE_SIGMA * LOBE_SIGMA * f32(count)) * xyz;
 }
 
 #endif

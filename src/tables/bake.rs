@@ -8,6 +8,7 @@
 //! terms there for all `w` at once.
 
 mod line;
+mod pool;
 mod sharpen;
 mod table;
 
@@ -45,6 +46,8 @@ pub struct Light<'a> {
     /// Material, films and cover, whose reflectance becomes part of the colours. `None`: a dielectric in air, whose
     /// reflectance is part of the gain.
     pub matter: Option<&'a Matter>,
+    /// Whether intensities of bins may be pooled before they are summed, where the window is many bins wide.
+    pub pooled: bool,
 }
 
 /// Computes the colours. `done` is called with the number of columns finished since the last call, from any thread. The

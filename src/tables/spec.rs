@@ -160,7 +160,7 @@ pub struct ColoursSpec {
 impl ColoursSpec {
     fn light<'a>(&'a self, range: &'a Wavelengths) -> bake::Light<'a> {
         let matter = self.matter.as_ref().map(MatterSpec::matter);
-        bake::Light { window: self.window, range, matter }
+        bake::Light { window: self.window, range, matter, pooled: false }
     }
 }
 
@@ -191,7 +191,7 @@ pub struct WideSpec {
 impl WideSpec {
     fn light<'a>(&'a self, level: &WideLevel, range: &'a Wavelengths) -> bake::Light<'a> {
         let matter = self.matter.as_ref().map(MatterSpec::matter);
-        bake::Light { window: level.window, range, matter }
+        bake::Light { window: level.window, range, matter, pooled: true }
     }
 
     fn shape(&self) -> Table {

@@ -22,7 +22,7 @@ use crate::tables::{CoefficientsSpec, NodesSpec, Series, SettingsSpec, TableSpec
 
 use super::{Coat, Computation, Ground};
 
-pub use baked::{Baked, Wide};
+pub use baked::{Baked, DISC_LOBES, DISC_RING, DISC_SHARE, NARROW_DISC, Wide};
 pub use full_prefiltered::FullPrefiltered;
 pub use full_window::FullWindow;
 pub use gems::Gems;

@@ -54,7 +54,7 @@ fn axes_of(form: &Form) -> BakedAxes {
 
 fn baked(height: &HeightField, variant: &Variant, axes: BakedAxes) -> Colours {
     let optics = &variant.optics;
-    let light = Light { window: optics.into(), range: &VISIBLE, matter: None };
+    let light = Light { window: optics.into(), range: &VISIBLE, matter: None, pooled: false };
     bake(height, light, &optics.illuminant, axes, &|_| ()).unwrap()
 }
 
@@ -103,6 +103,27 @@ fn worst(height: &HeightField, variant: &Variant, colours: &Colours) -> f64 {
     worst / greatest
 }
 
+/// Tables of wider lobes pool bins, where the others do not.
+#[test]
+fn pooled_bins_give_the_exact_colours() {
+    let keys = "coherence = \"ensemble\"\ncoherence_scaling = \"wavelength\"\ncoherence_um = 1";
+    let (height, variant) = read(DOMES, keys);
+    let bake_with = |pooled| {
+        let optics = &variant.optics;
+        let light = Light { window: optics.into(), range: &VISIBLE, matter: None, pooled };
+        bake(&height, light, &optics.illuminant, FEW, &|_| ()).unwrap()
+    };
+    let (pooled, plain) = (bake_with(true), bake_with(false));
+    assert!(pooled != plain, "no bins were pooled");
+    let found = worst(&height, &variant, &pooled);
+    assert!(found < 1.5e-3, "{found:.1e}");
+    let greatest = plain.xyz.iter().flatten().fold(0.0_f32, |most, c| most.max(*c));
+    let apart = pooled.xyz.iter().flatten().zip(plain.xyz.iter().flatten());
+    let most = apart.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max) / greatest;
+    println!("pooled: {found:.1e} of exact, {most:.1e} of plain");
+    assert!(most < 3e-4, "{most:.1e}");
+}
+
 #[test]
 fn texels_are_the_exact_colours() {
     for (grating, keys) in [
@@ -112,6 +133,7 @@ fn texels_are_the_exact_colours() {
         (DOMES, "coherence_um = 20"),
         (DOMES, "coherence = \"ensemble\"\ncoherence_um = 30\nilluminant = \"A\""),
         (DOMES, "coherence_scaling = \"wavelength\"\ncoherence_um = 40"),
+        (DOMES, "coherence_scaling = \"wavelength\"\ncoherence_um = 6"),
     ] {
         let (height, variant) = read(grating, keys);
         let colours = baked(&height, &variant, FEW);

@@ -1,6 +1,6 @@
 //! Amplitudes on lines through the origin of the frequency plane, and their colours.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
 use crate::field::transform::Bins;
 use crate::optics::spectrum::Spectrum;
@@ -11,6 +11,8 @@ use crate::tables::BakedAxes;
 use crate::tables::bake::Light;
 use crate::tables::basis::Expansion;
 use crate::tables::terms::Terms;
+
+use super::pool;
 
 /// Number of columns that are computed together: they fill one or a few vector registers.
 pub(super) const LANES: usize = 16;
@@ -50,6 +52,8 @@ struct Recipe {
 struct Sizes {
     expansion: Expansion,
     bins: Bins,
+    /// The narrowest window, cycles per µm.
+    narrowest_cpum: f64,
     step_cpum: f64,
     /// Minimum number of wavelengths of a row.
     min_nodes: f64,
@@ -60,7 +64,7 @@ struct Sizes {
 
 impl Sizes {
     fn new(height: &HeightField, light: Light<'_>, axes: &BakedAxes) -> Sizes {
-        let Light { window, range, matter } = light;
+        let Light { window, range, matter, .. } = light;
         let range_nm = [range.min_nm, range.max_nm];
         let phase_min_nm = matter.map_or(range.min_nm, |matter| matter.phase_min_nm(range_nm));
         let least_z = matter.map_or(0.0, |matter| matter.least_z(range_nm));
@@ -84,7 +88,7 @@ impl Sizes {
         };
         let padded = features.next_multiple_of(CHUNK);
         let step_cpum = STEP_SIGMAS * narrowest;
-        Sizes { expansion, bins, step_cpum, min_nodes, features, padded }
+        Sizes { expansion, bins, narrowest_cpum: narrowest, step_cpum, min_nodes, features, padded }
     }
 }
 
@@ -130,6 +134,8 @@ pub(super) struct Lines {
     coherence: Coherence,
     patch_um: [f64; 2],
     window: Window,
+    /// Number of bins along x and y that were pooled.
+    pooled: [usize; 2],
 }
 
 impl Lines {
@@ -139,13 +145,24 @@ impl Lines {
         spectrum: &Spectrum,
         axes: BakedAxes,
     ) -> Lines {
-        let Light { window, range, matter } = light;
+        let Light { window, range, matter, pooled } = light;
         let sizes = Sizes::new(height, light, &axes);
-        let Sizes { expansion, bins, step_cpum, min_nodes, features, padded } = sizes;
+        let narrowest_cpum = sizes.narrowest_cpum;
+        let Sizes { expansion, bins, step_cpum, min_nodes, features, padded, .. } = sizes;
         let patch_um = [height.size_x_um(), height.size_y_um()];
         let terms = Terms::new(height, &expansion, bins, None);
-        let numbers = numbers(&terms, window.coherence, padded);
+        let mut numbers = numbers(&terms, window.coherence, padded);
         drop(terms);
+        let mut bins = bins;
+        let factors = match (pooled, window.coherence) {
+            (true, Coherence::Ensemble) => {
+                patch_um.map(|size_um| pool::factor(narrowest_cpum * FRAC_1_SQRT_2 * size_um))
+            }
+            _ => [1; 2],
+        };
+        if factors != [1; 2] {
+            (numbers, bins) = pool::pool(&numbers, bins, padded, factors);
+        }
         let recipe = |row: RadiusRow| {
             let pace = Pace::new(row, range, step_cpum, min_nodes);
             let mut recipe = Recipe::nodes(pace, spectrum);
@@ -164,6 +181,7 @@ impl Lines {
             coherence: window.coherence,
             patch_um,
             window,
+            pooled: factors,
         }
     }
 
@@ -224,9 +242,7 @@ impl Lines {
         let per_level = self.coefficients();
         let offset = recipe.first - line.first;
         for (node, xyz) in recipe.colours.iter().enumerate() {
-            // a row with step 0 is a single frequency
-            let place = offset + if recipe.is_point() { 0 } else { node };
-            let values = &line.values[place * self.padded..][..self.features];
+            let values = &line.values[(offset + node) * self.padded..][..self.features];
             let all = &recipe.coefficients[node * levels * per_level..][..levels * per_level];
             for (own, out) in all.chunks_exact(per_level).zip(out.iter_mut()) {
                 let intensity = match self.coherence {
@@ -423,14 +439,20 @@ impl Taps {
     fn around(&mut self, lines: &Lines, f: [f64; 2], sigma_um: f64) {
         let max = [lines.bins.r_max as i64, lines.bins.s_max as i64];
         for axis in 0..2 {
-            let size_um = lines.patch_um[axis];
+            let size_um = lines.patch_um[axis] / lines.pooled[axis] as f64;
             let sigma_bins = size_um / (TAU * sigma_um);
             // an ensemble adds intensities, weighted by the squared window
-            let squares = match lines.coherence {
+            let mut squares = match lines.coherence {
                 Coherence::Single => 0.5,
                 Coherence::Ensemble => 1.0,
             } / (sigma_bins * sigma_bins);
-            let reach = REACH_SIGMAS * sigma_bins;
+            let mut reach = REACH_SIGMAS * sigma_bins;
+            let mut whole = 1.0;
+            if lines.pooled[axis] > 1 {
+                let (rest, weight) = pool::remaining(0.5 / squares);
+                (squares, whole) = (0.5 / rest, weight);
+                reach = REACH_SIGMAS * rest.sqrt();
+            }
             let place = f[axis] * size_um;
             let first = ((place - reach).ceil() as i64).max(-max[axis]);
             let last = ((place + reach).floor() as i64).min(max[axis]);
@@ -438,7 +460,7 @@ impl Taps {
             let weights = &mut self.weights[axis];
             weights.clear();
             // for a Gaussian at equal steps, the ratios of neighbours form a geometric sequence
-            let mut weight = (-squares * distance * distance).exp();
+            let mut weight = whole * (-squares * distance * distance).exp();
             let mut ratio = (squares * (2.0 * distance - 1.0)).exp();
             let bend = (-2.0 * squares).exp();
             for _ in first..=last {

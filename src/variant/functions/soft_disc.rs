@@ -1,16 +1,16 @@
-//! `diffraction_disc(axis, radius, wr)` of tables with wider lobes: the disc is a lobe of the same variance.
+//! `diffraction_disc(axis, radius, wr)` of tables with wider lobes: the disc is a sum of lobes.
 
 use crate::error::Result;
 use crate::plan::Optics;
 use crate::surface::HeightField;
 use crate::tables::lobe_sigma;
-use crate::variant::{Cost, Form};
+use crate::variant::{Cost, DISC_LOBES, Form};
 
 use super::disc::{ARGUMENTS, UNIT};
 use super::lamps::{self, Place};
 use super::{Arguments, DISC, ExactProbe, Function, FunctionKind, SPREAD, StatedError};
 
-/// Light from a disc, as a wider lobe.
+/// Light from a disc, as a sum of wider lobes.
 pub static SOFT_DISC: SoftDisc = SoftDisc;
 
 /// Light from a disc: `diffraction_disc(axis, radius, wr)` of tables with wider lobes.
@@ -43,17 +43,19 @@ impl Function for SoftDisc {
     }
 
     fn probed(&self) -> &'static str {
-        "diffraction_disc as a lobe"
+        "diffraction_disc as a sum of lobes"
     }
 
     fn unit(&self, _: &Form) -> &'static str {
         UNIT
     }
 
-    /// As with a spread, and the texel with the reflectance at normal incidence.
+    /// One spread for each lobe, and the texel with the reflectance at normal incidence. A narrow disc is one lobe.
     fn cost(&self, form: &Form) -> Cost {
-        let cost = SPREAD.cost(form);
-        Cost { fetches: cost.fetches + 1, fetches_mean: cost.fetches_mean + 1.0, ..cost }
+        let one = SPREAD.cost(form);
+        let lobes = DISC_LOBES as u64;
+        let fetches = lobes * one.fetches + 1;
+        Cost { fetches, fetches_mean: lobes as f64 * one.fetches_mean + 1.0, ..one }
     }
 
     fn errors(&self, form: &Form) -> Vec<StatedError> {

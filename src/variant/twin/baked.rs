@@ -6,6 +6,7 @@ use glam::{DVec2, DVec3};
 
 use crate::field::reference::Directions;
 use crate::tables::{BakedAxes, WideLevel, bilinear, octant};
+use crate::variant::forms::{DISC_LOBES, DISC_RING, DISC_SHARE, NARROW_DISC};
 use crate::variant::{Baked, Wide};
 
 use super::Twin;
@@ -83,14 +84,26 @@ pub fn tristimulus_disc(
     radius_rad: f64,
     wr: DVec3,
 ) -> [f64; 3] {
-    let matter = &form.coat.matter;
-    let factor = matter.geometry(axis, wr);
-    let Some(wide) = form.wide.as_ref().filter(|_| factor != 0.0) else { return [0.0; 3] };
+    let Some(wide) = &form.wide else { return [0.0; 3] };
     let narrowest = wide.lobe_sigma * wide.lobe_sigma;
-    let variance = 0.25 * radius_rad.sin().powi(2) * axis.z / narrowest;
-    let white = matter.normal_reflectance() * factor / (TAU * narrowest);
-    let xyz = colour_widened(twin, form, wide, matter.path(axis, wr, twin.rotate_deg), variance);
-    xyz.map(|c| white / form.axes.colour_scale() * c)
+    let disc = 0.25 * radius_rad.sin().powi(2);
+    let is_wide = disc > NARROW_DISC * narrowest;
+    let (count, variance) = if is_wide { (DISC_LOBES, DISC_SHARE * disc) } else { (1, disc) };
+    let other = if axis.x.abs() > 0.7 { DVec3::Y } else { DVec3::X };
+    let across = axis.cross(other).normalize();
+    let along = axis.cross(across);
+    let away = DISC_RING * radius_rad;
+    let of = |lobe: usize| {
+        let turn = DVec2::from_angle(TAU / (DISC_LOBES - 1) as f64 * lobe as f64);
+        let ring = away.cos() * axis + away.sin() * (turn.x * across + turn.y * along);
+        let wi = if lobe == 0 { axis } else { ring };
+        let spread = (variance * wi.z.max(0.0)).sqrt();
+        DVec3::from(tristimulus_spread(twin, form, Directions { wi, wr }, spread))
+    };
+    let xyz: DVec3 = (0..count).map(of).sum();
+    let normal = form.coat.matter.normal_reflectance();
+    let light = 2.0 / (1.0 + radius_rad.cos());
+    (light * normal / (TAU * narrowest * count as f64) * xyz).to_array()
 }
 
 /// Colours of lobes with a multiple of the narrowest variance, between the two nearest levels.
