@@ -5,6 +5,7 @@ pub mod terms;
 mod axes;
 pub mod bake;
 pub mod container;
+mod cells;
 mod corridor;
 mod lobes;
 mod matter;
@@ -33,6 +34,7 @@ use crate::tables::basis::Expansion;
 use crate::tables::terms::Terms;
 
 pub use axes::{Aim, BEND, BakedAxes, octant};
+pub use cells::cells_shape;
 pub use corridor::{BROADEST, Corridor, LobeGeometry, MIN_SQUARED, OUTER_NODES, REACH_SIGMAS};
 pub use matter::MatterSpec;
 pub use meaning::{Meaning, NODE_LEVELS};
@@ -256,7 +258,7 @@ pub const DIRECTIONS: u32 = 3;
 
 /// Binding of the table of coefficients, of moments, or of colours with wider lobes.
 pub const COEFFICIENTS: u32 = 4;
-/// Binding of the table of streaks.
+/// Binding of the table of streaks, or of cells.
 pub const STREAKS: u32 = 6;
 /// Binding of the levels of the surroundings in whole shaders.
 pub const ENVIRONMENT: u32 = 7;

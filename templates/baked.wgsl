@@ -45,20 +45,24 @@ fn colour_between(path: vec3f) -> vec3f {
     let turn = column_at(path.xy);
     let page = min(floor(turn / f32(PAGE_COLUMNS)), f32(PAGE_COUNT - 1));
     let place = vec2f(turn - page * f32(PAGE_COLUMNS), row_at(squared));
-#ifdef COVER
-    let above = path.z * path.z - LEAST_W_SQUARED;
-    let share = clamp(above / max(4.0 - squared, 1e-6), 0.0, 1.0);
-#else
-#ifdef EVEN_LEVELS
-    let share = min(-path.z * inverseSqrt(max(4.0 - squared, 1e-6)), 1.0);
-#else
-    let share = min(path.z * path.z / max(4.0 - squared, 1e-6), 1.0);
-#endif
-#endif
-    let level = share * f32(LEVEL_COUNT - 1);
+    let level = layer_share(path.z, squared) * f32(LEVEL_COUNT - 1);
     let below = min(floor(level), f32(LEVEL_COUNT - 2));
     let layer = i32(page) * LEVEL_COUNT + i32(below);
     return mix(texel_at(place, layer), texel_at(place, layer + 1), level - below);
+}
+
+// Position between the first and the last layer of w, 0 to 1.
+fn layer_share(w: f32, squared: f32) -> f32 {
+#ifdef COVER
+    let above = w * w - LEAST_W_SQUARED;
+    return clamp(above / max(4.0 - squared, 1e-6), 0.0, 1.0);
+#else
+#ifdef EVEN_LEVELS
+    return min(-w * inverseSqrt(max(4.0 - squared, 1e-6)), 1.0);
+#else
+    return min(w * w / max(4.0 - squared, 1e-6), 1.0);
+#endif
+#endif
 }
 
 // Column of the angle of (u, v), from 0 to COLUMN_COUNT. A parabola replaces the arc tangent in each octant. The table
@@ -108,31 +112,75 @@ fn tristimulus_spread(wi: vec3f, wr: vec3f, spread: f32) -> vec3f {
 }
 
 #ifdef DISC
-// X, Y, Z of the radiance under a disc of irradiance 1, relative to a white of radiance 1: the sum of lobes that stand in
-// its middle and on a ring. A disc that is hardly wider than the narrowest lobes is one lobe of the same variance.
+// X, Y, Z of the radiance under a disc of irradiance 1, relative to a white of radiance 1: the sum of lobes that stand on
+// two rings, and the mirror image with its edge in place of theirs. Together they are as wide as the disc, so a disc that is
+// no wider than the narrowest lobes is one of these.
 fn tristimulus_disc(axis: vec3f, radius: f32, wr: vec3f) -> vec3f {
+    if (!(wr.z > 1e-6)) {
+        return vec3f(0.0);
+    }
+    let narrowest = LOBE_SIGMA * LOBE_SIGMA;
     let sine = sin(radius);
     let disc = 0.25 * sine * sine;
-    let is_wide = disc > NARROW_DISC * LOBE_SIGMA * LOBE_SIGMA;
-    let count = select(1, DISC_LOBES, is_wide);
-    let variance = select(disc, DISC_SHARE * disc, is_wide);
+    // in direction cosines a disc is as wide as its cosine allows
+    let own = disc * max(axis.z, 0.01);
+    let is_narrow = own <= narrowest;
+    let count = select(DISC_LOBES, 1, is_narrow);
+    // what the lobes are narrower than the disc comes from the rings
+    let rest = max(own - max(DISC_SHARE * own, narrowest), 0.0);
+    let size = radius * sqrt(rest / (DISC_RING_VARIANCE * own));
     // two directions across the axis
     let other = select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(axis.x) > 0.7);
     let across = normalize(cross(axis, other));
     let along = cross(axis, across);
-    let away = DISC_RING * radius;
-    var xyz = vec3f(0.0);
-    for (var lobe = 0; lobe < count; lobe++) {
-        let turn = 6.2831853 / f32(DISC_LOBES - 1) * f32(lobe);
-        let on_ring = cos(away) * axis + sin(away) * (cos(turn) * across + sin(turn) * along);
-        let wi = select(on_ring, axis, lobe == 0);
-        // in direction cosines a lobe is as wide as its cosine allows
-        xyz += tristimulus_spread(wi, wr, sqrt(variance * max(wi.z, 0.0)));
+    // the order that mirrors is the narrowest lobe in the middle of the table
+    let mirror = vec3f(-wr.xy, wr.z);
+    let image = COLOUR_UNIT * colour_between(path_difference(mirror, wr)) * select(1.0, 0.0, is_narrow);
+    var xyz = gain(mirror, wr) * disc_share(axis, radius, mirror) * image;
+    for (var index = 0; index < count; index++) {
+        let lobe = select(disc_lobe(index), vec3f(0.0, 0.0, 1.0), is_narrow);
+        let away = lobe.x * size;
+        let wi = cos(away) * axis + sin(away) * (cos(lobe.y) * across + sin(lobe.y) * along);
+        let spread = sqrt(max(DISC_SHARE * disc * wi.z - narrowest, 0.0));
+        let blurred = gain(wi, wr) * lobe_at(wi.xy + wr.xy, spread) * image;
+        xyz += lobe.z * (tristimulus_spread(wi, wr, spread) - blurred);
     }
+    xyz = max(xyz, vec3f(0.0));
     let normal = textureLoad(spectrum, vec2i(SPREAD_LEVELS, 0), 0).x;
     // solid angle of the disc times its radiance
     let light = 2.0 / (1.0 + cos(radius));
-    return light * normal / (6.2831853 * LOBE_SIGMA * LOBE_SIGMA * f32(count)) * xyz;
+    return light * normal / (6.2831853 * narrowest) * xyz;
+}
+
+// Mean over a disc of the narrowest lobe with the peak 1 about a direction, as if it were narrower: with a sharp edge.
+fn disc_share(axis: vec3f, radius: f32, direction: vec3f) -> f32 {
+    let beyond = acos(clamp(dot(direction, axis), -1.0, 1.0)) - radius;
+    // some drivers give no number for a large tanh
+    let edge = clamp(6.0 / LOBE_SIGMA * beyond * sqrt(direction.z), -9.0, 9.0);
+    let inside = 0.5 - 0.5 * tanh(edge);
+    let sine = sin(radius);
+    let size = 0.5 * sine * sine * direction.z / (LOBE_SIGMA * LOBE_SIGMA);
+    return inside * (1.0 - exp(-size)) / max(size, 1e-6);
+}
+
+// A lobe with the peak 1 that is widened by `spread`, at a distance in direction cosines; between two levels, as colours.
+fn lobe_at(distance: vec2f, spread: f32) -> f32 {
+    let narrowest = LOBE_SIGMA * LOBE_SIGMA;
+    let wanted = min(1.0 + spread * spread / narrowest, WIDEST_VARIANCE);
+    let own = level_below(wanted).y;
+    let squared = 0.5 * dot(distance, distance) / (narrowest * own);
+    let wider = exp(-squared / LEVEL_RATIO) / LEVEL_RATIO;
+    return mix(exp(-squared), wider, wider_share(wanted / own)) / own;
+}
+
+// A lobe of a disc: its distance from the middle relative to the radius of the disc, its angle around it, its share.
+fn disc_lobe(index: i32) -> vec3f {
+    let is_inner = index < DISC_INNER;
+    let count = f32(select(DISC_LOBES - DISC_INNER, DISC_INNER, is_inner));
+    let first = f32(select(DISC_INNER, 0, is_inner));
+    let share = select(1.0 - DISC_INNER_SHARE, DISC_INNER_SHARE, is_inner);
+    let ring = select(DISC_OUTER_RING, DISC_INNER_RING, is_inner);
+    return vec3f(ring, 6.2831853 / count * (f32(index) - first), share / count);
 }
 
 #endif
@@ -140,14 +188,9 @@ fn tristimulus_disc(axis: vec3f, radius: f32, wr: vec3f) -> vec3f {
 // ones, up to the widest: between the two nearest levels. Wider lobes are dimmer by the same factor, which keeps energy.
 fn colour_widened(path: vec3f, variance: f32) -> vec3f {
     let wanted = clamp(variance, 1.0, WIDEST_VARIANCE);
-    var level = 0;
-    var own = 1.0;
-    for (var next = 1; next < SPREAD_LEVELS; next++) {
-        if (wanted >= own * LEVEL_RATIO) {
-            own *= LEVEL_RATIO;
-            level = next;
-        }
-    }
+    let below = level_below(wanted);
+    let own = below.y;
+    let level = i32(below.x);
     var narrower = vec3f(0.0);
     if (level == 0) {
         narrower = colour_between(path);
@@ -156,6 +199,17 @@ fn colour_widened(path: vec3f, variance: f32) -> vec3f {
     }
     let wider = wide_between(path, level + 1) / LEVEL_RATIO;
     return mix(narrower, wider, wider_share(wanted / own)) / own;
+}
+
+// The widest level, except the last, whose lobes are no wider than `wanted`, and their variance.
+fn level_below(wanted: f32) -> vec2f {
+    var below = vec2f(0.0, 1.0);
+    for (var next = 1; next < SPREAD_LEVELS; next++) {
+        if (wanted >= below.y * LEVEL_RATIO) {
+            below = vec2f(f32(next), below.y * LEVEL_RATIO);
+        }
+    }
+    return below;
 }
 
 // Share of the wider of two levels, 0 to 1. `variance`: the wanted one divided by that of the narrower level.
@@ -177,25 +231,10 @@ fn wide_between(path: vec3f, level: i32) -> vec3f {
     let place = vec2f(turn - page * columns, row);
     let first = min(floor(place), vec2f(columns - 1.0, rows - 2.0));
     let corner = first + vec2f(sizes.x - PACKED * rows, sizes.y + page * rows);
-    let layer = layer_at(path.z, squared);
+    let layer = layer_share(path.z, squared) * f32(WIDE_LAYERS - 1);
     let below = min(floor(layer), f32(WIDE_LAYERS - 2));
     let part = place - first;
     return mix(wide_texel_at(corner, part, i32(below)), wide_texel_at(corner, part, i32(below) + 1), layer - below);
-}
-
-// Position on the layers of `wide`.
-fn layer_at(w: f32, squared: f32) -> f32 {
-#ifdef COVER
-    let above = w * w - LEAST_W_SQUARED;
-    let share = clamp(above / max(4.0 - squared, 1e-6), 0.0, 1.0);
-#else
-#ifdef EVEN_LEVELS
-    let share = min(-w * inverseSqrt(max(4.0 - squared, 1e-6)), 1.0);
-#else
-    let share = min(w * w / max(4.0 - squared, 1e-6), 1.0);
-#endif
-#endif
-    return share * f32(WIDE_LAYERS - 1);
 }
 
 // X, Y, Z of a layer of `wide`, bilinear between the texel at `first` and the next ones.

@@ -60,6 +60,10 @@
 #endif
 #ifdef MODE_BAKED
 #import baked
+#ifdef ENVIRONMENT
+#import surroundings
+#import cells
+#endif
 #ifdef PATH
 #import colour_path
 #endif

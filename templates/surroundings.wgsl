@@ -6,8 +6,11 @@
 // the tangent's opposite; rows go from the normal to its opposite. Each level has a frame of one texel: columns of the other
 // side, and rows as those beside them. rgb: linear sRGB.
 @group(0) @binding(7) var environment: texture_2d<f32>;
+#ifdef FILTERED
+#else
 // Linear filter, clamped to the edge.
 @group(0) @binding(5) var linear_clamp: sampler;
+#endif
 
 // Radiance of the surroundings, linear sRGB, from a unit direction in the tangent frame, blurred to a standard deviation of
 // `spread` radians on each axis.

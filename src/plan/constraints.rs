@@ -39,13 +39,13 @@ pub(super) fn broken(variant: &Variant) -> Vec<(&'static str, String)> {
     let has_levels = variant.spread_levels != Auto::Value(0);
     let is_known = |light: &LightFunction| match light {
         LightFunction::Direction | LightFunction::Path => true,
-        LightFunction::Disc => has_levels,
-        LightFunction::Polygon | LightFunction::Environment => false,
+        LightFunction::Disc | LightFunction::Environment => has_levels,
+        LightFunction::Polygon => false,
     };
     refuse(
         mode == Mode::Baked && has_paths && !variant.lights.iter().all(is_known),
         "lights",
-        "a table of colours has functions for \"direction\", \"path\" and, with spread_levels, \"disc\"; the others are of mode = \"orders\"",
+        "a table of colours has functions for \"direction\", \"path\" and, with spread_levels, \"disc\" and \"environment\"; the others are of mode = \"orders\"",
     );
     refuse(
         variant.filters() && variant.table == TableFormat::F32,

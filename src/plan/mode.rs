@@ -66,6 +66,8 @@ pub(super) enum When {
     ChoosesNodes,
     /// It has tables with wider lobes.
     HasSpread,
+    /// It has tables with wider lobes and a function for surroundings.
+    HasCells,
     /// The relief is a dielectric.
     IsDielectric,
     /// It is not a dielectric in air with Stam's obliquity.
@@ -153,6 +155,7 @@ const BAKED: Declared = Declared {
         &[
             ("spread_levels", When::HasSpread),
             ("spread_step", When::HasSpread),
+            ("cells", When::HasCells),
             ("lights", When::HasSpread),
             ("lights", When::HasPaths),
         ],

@@ -43,8 +43,7 @@ impl Variant {
 
     /// Whether its shader has a function for a kind of light.
     pub fn has_function(&self, light: LightFunction) -> bool {
-        let of_baked = [LightFunction::Disc, LightFunction::Path];
-        let has_others = self.mode != Mode::Baked || of_baked.contains(&light);
+        let has_others = self.mode != Mode::Baked || light != LightFunction::Polygon;
         light == LightFunction::Direction
             || (has_others && reads(self, "lights") && self.lights.contains(&light))
     }

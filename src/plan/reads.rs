@@ -18,6 +18,9 @@ impl When {
                 When::HasSurroundings.holds(variant) && variant.nodes == Auto::Auto
             }
             When::HasSpread => variant.spread_levels != Auto::Value(0),
+            When::HasCells => {
+                When::HasSpread.holds(variant) && When::HasSurroundings.holds(variant)
+            }
             When::IsDielectric => variant.optics.material == Material::Dielectric,
             When::HasMatter => !variant.optics.is_plain(),
         }

@@ -69,6 +69,7 @@ fn others(key: &str) -> &'static [&'static str] {
         "bake_mib" => &["0.3"],
         "spread_levels" => &["0", "2"],
         "spread_step" => &["1.7"],
+        "cells" => &["32"],
         "lights" => &["[\"direction\", \"disc\"]"],
         "nodes" => &["11"],
         "environment_error" => &["0.7"],

@@ -56,6 +56,9 @@ pub struct Variant {
     pub spread_levels: Auto<u32>,
     /// Factor from the width of a table's lobes to that of the next. Read by variants with such tables.
     pub spread_step: f64,
+    /// Number of directions that surroundings are asked for. Read by `baked` with tables of wider lobes and
+    /// [`LightFunction::Environment`].
+    pub cells: u32,
     /// Kinds of light that the shader has functions for, sorted; always with [`LightFunction::Direction`]. Read by `orders`, and
     /// by `baked` for paths and with tables of wider lobes. Words that a mode has no function for have no effect.
     pub lights: Vec<LightFunction>,
@@ -94,6 +97,7 @@ impl Variant {
             bake_mib: 32.0,
             spread_levels: Auto::Value(0),
             spread_step: 2.0,
+            cells: 128,
             lights: LIGHT_FUNCTIONS
                 .iter()
                 .map(|(_, function)| *function)
@@ -126,7 +130,7 @@ pub(super) fn axes() -> impl Iterator<Item = &'static Axis> {
 }
 
 /// Keys of `[variants]` and of presets, other than those of the optics.
-pub(super) static AXES: [Axis; 20] = [
+pub(super) static AXES: [Axis; 21] = [
     worded!("mode", mode, MODES, "method, see above", Part::Always(|v| v.mode.as_str().to_owned())),
     worded!(
         "basis",
@@ -277,6 +281,14 @@ pub(super) static AXES: [Axis; 20] = [
         "factor from the width of lobes in a baked table to the next",
         Part::Changed(|v| format!("x{}", number(v.spread_step)))
     ),
+    valued!(
+        "cells",
+        cells,
+        cells,
+        "8 to 1024",
+        "directions that a baked variant with `spread_levels` asks the surroundings for",
+        Part::Changed(|v| format!("c{}", v.cells))
+    ),
     Axis {
         words: || words::names(LIGHT_FUNCTIONS),
         is_one: Some(is_of_words),
@@ -285,7 +297,7 @@ pub(super) static AXES: [Axis; 20] = [
             lights,
             lights,
             "an array of these words",
-            "kinds of light that the shader has functions for, `disc` and `polygon` in white and in colours; `direction` is always one of them; `path`: random directions for path tracers; `baked` has `direction`, `path`, and with `spread_levels` `disc`",
+            "kinds of light that the shader has functions for, `disc` and `polygon` in white and in colours; `direction` is always one of them; `path`: random directions for path tracers; `baked` has `direction`, `path`, and with `spread_levels` `disc` and `environment`",
             Part::Changed(|v| {
                 let words: Vec<&str> = v.lights.iter().map(|light| light.as_str()).collect();
                 words.join("-")
@@ -375,6 +387,11 @@ fn spread_step(item: &Item) -> Option<f64> {
     let what =
         "the factor from the width of lobes in a table to that in the next; 1.4142136 for lamps";
     item.number("from 1.1 to 4", what, |x| (1.1..=4.0).contains(&x))
+}
+
+fn cells(item: &Item) -> Option<u32> {
+    let what = "the number of directions that surroundings are asked for";
+    item.whole(8..1025, what).and_then(|n| u32::try_from(n).ok())
 }
 
 fn nodes(item: &Item) -> Option<Auto<u32>> {

@@ -49,6 +49,7 @@ const BUILTIN: &[(&str, &str)] = &[
     ("surroundings", include_str!("../../templates/surroundings.wgsl")),
     ("environment", include_str!("../../templates/environment.wgsl")),
     ("order_path", include_str!("../../templates/order_path.wgsl")),
+    ("cells", include_str!("../../templates/cells.wgsl")),
     ("colour_path", include_str!("../../templates/colour_path.wgsl")),
     ("baked", include_str!("../../templates/baked.wgsl")),
     ("prefiltered", include_str!("../../templates/prefiltered.wgsl")),

@@ -59,8 +59,18 @@ pub fn bake(
     axes: BakedAxes,
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<Colours> {
-    let spectrum = Spectrum::new(illuminant)?;
-    let lines = Lines::new(height, light, &spectrum, axes);
+    Ok(bake_under(height, light, &Spectrum::new(illuminant)?, axes, done))
+}
+
+/// The same under any spectrum.
+pub fn bake_under(
+    height: &HeightField,
+    light: Light<'_>,
+    spectrum: &Spectrum,
+    axes: BakedAxes,
+    done: &(dyn Fn(usize) + Sync),
+) -> Colours {
+    let lines = Lines::new(height, light, spectrum, axes);
     let columns = axes.columns as usize;
     let cells = axes.rows as usize * axes.levels as usize;
     let blocks: Vec<Vec<[[f32; LANES]; 3]>> = (0..columns.div_ceil(LANES))
@@ -83,7 +93,7 @@ pub fn bake(
             }
         }
     });
-    Ok(Colours { axes, xyz })
+    Colours { axes, xyz }
 }
 
 /// Bytes that baking takes at most, beside the heights: an estimate. `texels` and `table`: bytes of the table in 64 bits and in

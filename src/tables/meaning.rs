@@ -47,6 +47,7 @@ impl TableSpec {
             TableSpec::Streaks(_) => streaks(),
             TableSpec::OrderPaths(spec) => order_paths(&spec.of),
             TableSpec::ColourPaths(_) => colour_paths(),
+            TableSpec::Cells(_) => cells(),
         };
         let axes = match self.matter() {
             Some(matter) => with_matter(axes, &self.shape(), matter),
@@ -340,6 +341,18 @@ fn colour_paths() -> Words {
     );
     let row = format!("node divided by {columns}");
     let axes = BTreeMap::from([("column", column), ("row", row)]);
+    (channels.map(str::to_owned).into(), axes)
+}
+
+fn cells() -> Words {
+    let channels = [
+        "row 0: u of the centroid; else X",
+        "row 0: v of the centroid; else Y",
+        "row 0: standard deviation of the cell's light on each axis, in direction cosines; else Z",
+        "",
+    ];
+    let row = "0: the cell; 1 + 3 i + j: layer i of w, light of colour j (red, green, blue)";
+    let axes = BTreeMap::from([("column", "cell of (u, v)".to_owned()), ("row", row.to_owned())]);
     (channels.map(str::to_owned).into(), axes)
 }
 

@@ -4,6 +4,9 @@
 //! meaning, and its name, which is the hash of the `TableSpec`. Texels are computed only from these, so no input can be
 //! missing from the name.
 
+use std::f64::consts::TAU;
+
+use glam::DVec3;
 use serde::Serialize;
 
 use crate::error::Result;
@@ -13,6 +16,7 @@ use crate::plan::{Coherence, CoherenceScaling, Illuminant, TableFormat, Waveleng
 use crate::surface::HeightField;
 use crate::tables::terms::Terms;
 
+use super::cells::{cells_shape, cells_table};
 use super::lobes::lobes_table;
 use super::orders::{
     EfficiencyAxes, efficiencies_shape, efficiencies_table, moments_shape, moments_table,
@@ -63,6 +67,8 @@ pub enum TableSpec {
     OrderPaths(OrderPathsSpec),
     /// Probabilities of `(u, v)`.
     ColourPaths(ColourPathsSpec),
+    /// Cells of `(u, v)`.
+    Cells(CellsSpec),
 }
 
 /// See [`terms_table`](super::terms_table).
@@ -418,6 +424,40 @@ pub struct ColourPathsSpec {
     pub colours: ColoursSpec,
 }
 
+/// See [`cells_table`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CellsSpec {
+    /// A table of colours with lobes that are wide enough for its sizes.
+    pub colours: ColoursSpec,
+    /// Number of cells.
+    pub count: u32,
+    /// Standard deviation of these lobes, in direction cosines.
+    #[serde(skip)]
+    pub lobe_sigma: f64,
+    /// Index of the dielectric, whose reflectance is not in the colours.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refractive_index: Option<f64>,
+    /// Reflectance at normal incidence.
+    #[serde(skip)]
+    pub normal: f64,
+}
+
+impl CellsSpec {
+    /// Bakes the colours under red, green and blue light, and divides them.
+    fn compute(&self, height: &HeightField, done: &(dyn Fn(usize) + Sync)) -> Result<Table> {
+        let spec = &self.colours;
+        let range = range(spec.range_nm);
+        let light = bake::Light { pooled: true, ..spec.light(&range) };
+        let white = Spectrum::new(&spec.illuminant)?;
+        let colours = [DVec3::X, DVec3::Y, DVec3::Z].map(|primary| {
+            let spectrum = white.clone().tinted(primary);
+            bake::bake_under(height, light, &spectrum, spec.axes, done)
+        });
+        let unit = self.normal / (TAU * self.lobe_sigma * self.lobe_sigma);
+        Ok(cells_table(&colours, self.count, unit))
+    }
+}
+
 impl TableSpec {
     /// The name: the name of the binding, and a hash of this value and the tool's version.
     pub fn id(&self) -> String {
@@ -458,12 +498,16 @@ impl TableSpec {
             TableSpec::Streaks(spec) => streaks_shape(spec.cells),
             TableSpec::OrderPaths(spec) => order_paths_shape(&spec.of),
             TableSpec::ColourPaths(_) => colour_paths_shape(),
+            TableSpec::Cells(spec) => cells_shape(spec.count, spec.colours.axes.levels),
         }
     }
 
     /// Whether the table takes so long to compute that it is cached.
     pub fn is_expensive(&self) -> bool {
-        matches!(self, TableSpec::Terms(_) | TableSpec::Colours(_) | TableSpec::Wide(_))
+        matches!(
+            self,
+            TableSpec::Terms(_) | TableSpec::Colours(_) | TableSpec::Wide(_) | TableSpec::Cells(_)
+        )
     }
 
     /// Number of columns that [`TableSpec::compute_with`] reports in all.
@@ -473,6 +517,7 @@ impl TableSpec {
             TableSpec::Wide(spec) => {
                 spec.wide.levels.iter().map(|level| level.axes.columns as usize).sum()
             }
+            TableSpec::Cells(spec) => 3 * spec.colours.axes.columns as usize,
             _ => 0,
         }
     }
@@ -520,6 +565,15 @@ impl TableSpec {
             }
             TableSpec::ColourPaths(ColourPathsSpec { colours }) => {
                 TableSpec::Colours(colours.clone()).working_bytes(height, threads)
+            }
+            TableSpec::Cells(spec) => {
+                let range = range(spec.colours.range_nm);
+                let axes = spec.colours.axes;
+                let sizes = [texels, table];
+                let light = spec.colours.light(&range);
+                // the colours under two lights are kept
+                let kept = 24 * u64::from(axes.columns * axes.rows * axes.levels);
+                kept + bake::working_bytes(height, light, axes, sizes, threads)
             }
             TableSpec::Wide(spec) => {
                 let range = range(spec.range_nm);
@@ -603,6 +657,7 @@ impl TableSpec {
                 let colours = bake::bake(height, light, &spec.illuminant, spec.axes, done)?;
                 colour_paths_table(&colours)
             }
+            TableSpec::Cells(spec) => spec.compute(height, done)?,
         };
         table.check()?;
         Ok(table)

@@ -22,7 +22,10 @@ use crate::tables::{CoefficientsSpec, NodesSpec, Series, SettingsSpec, TableSpec
 
 use super::{Coat, Computation, Ground};
 
-pub use baked::{Baked, DISC_LOBES, DISC_RING, DISC_SHARE, NARROW_DISC, Wide};
+pub use baked::{
+    Baked, DISC_INNER, DISC_INNER_SHARE, DISC_LOBES, DISC_RING_VARIANCE, DISC_RINGS, DISC_SHARE,
+    Wide,
+};
 pub use full_prefiltered::FullPrefiltered;
 pub use full_window::FullWindow;
 pub use gems::Gems;

@@ -2,6 +2,7 @@
 //! probes and cost follow from that.
 
 mod arguments;
+mod cells;
 mod coloured;
 mod directional;
 mod disc;
@@ -22,10 +23,11 @@ use crate::surface::HeightField;
 use super::{Cost, Form};
 
 pub use arguments::{Arguments, Around};
+pub use cells::{CELLS, CellSum};
 pub use coloured::{Coloured, DISC_COLOURED, RECTANGLE_COLOURED};
 pub use directional::{DIRECTIONAL, Directional};
 pub use disc::{DISC, Disc};
-pub use environment::{ENVIRONMENT, Environment, skies};
+pub use environment::{ENVIRONMENT, Environment, define_surroundings, skies};
 pub use path::{PATH, Paths};
 pub use rectangle::{RECTANGLE, Rectangle};
 pub use soft_disc::{SOFT_DISC, SoftDisc};

@@ -8,6 +8,7 @@ mod adaptive;
 pub(super) mod arrivals;
 mod baked;
 mod bins;
+mod cells;
 mod colour_path;
 mod disc;
 mod efficiencies;
@@ -120,12 +121,20 @@ impl<'a> Twin<'a> {
                     }
                 })
             }
-            (Arguments::Environment { around, wr }, Form::Orders(form)) => {
+            (Arguments::Environment { around, wr }, form) => {
                 let around: &dyn Surroundings = match &around {
                     Around::Sky(sky) => sky,
                     Around::Host => self.surroundings?,
                 };
-                Some(environment::tristimulus_environment(self, form, around, wr))
+                match form {
+                    Form::Orders(form) => {
+                        Some(environment::tristimulus_environment(self, form, around, wr))
+                    }
+                    Form::Baked(form) => {
+                        Some(cells::tristimulus_environment(self, form, around, wr))
+                    }
+                    _ => None,
+                }
             }
             (Arguments::Path { sky, random, wr }, _) => {
                 let path = self.path(wr, random)?;

@@ -184,6 +184,7 @@ coherence = "ensemble"
 source_diameter_deg = 6
 spread_levels = 3
 spread_step = 1.5
+cells = 32
 [[preset]]
 name = "softest"
 mode = "baked"

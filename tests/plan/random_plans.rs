@@ -199,7 +199,7 @@ const FAULTS: [Fault; 10] = [
 ];
 
 /// Numbers that a key refuses, by the last part of its name.
-const BAD_NUMBERS: [(&str, &[&str]); 32] = [
+const BAD_NUMBERS: [(&str, &[&str]); 33] = [
     ("schema", &["0", "2", "-1", "1.0"]),
     ("period_um", &["0", "-1.0", "nan", "inf"]),
     ("height_um", &["0.0", "-0.1", "-inf", "nan"]),
@@ -220,6 +220,7 @@ const BAD_NUMBERS: [(&str, &[&str]); 32] = [
     ("bake_mib", &["0.1", "513", "-inf"]),
     ("spread_levels", &["-1", "17", "1.5", "[0, 17]"]),
     ("spread_step", &["1", "4.1", "nan"]),
+    ("cells", &["7", "1025", "2.5", "[]"]),
     ("lights", &["0", "[1, 2]", "[]"]),
     ("nodes", &["1", "65", "2.5", "[0]"]),
     ("environment_error", &["0.4", "21", "nan"]),

@@ -213,7 +213,9 @@ fn section(heading: &str, large: Large, first: Vec<String>, rest: Vec<String>) -
         [heading.to_owned()].into_iter().chain(first).chain(rest).collect();
     let filters = lines.iter().any(|line| line.contains("\"filter\""));
     let surrounds = lines.iter().any(|line| line.starts_with("environment_error"));
-    let spreads = lines.iter().any(|line| line.starts_with("spread_step"));
+    let has = |key: &str| lines.iter().any(|line| line.starts_with(key));
+    let spreads = has("spread_step") || has("cells");
+    let has_cells = has("cells");
     for (is_needed, key, value) in [
         (large.prefiltered, "reconstruction", "\"prefiltered\""),
         (large.baked, "mode", "\"baked\""),
@@ -224,6 +226,7 @@ fn section(heading: &str, large: Large, first: Vec<String>, rest: Vec<String>) -
         (spreads, "spread_levels", "2"),
         (spreads, "coherence", "\"ensemble\""),
         (spreads, "coherence_scaling", "\"wavelength\""),
+        (has_cells, "lights", "[\"environment\"]"),
         (surrounds, "mode", "\"orders\""),
         (surrounds, "nodes", "\"auto\""),
         (surrounds, "coherence_scaling", "\"wavelength\""),
@@ -282,6 +285,7 @@ fn numbers(name: &str, large: Large) -> Option<BoxedStrategy<String>> {
         "bake_mib" => float(0.25..0.5),
         "spread_levels" => (0..4u32).prop_map(|n| n.to_string()).boxed(),
         "spread_step" => float(1.1..4.0),
+        "cells" => (8..64u32).prop_map(|n| n.to_string()).boxed(),
         "nodes" => (2..17u32).prop_map(|n| n.to_string()).boxed(),
         "environment_error" => float(1.0..20.0),
         "coherence_um" => float(if large.prefiltered { 0.1..4.0 } else { 0.1..200.0 }),

@@ -134,6 +134,13 @@ fn inputs(spec: &TableSpec, surface: &SurfaceInput, variant: &Variant, forget: &
             [id, waves.min_nm, waves.max_nm, variant.table, variant.bake_error, variant.bake_mib],
             [coherence_um, coherence, coherence_scaling, light, matter]
         ]),
+        TableSpec::Cells(_) => {
+            let normal = matter.is_none().then_some(optics.refractive_index);
+            json!([
+                [id, waves.min_nm, waves.max_nm, variant.cells, normal],
+                [coherence_um.min(25.0), light, matter]
+            ])
+        }
         TableSpec::Colours(_) => json!([
             [id, waves.min_nm, waves.max_nm, variant.table, variant.bake_error, variant.bake_mib],
             [coherence_um, coherence, coherence_scaling, light, matter]

@@ -19,3 +19,4 @@ mod pq;
 mod prefiltered;
 mod quantised;
 mod spread;
+mod wide_lights;

@@ -3,10 +3,8 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use diffraction_shaders::field::orders::OrderSum;
 use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::input::load_surface;
-use diffraction_shaders::light::{Cap, Light};
 use diffraction_shaders::optics::colour_difference::{auto_exposure, colour_difference};
 use diffraction_shaders::optics::{Matter, direction};
 use diffraction_shaders::plan::{Plan, Variant};
@@ -15,13 +13,11 @@ use diffraction_shaders::shader::specialise;
 use diffraction_shaders::surface::HeightField;
 use diffraction_shaders::tables::{Table, TableSpec, WideAxes, WideSpec, lobe_sigma};
 use diffraction_shaders::variant::{
-    Arguments, Baked, Form, Function, Ground, SOFT_DISC, SPREAD, Twin, Wide, widened,
+    Arguments, Baked, Form, Function, Ground, SPREAD, Twin, Wide, widened,
 };
 use glam::{DVec2, DVec3};
 
-use crate::support::data;
-
-const FINGERS: &str = "grating = { kind = \"fingers\", size_um = 16, pixels = 320, pitch_um = 1.1, height_um = 0.25, seed = 7 }";
+pub(crate) const FINGERS: &str = "grating = { kind = \"fingers\", size_um = 16, pixels = 320, pitch_um = 1.1, height_um = 0.25, seed = 7 }";
 
 fn subject(surface: &str, keys: &str) -> (HeightField, Variant) {
     let text = format!(
@@ -32,15 +28,15 @@ fn subject(surface: &str, keys: &str) -> (HeightField, Variant) {
 }
 
 /// A variant with its rounded tables.
-struct Shader {
-    height: HeightField,
-    variant: Variant,
-    form: Form,
+pub(crate) struct Shader {
+    pub(crate) height: HeightField,
+    pub(crate) variant: Variant,
+    pub(crate) form: Form,
     tables: Vec<Table>,
 }
 
 impl Shader {
-    fn new(surface: &str, keys: &str) -> Shader {
+    pub(crate) fn new(surface: &str, keys: &str) -> Shader {
         let (height, variant) = subject(surface, keys);
         let form = Form::new(&variant, &height).unwrap();
         let tables = specialise::tables(&form, &height, 0.0).unwrap();
@@ -48,7 +44,7 @@ impl Shader {
         Shader { height, variant, form, tables }
     }
 
-    fn call(&self, arguments: Arguments) -> [f64; 3] {
+    pub(crate) fn call(&self, arguments: Arguments) -> [f64; 3] {
         Twin::new(&self.form, &self.tables, 0.0).evaluate(arguments).unwrap()
     }
 
@@ -82,7 +78,7 @@ fn directions(count: usize, seed: u64) -> Vec<Directions> {
     (0..count).map(view).collect()
 }
 
-fn p95(exact: &[[f64; 3]], found: &[[f64; 3]]) -> f64 {
+pub(crate) fn p95(exact: &[[f64; 3]], found: &[[f64; 3]]) -> f64 {
     colour_difference("spread", exact, found, auto_exposure(exact)).unwrap().de2000.p95
 }
 
@@ -216,48 +212,4 @@ fn levels_leave_the_narrowest_table_alone() {
     // a lobe cannot be wider than the hemisphere
     let (height, variant) = subject(FINGERS, "coherence_um = 20\nspread_levels = 9");
     assert!(Form::new(&variant, &height).unwrap_err().message().contains("below 0.7 µm"));
-}
-
-/// Colours under discs against the exact sum over orders, and those of a narrow one.
-fn discs(shader: &Shader, axis: DVec3) -> Vec<[f64; 3]> {
-    let orders = OrderSum::new(&shader.height, 0.0, &shader.variant.optics).unwrap();
-    let views: Vec<DVec3> = directions(60, 3).iter().map(|d| d.wr).collect();
-    let each = [3.0_f64, 8.0].map(|radius_deg| {
-        let radius_rad = radius_deg.to_radians();
-        let light = Light::Disc { cap: Cap { axis, radius_rad }, irradiance: 1.0 };
-        let exact = orders.radiance_all_with(&[&*light.emitter().unwrap()], &views, &|_| ());
-        let under = |radius_rad: f64| -> Vec<[f64; 3]> {
-            let call = |wr: &DVec3| {
-                shader.call(Arguments::Disc { axis, radius_rad, colour: None, wr: *wr })
-            };
-            views.iter().map(call).collect()
-        };
-        let (found, narrow) = (p95(&exact, &under(radius_rad)), p95(&exact, &under(0.01)));
-        let mut ratios: Vec<f64> =
-            under(radius_rad).iter().zip(&exact).map(|(a, b)| a[1] / b[1]).collect();
-        ratios.sort_by(f64::total_cmp);
-        let middle = ratios[ratios.len() / 2];
-        println!("disc of {radius_deg}°: {found:.2}, of 0.6°: {narrow:.1}, level {middle:.3}");
-        [found, narrow, middle]
-    });
-    each.to_vec()
-}
-
-const LAMPS: &str =
-    "coherence_um = 40\nspread_levels = \"auto\"\nbake_error = 1\nlights = [\"direction\", \"disc\"]";
-
-#[test]
-fn discs_experiment() {
-    let path = data::find("elaphe_65um.png").unwrap();
-    let fingers = "grating = { kind = \"fingers\", size_um = 40, pixels = 600, pitch_um = 1.1, height_um = 0.25, seed = 7 }".to_owned();
-    let bumps = "grating = { kind = \"bumps\", size_um = 40, pixels = 600, pitch_um = 2.0, height_um = 0.25, seed = 7 }".to_owned();
-    let rows = "grating = { kind = \"rows\", size_um = 40, pixels = 600, pitch_um = 1.5, height_um = 0.25, seed = 7 }".to_owned();
-    for surface in [fingers, bumps, format!("file = {path:?}\nsize_um = 65.0\nheight_um = 0.375")] {
-        let started = std::time::Instant::now();
-        let shader = Shader::new(&surface, LAMPS);
-        println!("{surface} baked in {:.0} s {:?}", started.elapsed().as_secs_f64(), SOFT_DISC.errors(&shader.form));
-        for theta in [30.0, 60.0] {
-            discs(&shader, direction(theta, 0.0));
-        }
-    }
 }

@@ -112,7 +112,8 @@ coherence = "ensemble"
 source_diameter_deg = 1
 spread_levels = 3
 spread_step = 1.5
-lights = ["disc"]
+cells = 64
+lights = ["disc", "environment"]
 [[preset]]
 name = "metal"
 mode = "orders"

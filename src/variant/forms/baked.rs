@@ -9,14 +9,14 @@ use crate::plan::{Auto, Illuminant, LightFunction, TableFormat, Variant, Window}
 use crate::surface::HeightField;
 use crate::tables::paths::{PATH_LEVELS, colour_paths_shape, path_columns};
 use crate::tables::{
-    Aim, BEND, BakedAxes, ColourPathsSpec, ColoursSpec, PACKED, RotationSpec, SpreadsSpec,
-    TableSpec, WideAxes, WideSpec, colour_format, lobe_sigma,
+    Aim, BEND, BakedAxes, CellsSpec, ColourPathsSpec, ColoursSpec, PACKED, RotationSpec,
+    SpreadsSpec, TableSpec, WideAxes, WideSpec, cells_shape, colour_format, lobe_sigma,
 };
 use crate::variant::judge::Light;
 use crate::variant::tolerance::{Promise, is_visible};
 use crate::variant::{
-    Coat, Computation, Cost, DIRECTIONAL, Function, Ground, PATH, SOFT_DISC, SPREAD, StatedError,
-    lay,
+    CELLS, Coat, Computation, Cost, DIRECTIONAL, Function, Ground, PATH, SOFT_DISC, SPREAD,
+    StatedError, define_surroundings, lay,
 };
 
 /// Range of the heights from which on layers for the phase are enough for the reflectance of a metal in air, µm.
@@ -50,6 +50,30 @@ pub struct Baked {
     refractive_index: f64,
     /// Tables of wider lobes.
     pub wide: Option<Wide>,
+    /// Cells that surroundings light.
+    pub cells: Option<Cells>,
+}
+
+/// The cells of `(u, v)` that surroundings light one by one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cells {
+    /// Number of them.
+    pub count: u32,
+    /// Axes of the colours that they are made of.
+    pub axes: BakedAxes,
+    window: Window,
+}
+
+/// Longest coherence length of the colours that cells are made of, µm. Its lobes are narrower than most cells.
+const CELLS_UM: f64 = 25.0;
+/// How their axes are chosen. A cell has many of their texels.
+const CELLS_AIM: Aim = Aim { error: 1.0, mib: 1024.0 };
+
+impl Cells {
+    /// Bytes of their table.
+    fn byte_count(&self) -> u64 {
+        cells_shape(self.count, self.axes.levels).byte_count() as u64
+    }
 }
 
 /// The tables of wider lobes.
@@ -79,16 +103,22 @@ impl Wide {
     }
 }
 
-/// Lobes that a disc is made of: one in its middle, the others on a ring.
-pub const DISC_LOBES: usize = 8;
-/// Radius of the ring relative to that of the disc.
-pub const DISC_RING: f64 = 0.7;
-/// Variance of such a lobe relative to that of the disc. With the ring it is where the sum comes closest to a disc: the root mean
-/// square of the difference is 0.18 of that of the disc, against 0.46 for a single lobe, and 2 % of the light is further out than
-/// 1.25 radii, against 5 %.
-pub const DISC_SHARE: f64 = 0.25;
-/// Variance of a disc relative to that of the narrowest lobes, up to which it is a single lobe.
-pub const NARROW_DISC: f64 = 0.5;
+/// Lobes that a disc is made of, on two rings.
+pub const DISC_LOBES: usize = 13;
+/// Lobes on the inner ring.
+pub const DISC_INNER: usize = 4;
+/// Radii of the rings relative to that of the disc.
+pub const DISC_RINGS: [f64; 2] = [0.3, 0.75];
+/// Share of the light in the inner ring.
+pub const DISC_INNER_SHARE: f64 = 0.26;
+/// Variance of such a lobe relative to that of the disc. With the rings it is where the sum comes closest to a disc: the root mean
+/// square of the difference is 0.16 of that of the disc, against 0.46 for a single lobe, and 0.5 % of the light is further out
+/// than 1.25 radii, against 5 %.
+pub const DISC_SHARE: f64 = 0.15;
+/// Variance of the rings relative to that of the disc, which is a quarter of its squared radius.
+pub const DISC_RING_VARIANCE: f64 = 2.0
+    * (DISC_INNER_SHARE * DISC_RINGS[0] * DISC_RINGS[0]
+        + (1.0 - DISC_INNER_SHARE) * DISC_RINGS[1] * DISC_RINGS[1]);
 
 /// Coherence length of a lobe that is as wide as a disc of 20°, µm: where `spread_levels = "auto"` ends.
 const WIDE_UM: f64 = 2.835;
@@ -151,6 +181,13 @@ impl Baked {
             let (steps, format) = ((window, variant.spread_step), variant.table);
             WideAxes::new(steps, count, (format, aim), layered_um, with_matter)
         };
+        let has_sky = count > 0 && variant.has_function(LightFunction::Environment);
+        let cells = has_sky.then(|| {
+            let window = Window { coherence_um: window.coherence_um.min(CELLS_UM), ..window };
+            let axes = BakedAxes::new(window, TableFormat::F32, CELLS_AIM, layered_um);
+            let axes = with_matter(axes);
+            Cells { count: variant.cells, axes, window }
+        });
         let unlimited = Aim { mib: f64::INFINITY, ..aim };
         let wide = match count {
             0 => None,
@@ -164,6 +201,7 @@ impl Baked {
         };
         Ok(Baked {
             wide,
+            cells,
             axes,
             has_paths: variant.has_function(LightFunction::Path),
             path_axes: sized(Aim { error: aim.error.max(PATH_ERROR), ..aim }),
@@ -193,6 +231,12 @@ impl Baked {
         })
     }
 
+    /// The error that the function of surroundings promises.
+    pub fn sky_error(&self) -> Option<f64> {
+        let cells = self.cells.filter(|_| is_visible(self.range_nm))?;
+        Some(CELLS_128 * 128.0 / f64::from(cells.count))
+    }
+
     /// The errors that the function of discs promises, for every radius that the tables reach. Empty as above, and with steps
     /// that are too wide for lamps.
     pub fn disc_errors(&self) -> Vec<StatedError> {
@@ -214,6 +258,9 @@ impl Baked {
         stated.map(error).collect()
     }
 }
+
+/// The error under surroundings of 128 cells, and how it falls with their number.
+const CELLS_128: f64 = 4.0;
 
 /// Error of a mixture of two tables per logarithm of the step between them: at most 17 on fingers, where it is largest.
 const MIXING: f64 = 20.0;
@@ -238,13 +285,16 @@ impl Wide {
         into.number("WIDEST_VARIANCE", self.widest(), widest);
         if self.has_disc {
             into.count("DISC_LOBES", DISC_LOBES, "number of lobes that a disc is made of");
-            let ring = "radius of the ring of lobes, relative to that of the disc";
-            into.number("DISC_RING", DISC_RING, ring);
-            let share = "variance of such a lobe, relative to that of the disc";
+            into.count("DISC_INNER", DISC_INNER, "number of them on the inner ring");
+            let ring = "radius of the inner ring, relative to that of the disc";
+            into.number("DISC_INNER_RING", DISC_RINGS[0], ring);
+            into.number("DISC_OUTER_RING", DISC_RINGS[1], "the same of the outer ring");
+            let light = "share of the light in the inner ring";
+            into.number("DISC_INNER_SHARE", DISC_INNER_SHARE, light);
+            let share = "variance of a lobe, relative to that of the disc";
             into.number("DISC_SHARE", DISC_SHARE, share);
-            let narrow =
-                "variance of a disc up to which it is one lobe, relative to the narrowest lobes";
-            into.number("NARROW_DISC", NARROW_DISC, narrow);
+            let rings = "variance of the rings, relative to that of the disc";
+            into.number("DISC_RING_VARIANCE", DISC_RING_VARIANCE, rings);
         }
         let levels = "number of levels with wider lobes";
         into.count("SPREAD_LEVELS", self.axes.levels.len(), levels);
@@ -297,6 +347,12 @@ impl Computation for Baked {
         into.number("STRETCH", stretch, "factor of |(u, v)| in the argument of asinh");
         into.flag("SPREAD", self.wide.is_some());
         into.flag("SIZED", self.wide.is_some() || self.has_paths);
+        into.flag("ENVIRONMENT", self.cells.is_some());
+        if let Some(Cells { count, axes, .. }) = &self.cells {
+            into.count("CELL_COUNT", *count as usize, "number of cells of (u, v)");
+            into.count("CELL_LAYERS", axes.levels as usize, "number of layers of w of a cell");
+            define_surroundings(into);
+        }
         if let Some(wide) = &self.wide {
             into.flag("DISC", wide.has_disc);
             wide.define(into);
@@ -319,6 +375,14 @@ impl Computation for Baked {
             format: self.format,
             filtered: self.filters,
         };
+        let normal = self.coat.matter.normal_reflectance();
+        let refractive_index = self.coat.rows.is_none().then_some(self.refractive_index);
+        let cells = self.cells.map(|Cells { count, axes, window }| {
+            let (aim, format) = (CELLS_AIM, TableFormat::F32);
+            let colours = ColoursSpec { window, axes, aim, format, ..colours.clone() };
+            let lobe_sigma = lobe_sigma(window);
+            TableSpec::Cells(CellsSpec { colours, count, lobe_sigma, refractive_index, normal })
+        });
         let coarse = ColoursSpec { axes: self.path_axes, ..colours.clone() };
         let paths = TableSpec::ColourPaths(ColourPathsSpec { colours: coarse });
         let paths = self.has_paths.then_some(paths);
@@ -344,11 +408,11 @@ impl Computation for Baked {
         let spreads = SpreadsSpec {
             rotate_deg: on.rotate_deg,
             wide: Box::new(wide.clone()),
-            refractive_index: self.coat.rows.is_none().then_some(self.refractive_index),
-            normal: self.coat.matter.normal_reflectance(),
+            refractive_index,
+            normal,
         };
         let all = [TableSpec::Colours(colours), TableSpec::Spreads(spreads), TableSpec::Wide(wide)];
-        all.into_iter().chain(paths).collect()
+        all.into_iter().chain(cells).chain(paths).collect()
     }
 
     fn functions(&self) -> Vec<&'static dyn Function> {
@@ -357,6 +421,9 @@ impl Computation for Baked {
             Some(_) => vec![&DIRECTIONAL, &SPREAD],
             None => vec![&DIRECTIONAL],
         };
+        if self.cells.is_some() {
+            all.push(&CELLS);
+        }
         if self.has_paths {
             all.push(&PATH);
         }
@@ -372,7 +439,8 @@ impl Computation for Baked {
             fetches,
             fetches_mean: fetches as f64,
             table_bytes: texels * colour_format(self.format).texel_bytes() as u64
-                + if self.has_paths { colour_paths_shape().byte_count() as u64 } else { 0 },
+                + if self.has_paths { colour_paths_shape().byte_count() as u64 } else { 0 }
+                + self.cells.map_or(0, |cells| cells.byte_count()),
             ..Cost::default()
         }
     }

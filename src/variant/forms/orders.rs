@@ -4,7 +4,6 @@ use crate::defines::Defines;
 use crate::error::{Error, Result};
 use glam::{DVec2, DVec3};
 
-use crate::light::environment::filtered;
 use crate::optics::spectrum::Spectrum;
 use crate::plan::{Auto, LightFunction, Variant};
 use crate::surface::HeightField;
@@ -14,6 +13,7 @@ use crate::tables::streaks::{LONG_CPUM, streaks_table};
 use crate::tables::{
     EfficienciesSpec, MomentsSpec, OrderPathsSpec, SettingsSpec, StreaksSpec, TableSpec,
 };
+use crate::variant::define_surroundings;
 use crate::variant::judge::Light;
 use crate::variant::tolerance::{Promise, is_visible};
 use crate::variant::twin::arrivals;
@@ -206,14 +206,7 @@ impl Computation for Orders {
             "frequency of an order, cycles per µm, above which it has twice as many wavelengths";
         into.number("LONG_CPUM", LONG_CPUM, long);
         into.count("STREAK_CELLS", self.nodes as usize, "number of wavelengths per order");
-        let rows = "number of rows of the two finest levels of the surroundings";
-        into.count("ENVIRONMENT_ROWS", filtered::ROWS, rows);
-        let levels = "number of levels of the surroundings";
-        into.count("ENVIRONMENT_LEVELS", filtered::LEVELS, levels);
-        let height = "number of rows of all levels with their frames";
-        into.count("ENVIRONMENT_HEIGHT", filtered::HEIGHT, height);
-        let spread = "blur of the second level, radians: 1.5 times the angle between its rows";
-        into.number("FIRST_SPREAD", filtered::FIRST_SPREAD_RAD, spread);
+        define_surroundings(into);
         let shortest = "shortest wavelength, µm";
         into.number("WAVELENGTH_MIN_UM", self.axes.min_um, shortest);
         let covered = "wavelength in air whose greatest phase per height is the greatest here, µm";

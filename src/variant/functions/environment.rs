@@ -4,8 +4,10 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 
+use crate::defines::Defines;
 use crate::error::{Error, Result};
 use crate::field::orders::OrderSum;
+use crate::light::environment::filtered;
 use crate::light::{Lobe, Sky};
 use crate::optics::{Matter, direction};
 use crate::plan::Optics;
@@ -47,6 +49,18 @@ pub fn skies() -> [Sky; 4] {
             [lobe(80.0, 90.0, 0.5, [3.0, 2.0, 1.0]), lobe(70.0, 310.0, 0.4, [0.5, 2.0, 0.5])],
         ),
     ]
+}
+
+/// The constants of surroundings in whole shaders.
+pub fn define_surroundings(into: &mut Defines) {
+    let rows = "number of rows of the two finest levels of the surroundings";
+    into.count("ENVIRONMENT_ROWS", filtered::ROWS, rows);
+    let levels = "number of levels of the surroundings";
+    into.count("ENVIRONMENT_LEVELS", filtered::LEVELS, levels);
+    let height = "number of rows of all levels with their frames";
+    into.count("ENVIRONMENT_HEIGHT", filtered::HEIGHT, height);
+    let spread = "blur of the second level, radians: 1.5 times the angle between its rows";
+    into.number("FIRST_SPREAD", filtered::FIRST_SPREAD_RAD, spread);
 }
 
 impl Function for Environment {
@@ -106,33 +120,42 @@ impl Function for Environment {
         rotate_deg: f64,
         optics: &Optics,
     ) -> Result<Vec<ExactProbe>> {
-        let normal = Matter::new(optics)?.normal_reflectance();
-        let orders = OrderSum::new(height, rotate_deg, optics)?;
-        let mut found = Vec::with_capacity(PROBES);
-        for i in 0..CANDIDATES {
-            let sky = skies()[i % 4];
-            let [lobe, _] = sky.lobes;
-            let wr = if lobe.sigma_rad < NARROW_RAD {
-                // where an order shows the lobe, so that its blur counts
-                viewer(height, rotate_deg, i, lobe.axis, 2.0 * lobe.sigma_rad)
-            } else {
-                let plane = 0.98 * part(i, 1).sqrt() * DVec2::from_angle(TAU * part(i, 2));
-                plane.extend((1.0 - plane.length_squared()).sqrt())
-            };
-            // at grazing angles a rounded direction is another one
-            if wr.z <= 0.1 {
-                continue;
-            }
-            let arguments = Arguments::Environment { around: Around::Sky(sky), wr }.rounded();
-            let xyz = orders.radiance(&sky, arguments.wr());
-            if xyz[1] > 1e-3 * normal * sky.brightest() {
-                found.push(ExactProbe { arguments, xyz });
-                if found.len() == PROBES {
-                    return Ok(found);
-                }
+        probes(height, rotate_deg, optics)
+    }
+}
+
+/// Skies and viewers that see light.
+pub(super) fn probes(
+    height: &HeightField,
+    rotate_deg: f64,
+    optics: &Optics,
+) -> Result<Vec<ExactProbe>> {
+    let normal = Matter::new(optics)?.normal_reflectance();
+    let orders = OrderSum::new(height, rotate_deg, optics)?;
+    let mut found = Vec::with_capacity(PROBES);
+    for i in 0..CANDIDATES {
+        let sky = skies()[i % 4];
+        let [lobe, _] = sky.lobes;
+        let wr = if lobe.sigma_rad < NARROW_RAD {
+            // where an order shows the lobe, so that its blur counts
+            viewer(height, rotate_deg, i, lobe.axis, 2.0 * lobe.sigma_rad)
+        } else {
+            let plane = 0.98 * part(i, 1).sqrt() * DVec2::from_angle(TAU * part(i, 2));
+            plane.extend((1.0 - plane.length_squared()).sqrt())
+        };
+        // at grazing angles a rounded direction is another one
+        if wr.z <= 0.1 {
+            continue;
+        }
+        let arguments = Arguments::Environment { around: Around::Sky(sky), wr }.rounded();
+        let xyz = orders.radiance(&sky, arguments.wr());
+        if xyz[1] > 1e-3 * normal * sky.brightest() {
+            found.push(ExactProbe { arguments, xyz });
+            if found.len() == PROBES {
+                return Ok(found);
             }
         }
-        let cause = format!("only {} of {PROBES} probes are lit", found.len());
-        Err(Error::new("probe.json", cause))
     }
+    let cause = format!("only {} of {PROBES} probes are lit", found.len());
+    Err(Error::new("probe.json", cause))
 }
