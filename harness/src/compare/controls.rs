@@ -62,6 +62,17 @@ pub struct Control {
     spoil: fn(&mut Prepared<'_>, [f64; 3]),
 }
 
+/// What most controls have in common: one direction of light on a dielectric in air.
+const PLAIN: Control = Control {
+    name: "",
+    mode: Mode::Full,
+    filtered: false,
+    matter: false,
+    around: false,
+    spread: false,
+    spoil: |_, _| (),
+};
+
 impl Control {
     /// Compares the spoilt shader by a route with the twin of the right one.
     fn record(
@@ -97,49 +108,68 @@ impl Control {
 }
 
 /// Controls of surroundings.
-pub const AROUND_CONTROLS: [Control; 4] = [
+pub const AROUND_CONTROLS: [Control; 7] = [
     Control {
         name: "surroundings not blurred",
         mode: Mode::Orders,
-        filtered: false,
-        matter: false,
         around: true,
-        spread: false,
         spoil: |p, _| {
             let right = "from_surface(wi), spread)";
             replace(p, "environment", right, "from_surface(wi), 0.0)");
         },
+        ..PLAIN
     },
     Control {
         name: "surroundings mirrored",
         mode: Mode::Orders,
-        filtered: false,
-        matter: false,
         around: true,
-        spread: false,
         spoil: |p, _| replace(p, "surroundings", "atan2(direction.y,", "atan2(-direction.y,"),
+        ..PLAIN
     },
     Control {
         name: "red and blue light exchanged",
         mode: Mode::Orders,
-        filtered: false,
-        matter: false,
         around: true,
-        spread: false,
         spoil: |p, _| {
             let right = "xyz += light.x * red.xyz + light.y * green.xyz + light.z * blue.xyz;";
             let wrong = "xyz += light.z * red.xyz + light.y * green.xyz + light.x * blue.xyz;";
             replace(p, "environment", right, wrong);
         },
+        ..PLAIN
     },
     Control {
         name: "cells of other streaks",
         mode: Mode::Orders,
-        filtered: false,
-        matter: false,
         around: true,
-        spread: false,
         spoil: |p, _| replace(p, "environment", "pace > LONG_CPUM", "pace < LONG_CPUM"),
+        ..PLAIN
+    },
+    Control {
+        name: "surroundings of cells not blurred",
+        mode: Mode::Baked,
+        around: true,
+        spread: true,
+        spoil: |p, _| replace(p, "cells", "place.z * inverseSqrt(wi.z)", "0.0 * place.z"),
+        ..PLAIN
+    },
+    Control {
+        name: "cosine of cells forgotten",
+        mode: Mode::Baked,
+        around: true,
+        spread: true,
+        spoil: |p, _| replace(p, "cells", "gain(wi, wr) / wi.z * mix(", "gain(wi, wr) * mix("),
+        ..PLAIN
+    },
+    Control {
+        name: "red and blue light of cells exchanged",
+        mode: Mode::Baked,
+        around: true,
+        spread: true,
+        spoil: |p, _| {
+            let right = "light.x * red + light.y * green + light.z * blue";
+            replace(p, "cells", right, "light.z * red + light.y * green + light.x * blue");
+        },
+        ..PLAIN
     },
 ];
 
@@ -148,83 +178,61 @@ pub const LAMP_CONTROLS: [Control; 8] = [
     Control {
         name: "ends of the interval swapped",
         mode: Mode::Orders,
-        filtered: false,
-        matter: false,
-        around: false,
-        spread: false,
         spoil: |p, _| {
             let right = "start_um, end_um, colour, wr)";
             replace(p, "lamps", right, "end_um, start_um, colour, wr)");
         },
+        ..PLAIN
     },
     Control {
         name: "edges not in order",
         mode: Mode::Orders,
-        filtered: false,
-        matter: false,
-        around: false,
-        spread: false,
         spoil: |p, _| {
             let right = "min(min(nearest.x, nearest.y), min(nearest.z, nearest.w))";
             replace(p, "rectangle", right, "nearest.x");
         },
+        ..PLAIN
     },
     Control {
         name: "winding of corners reversed",
         mode: Mode::Orders,
-        filtered: false,
-        matter: false,
-        around: false,
-        spread: false,
         spoil: |p, _| {
             let right = "select(-1.0, 1.0, dot(turning, centre) > 0.0)";
             replace(p, "rectangle", right, "-1.0 + 1e-9 * dot(turning, centre)");
         },
+        ..PLAIN
     },
     Control {
         name: "irradiance not divided by π sin²",
         mode: Mode::Orders,
-        filtered: false,
-        matter: false,
-        around: false,
-        spread: false,
         spoil: |p, _| {
             let right = "(3.1415927 * sine_squared)";
             replace(p, "disc", right, "(1.0 + 1e-9 * sine_squared)");
         },
+        ..PLAIN
     },
     Control {
         name: "order 0 forgotten",
         mode: Mode::Orders,
-        filtered: false,
-        matter: false,
-        around: false,
-        spread: false,
         spoil: |p, _| {
             let right = "return gain(wi, wr) / max";
             let wrong = "return select(gain(wi, wr), 0.0, all(order == vec2i(0, 0))) / max";
             replace(p, "arrivals", right, wrong);
         },
+        ..PLAIN
     },
     Control {
         name: "share constant between the ends",
         mode: Mode::Orders,
-        filtered: false,
-        matter: false,
-        around: false,
-        spread: false,
         spoil: |p, _| {
             let right = "vec4f(mean - square, linear - 3.0 * cube, 2.0 * square, 4.0 * cube)";
             replace(p, "lamps", right, "vec4f(mean, 1e-9 * (linear + square + cube), 0.0, 0.0)");
         },
+        ..PLAIN
     },
     Control {
         name: "red and blue of lamps exchanged",
         mode: Mode::Orders,
-        filtered: false,
-        matter: false,
-        around: false,
-        spread: false,
         spoil: |p, _| {
             // blue takes the rows of red, and red is what the others leave
             replace(
@@ -234,14 +242,11 @@ pub const LAMP_CONTROLS: [Control; 8] = [
                 "moments_between(from_um, to_um, powers, colour.zyx)",
             );
         },
+        ..PLAIN
     },
     Control {
         name: "colour of a lamp multiplied in afterwards",
         mode: Mode::Orders,
-        filtered: false,
-        matter: false,
-        around: false,
-        spread: false,
         spoil: |p, _| {
             let right = "tristimulus_disc_coloured(first.xyz, viewer.w, colour, viewer.xyz)";
             let white = "to_rgb(tristimulus_disc(first.xyz, viewer.w, viewer.xyz))";
@@ -249,55 +254,62 @@ pub const LAMP_CONTROLS: [Control; 8] = [
                 "mat3x3f(0.4124, 0.2126, 0.0193, 0.3576, 0.7152, 0.1192, 0.1805, 0.0722, 0.9505)";
             replace(p, "probe", right, &format!("{to_xyz} * (colour * {white})"));
         },
+        ..PLAIN
     },
 ];
 
 /// Controls of wider lobes.
-pub const SPREAD_CONTROLS: [Control; 4] = [
+pub const SPREAD_CONTROLS: [Control; 6] = [
     Control {
         name: "level of wider lobes off by one",
         mode: Mode::Baked,
-        filtered: false,
-        matter: false,
-        around: false,
         spread: true,
         spoil: |p, _| {
             replace(p, "baked", "wide_between(path, level)", "wide_between(path, level + 1)")
         },
+        ..PLAIN
     },
     Control {
         name: "energy of wider lobes forgotten",
         mode: Mode::Baked,
-        filtered: false,
-        matter: false,
-        around: false,
         spread: true,
         spoil: |p, _| {
             let right = "wider_share(wanted / own)) / own;";
             replace(p, "baked", right, "wider_share(wanted / own));");
         },
+        ..PLAIN
     },
     Control {
         name: "width of amplitudes in place of intensities",
         mode: Mode::Baked,
-        filtered: false,
-        matter: false,
-        around: false,
         spread: true,
         // the standard deviation is √2 times as large
         spoil: |p, _| {
             let right = "let narrowest = LOBE_SIGMA * LOBE_SIGMA;";
             replace(p, "baked", right, "let narrowest = 2.0 * LOBE_SIGMA * LOBE_SIGMA;");
         },
+        ..PLAIN
     },
     Control {
         name: "tables of wider lobes one row off",
         mode: Mode::Baked,
-        filtered: false,
-        matter: false,
-        around: false,
         spread: true,
         spoil: |p, _| replace(p, "baked", "sizes.y + page * rows)", "sizes.y + page * rows + 1.0)"),
+        ..PLAIN
+    },
+    Control {
+        name: "rings of a disc as wide as the disc",
+        mode: Mode::Baked,
+        spread: true,
+        spoil: |p, _| replace(p, "baked", "let away = lobe.x * size;", "let away = 1.0 * size;"),
+        ..PLAIN
+    },
+    Control {
+        name: "mirror image of a disc added twice",
+        mode: Mode::Baked,
+        spread: true,
+        spoil: |p, _| replace(p, "baked", "lobe_at(wi.xy + wr.xy, spread) * image", "0.0 * image"),
+        ..PLAIN
     },
 ];
 
@@ -306,34 +318,27 @@ pub const MATTER_CONTROLS: [Control; 4] = [
     Control {
         name: "reflectance of the metal forgotten",
         mode: Mode::Orders,
-        filtered: false,
         matter: true,
-        around: false,
-        spread: false,
         spoil: |p, _| {
             let right = "* reflected * efficiency";
             replace(p, "arrivals", right, "* (1.0 + 1e-9 * reflected) * efficiency");
         },
+        ..PLAIN
     },
     Control {
         name: "phase of air under a cover",
         mode: Mode::Orders,
-        filtered: false,
         matter: true,
-        around: false,
-        spread: false,
         spoil: |p, _| {
             let right = "-COVER_INDEX * (inside(wi).z + inside(wr).z)";
             replace(p, "gain", right, "-(wi.z + wr.z)");
         },
+        ..PLAIN
     },
     Control {
         name: "face of the cover forgotten",
         mode: Mode::Orders,
-        filtered: false,
         matter: true,
-        around: false,
-        spread: false,
         spoil: |p, _| {
             let right = "crossed(wi, light, wr, viewer) * wi.z / light.z";
             replace(
@@ -343,18 +348,17 @@ pub const MATTER_CONTROLS: [Control; 4] = [
                 "(1.0 + 1e-9 * crossed(wi, light, wr, viewer)) * wi.z / light.z",
             );
         },
+        ..PLAIN
     },
     Control {
         name: "cone inside the cover forgotten",
         mode: Mode::Orders,
-        filtered: false,
         matter: true,
-        around: false,
-        spread: false,
         spoil: |p, _| {
             let right = "crossed(wi, light, wr, viewer) * wi.z / light.z";
             replace(p, "gain", right, "crossed(wi, light, wr, viewer)");
         },
+        ..PLAIN
     },
 ];
 
@@ -363,19 +367,12 @@ pub const CONTROLS: [Control; 10] = [
     Control {
         name: "black",
         mode: Mode::Full,
-        filtered: false,
-        matter: false,
-        around: false,
-        spread: false,
         spoil: |p, _| p.spectrum.texels.chunks_mut(4).for_each(|texel| texel[..3].fill(0.0)),
+        ..PLAIN
     },
     Control {
         name: "constant",
         mode: Mode::Full,
-        filtered: false,
-        matter: false,
-        around: false,
-        spread: false,
         // of all constants, the mean colour is the hardest to catch
         spoil: |p, [x, y, z]| {
             // the tables must still be read, or the driver would not know their names
@@ -383,55 +380,35 @@ pub const CONTROLS: [Control; 10] = [
             replace(p, "probe", "tristimulus(wi, wr)", &constant);
             replace(p, "colour", "to_rgb(tristimulus(wi, wr))", &format!("to_rgb({constant})"));
         },
+        ..PLAIN
     },
     Control {
         name: "mirrored u",
         mode: Mode::Full,
-        filtered: false,
-        matter: false,
-        around: false,
-        spread: false,
         spoil: |p, _| {
             let mirrored = "return path * vec3f(-1.0, 1.0, 1.0);";
             replace(p, "gain", "return path;", mirrored);
         },
+        ..PLAIN
     },
     Control {
         name: "largest term dropped",
         mode: Mode::Full,
-        filtered: false,
-        matter: false,
-        around: false,
-        spread: false,
         spoil: |p, _| drop_largest(&mut p.terms),
+        ..PLAIN
     },
-    Control {
-        name: "f16 unscaled",
-        mode: Mode::Full,
-        filtered: false,
-        matter: false,
-        around: false,
-        spread: false,
-        spoil: |p, _| forget_scale(p),
-    },
+    Control { name: "f16 unscaled", mode: Mode::Full, spoil: |p, _| forget_scale(p), ..PLAIN },
     Control {
         name: "misprinted pq product",
         mode: Mode::Pq,
-        filtered: false,
-        matter: false,
-        around: false,
-        spread: false,
         spoil: |p, _| {
             replace(p, "pq", "a.x * b.y + a.y * b.x", "a.x * b.x + a.y * b.y");
         },
+        ..PLAIN
     },
     Control {
         name: "weights without jacobian",
         mode: Mode::Adaptive,
-        filtered: false,
-        matter: false,
-        around: false,
-        spread: false,
         // weights per wavenumber, λ² times too small; 550 nm keeps its own
         spoil: |p, _| {
             let (width, mut rows) = (p.spectrum.width, p.spectrum.texels.chunks_mut(4));
@@ -442,36 +419,29 @@ pub const CONTROLS: [Control; 10] = [
                 texel[..3].iter_mut().for_each(|weight| *weight /= jacobian);
             }
         },
+        ..PLAIN
     },
     Control {
         name: "nearest filter",
         mode: Mode::Adaptive,
         filtered: true,
-        matter: false,
-        around: false,
-        spread: false,
         spoil: |p, _| replace(p, "prefiltered", "place / size", "floor(place + 0.5) / size"),
+        ..PLAIN
     },
     Control {
         name: "baked for one w",
         mode: Mode::Baked,
-        filtered: false,
-        matter: false,
-        around: false,
-        spread: false,
         spoil: |p, _| {
             let share = "min(path.z * path.z / max(4.0 - squared, 1e-6), 1.0)";
             replace(p, "baked", share, "0.5");
         },
+        ..PLAIN
     },
     Control {
         name: "baked and mirrored",
         mode: Mode::Baked,
-        filtered: false,
-        matter: false,
-        around: false,
-        spread: false,
         spoil: |p, _| replace(p, "baked", "uv.x < 0.0", "uv.x > 0.0"),
+        ..PLAIN
     },
 ];
 

@@ -41,16 +41,20 @@ fn adapters() -> Vec<Gpu> {
     [Backend::Vulkan, Backend::Gl].into_iter().filter_map(|b| found(Gpu::open(b, None))).collect()
 }
 
-/// Faults of the shader: where, what stands there, and what in its place.
-const FAULTS: [(&str, &str, &str); 4] = [
-    ("level off by one", "wide_between(path, level)", "wide_between(path, level + 1)"),
-    ("energy forgotten", "wider_share(wanted / own)) / own;", "wider_share(wanted / own));"),
+/// Faults of the shader: the template, what stands there, and what in its place.
+const FAULTS: [(&str, &str, &str); 8] = [
+    ("baked", "wide_between(path, level)", "wide_between(path, level + 1)"),
+    ("baked", "wider_share(wanted / own)) / own;", "wider_share(wanted / own));"),
+    ("baked", "let away = lobe.x * size;", "let away = 1.0 * size;"),
+    ("baked", "lobe_at(wi.xy + wr.xy, spread) * image", "0.0 * image"),
+    ("cells", "place.z * inverseSqrt(wi.z)", "0.0 * place.z"),
+    ("cells", "gain(wi, wr) / wi.z * mix(", "gain(wi, wr) * mix("),
     (
-        "width of amplitudes",
+        "baked",
         "spread * spread / (LOBE_SIGMA * LOBE_SIGMA)",
         "spread * spread / (2.0 * LOBE_SIGMA * LOBE_SIGMA)",
     ),
-    ("nothing between levels", "(variance - 1.0) / (LEVEL_RATIO - 1.0)", "0.0 * variance"),
+    ("baked", "(variance - 1.0) / (LEVEL_RATIO - 1.0)", "0.0 * variance"),
 ];
 
 #[test]
@@ -69,13 +73,13 @@ fn wider_lobes_agree_with_their_twin_and_wrong_ones_do_not() {
         let right = Prepared::new(placement).unwrap();
         let checked = DriverRunner::with(right.clone(), gpu.clone()).checked();
         assert!(checked.is_ok(), "{table:?} {sampling:?}: {}", checked.err().unwrap());
-        for (what, from, to) in FAULTS {
+        for (name, from, to) in FAULTS {
             let mut wrong = right.clone();
-            let template = wrong.sources.0.get_mut("baked").unwrap();
-            assert!(template.contains(from), "{what}");
+            let template = wrong.sources.0.get_mut(name).unwrap();
+            assert!(template.contains(from), "{from}");
             *template = template.replace(from, to);
             let checked = DriverRunner::with(wrong, gpu.clone()).checked();
-            assert!(checked.is_err(), "{table:?} {sampling:?}: {what}");
+            assert!(checked.is_err(), "{table:?} {sampling:?}: {to}");
         }
     }
 }
