@@ -77,10 +77,13 @@ fn mesh(
 }
 
 #ifdef SPREAD
-// Spread of the lobes that a pixel sees, from the steps of (u, v), which is (wi + wr).xy, to the next pixels of the row and of
-// the column. Over a pixel (u, v) has a twelfth of their squares as variance; the spread is the mean of both axes.
+// Spread of lobes by the footprint of a pixel, from the steps of (u, v), which is (wi + wr).xy, to the next pixels of the row
+// and of the column: 1.5 times the longest step in any direction. Lobes may be hundreds of times as bright as white, and with
+// a spread of a pixel or less their edges still flicker while the camera moves.
 fn footprint_spread(right: vec2f, down: vec2f) -> f32 {
-    return sqrt((dot(right, right) + dot(down, down)) / 24.0);
+    let sum = dot(right, right) + dot(down, down);
+    let area = right.x * down.y - right.y * down.x;
+    return 1.5 * sqrt(0.5 * (sum + sqrt(max(0.0, sum * sum - 4.0 * area * area))));
 }
 
 #endif

@@ -2,18 +2,42 @@
 import { Vector3 } from "three";
 import { KEY_AZIMUTH } from "./surroundings.js";
 
-/** Functions that a variant may offer, and their arguments in the shells: `a` is the direction or the axis, or a corner with `b` to `d`. */
+/**
+ * Functions that a variant may offer, and their arguments in the shells: `a` is the direction or the axis, or a corner with `b` to `d`;
+ * `radius` is that of a disc, or a spread.
+ */
 export const CALLS = {
   diffraction: "a, wr",
   diffraction_disc: "a, radius, wr",
   diffraction_rectangle: "a, b, c, d, wr",
   diffraction_environment: "wr",
+  diffraction_spread: "a, wr, radius",
   diffraction_disc_coloured: "a, radius, tint, wr",
   diffraction_rectangle_coloured: "a, b, c, d, tint, wr",
 };
 
 /** The function that takes light from all around, by an `environment_radiance` of the shell. */
 export const AROUND = "diffraction_environment";
+
+/** A single direction with wider lobes. A variant that has it also has discs that are lobes. */
+export const SPREAD = "diffraction_spread";
+
+/** The function that draws a light: that of its kind, by a wider lobe where the variant has those. */
+export const drawnBy = (name, variant) =>
+  LIGHTS[name].calls === "diffraction" && variant.signature(SPREAD) ? SPREAD : LIGHTS[name].calls;
+
+/**
+ * In both languages, the radius or spread of a call that is as wide as the footprint of a pixel, too: `path` is (u, v), `size` a disc's
+ * radius. As in `footprint_spread` of whole shaders: 1.5 times the longest step of (u, v) between pixels. A disc is a lobe with the
+ * variance sin² a cos θ/4.
+ */
+export const widened = (calls, [vec2, let_], right, down) => `
+    ${let_("path_x", vec2)} = ${right}(path);
+    ${let_("path_y", vec2)} = ${down}(path);
+    ${let_("steps")} = dot(path_x, path_x) + dot(path_y, path_y);
+    ${let_("area")} = path_x.x * path_y.y - path_x.y * path_y.x;
+    ${let_("variance")} = 2.25 * 0.5 * (steps + sqrt(max(0.0, steps * steps - 4.0 * area * area)));
+    ${let_("wide")} = ${calls === SPREAD ? "sqrt(variance)" : "asin(sqrt(min(1.0, sin(radius) * sin(radius) + 4.0 * variance / max(cosine, 0.001))))"};`;
 
 /** The function with the same arguments that returns XYZ. */
 export const tristimulus = (name) => name.replace("diffraction", "tristimulus");

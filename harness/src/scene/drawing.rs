@@ -11,7 +11,6 @@ mod truth;
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::light::{Filtered, Light};
-use diffraction_shaders::runner::Placement;
 use diffraction_shaders::tables::{Table, environment_table};
 use diffraction_shaders::variant::mesh::{MeshParams, OrientationMap};
 use diffraction_shaders::variant::{FUNCTIONS, Form, FunctionKind};
@@ -51,7 +50,8 @@ fn environment_radiance(direction: vec3f, spread: f32) -> vec3f {
 const WHITE_DISC: &str = "colour * diffraction_disc(axis, radius, wr)";
 
 /// The template's function of a variant that cannot widen lobes.
-const NO_FOOTPRINT: &str = "fn footprint_spread(right: vec2f, down: vec2f) -> f32 { return 0.0; }\n";
+const NO_FOOTPRINT: &str =
+    "fn footprint_spread(right: vec2f, down: vec2f) -> f32 { return 0.0; }\n";
 
 /// Bindings of the templates and of [`SHADE`].
 const MESH_PARAMS: u32 = 8;
@@ -127,27 +127,25 @@ pub struct Drawing<'a> {
 }
 
 impl<'a> Drawing<'a> {
-    /// Computes the tables and compiles the shader. [`Lobes::Footprint`] needs the function of wider lobes. `around`: the skies and
+    /// Compiles the shader. [`Lobes::Footprint`] needs the function of wider lobes. `around`: the skies and
     /// maps of all pictures, see [`filtered`].
     pub fn new(
         gpu: &'a Gpu,
-        placement: Placement<'a>,
+        prepared: &Prepared<'_>,
         mesh: Mesh,
         lobes: Lobes,
         around: Option<&Filtered>,
     ) -> Result<Drawing<'a>> {
-        let variant = placement.variant;
+        let (variant, form) = (prepared.placement.variant, prepared.form.clone());
         let buffers = gpu.mesh(&mesh.vertices, &mesh.triangles)?;
-        let prepared = Prepared::new(placement)?;
-        let form = Form::new(variant, placement.height)?;
         if lobes == Lobes::Footprint {
             check_widened(&variant.name, &form)?;
         }
-        let scale = prepared.form.diffuser_scale(&variant.optics).ok_or_else(|| {
+        let scale = form.diffuser_scale(&variant.optics).ok_or_else(|| {
             let cause = "has no radiance scale, so it cannot be blended with a body";
             Error::new(&variant.name, cause)
         })?;
-        let pipeline = pass(gpu, &prepared, around, &mesh, lobes)?;
+        let pipeline = pass(gpu, prepared, around, &mesh, lobes)?;
         let (variant, is_around) = (variant.name.clone(), around.is_some());
         Ok(Drawing { gpu, mesh, buffers, pipeline, scale, variant, form, is_around })
     }
@@ -183,7 +181,8 @@ pub fn check_widened(variant: &str, form: &Form) -> Result<()> {
     if form.functions().iter().any(|function| function.kind() == FunctionKind::Spread) {
         return Ok(());
     }
-    let cause = "has no function for wider lobes, so they cannot be widened by the footprint of pixels";
+    let cause =
+        "has no function for wider lobes, so they cannot be widened by the footprint of pixels";
     Err(Error::new(variant, cause).remedy(
         "use mode = \"baked\" with coherence = \"ensemble\", coherence_scaling = \"wavelength\" and spread_levels = \"auto\", or --filter supersample",
     ))
@@ -359,7 +358,12 @@ fn frames(
 ) -> Result<Vec<Vec<[f32; 4]>>> {
     let textures = vec![orientation_texture(&mesh.orientation)];
     let around = around_table(prepared, None);
-    let stage = Stage { wgsl: &text(prepared, around.as_ref(), Lobes::Points)?, entry, pictures: 2, textures };
+    let stage = Stage {
+        wgsl: &text(prepared, around.as_ref(), Lobes::Points)?,
+        entry,
+        pictures: 2,
+        textures,
+    };
     single(gpu, prepared, mesh, params, size, stage, None)
 }
 
@@ -405,11 +409,7 @@ fn single(
 }
 
 /// The shader of a variant with the harness's shading appended, and the functions that the variant does not have.
-fn text(
-    prepared: &Prepared<'_>,
-    around: Option<&(Table, f64)>,
-    lobes: Lobes,
-) -> Result<String> {
+fn text(prepared: &Prepared<'_>, around: Option<&(Table, f64)>, lobes: Lobes) -> Result<String> {
     let module = prepared.module(prepared.spectrum.width)?;
     let known = prepared.form.functions();
     let is_absent = |kind| !known.iter().any(|function| function.kind() == kind);

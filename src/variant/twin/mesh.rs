@@ -110,9 +110,11 @@ pub fn mesh(
     widened.unwrap_or_else(|| twin.tristimulus(directions))
 }
 
-/// Spread of the lobes that a pixel sees, from the steps of `(u, v)` to the next pixels.
+/// Spread of lobes by the footprint of a pixel, from the steps of `(u, v)` to the next pixels.
 pub fn footprint_spread(right: DVec2, down: DVec2) -> f64 {
-    ((right.length_squared() + down.length_squared()) / 24.0).sqrt()
+    let sum = right.length_squared() + down.length_squared();
+    let area = right.perp_dot(down);
+    1.5 * (0.5 * (sum + (sum * sum - 4.0 * area * area).max(0.0).sqrt())).sqrt()
 }
 
 /// Direction in the world as a unit vector in the frame of a fragment. Zero if there is no frame.

@@ -29,9 +29,9 @@ pub(super) fn measured(
     skin: &Skin,
     mesh: &Mesh,
 ) -> Result<Vec<Hdr>> {
-    let (placement, size) = (skin.placement(), args.size.0);
+    let (prepared, size) = (Prepared::new(skin.placement())?, args.size.0);
     if !args.unchecked {
-        check(&Prepared::new(placement)?, gpu)?;
+        check(&prepared, gpu)?;
     }
     // the body's own colour would hide changes and losses
     let mut mesh = mesh.clone();
@@ -41,7 +41,7 @@ pub(super) fn measured(
     let look = lamps.look(lights, args);
     let drawings: Vec<Drawing<'_>> = SUBJECTS
         .iter()
-        .map(|(lobes, _)| Drawing::new(gpu, placement, mesh.clone(), *lobes, None))
+        .map(|(lobes, _)| Drawing::new(gpu, &prepared, mesh.clone(), *lobes, None))
         .collect::<Result<_, _>>()?;
     let orbit = orbit(args, &mesh);
     let middle = orbit.params(&mesh, size, toward)?;

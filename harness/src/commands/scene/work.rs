@@ -194,9 +194,9 @@ fn sweep(
             })
             .collect(),
     };
-    let (placement, variant) = (skin.placement(), &skin.variant);
+    let (prepared, variant) = (Prepared::new(skin.placement())?, &skin.variant);
     if !args.unchecked {
-        check(&Prepared::new(placement)?, gpu)?;
+        check(&prepared, gpu)?;
     }
     let lobes = match args.filter {
         Filter::Footprint => Lobes::Footprint,
@@ -212,7 +212,7 @@ fn sweep(
             let mut mesh = mesh.clone();
             turn(&mut mesh, turned);
             angle = turned;
-            drawing = Some(Drawing::new(gpu, placement, mesh, lobes, around.as_ref())?);
+            drawing = Some(Drawing::new(gpu, &prepared, mesh, lobes, around.as_ref())?);
         }
         let Some(drawing) = &drawing else { bail!("the sweep has no picture") };
         if mesh.holds(orbit.eye()) {
