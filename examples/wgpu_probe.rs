@@ -44,7 +44,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     probes[id.x].viewer = vec4f(rgb, 0.0);
 }";
 /// Functions of the variants with their arguments above.
-const FUNCTIONS: [(&str, &str); 5] = [
+const FUNCTIONS: [(&str, &str); 6] = [
     ("diffraction", "a, wr"),
     ("diffraction_disc", "a, radius, wr"),
     ("diffraction_spread", "a, wr, radius"),

@@ -223,17 +223,15 @@ fn widened_lobes_keep_the_light() {
     };
     let [points, widened] = [Lobes::Points, Lobes::Footprint]
         .map(|lobes| Drawing::new(&gpu, &prepared, mesh.clone(), lobes, None).unwrap());
-    // the sphere is 18 and 6 pixels wide
-    for (zoom, bias) in [(0.63, 0.1), (0.21, 0.15)] {
-        let [exact, _] = light(&points, zoom, 2, 16);
-        let [mean, spread] = light(&widened, zoom, 4, 1).map(|v| v / exact);
-        let [bare, sparkle] = light(&points, zoom, 4, 1).map(|v| v / exact);
-        println!("zoom {zoom}: widened {mean:.3} ± {spread:.3}, points {bare:.3} ± {sparkle:.3}");
-        assert!((mean - 1.0).abs() < bias, "zoom {zoom}: {mean}");
-        // either sparkle, or darkness where every lobe is missed
-        let (error, without) = ((mean - 1.0).hypot(spread), (bare - 1.0).hypot(sparkle));
-        assert!(error < 0.6 && without > 1.6 * error, "zoom {zoom}: {error} {without}");
-    }
+    // the sphere is 18 pixels wide; below that footprints are wider than the widest table
+    let zoom = 0.63;
+    let [exact, _] = light(&points, zoom, 2, 16);
+    let [mean, spread] = light(&widened, zoom, 4, 1).map(|v| v / exact);
+    let [bare, sparkle] = light(&points, zoom, 4, 1).map(|v| v / exact);
+    println!("widened {mean:.3} ± {spread:.3}, points {bare:.3} ± {sparkle:.3}");
+    // either sparkle, or darkness where every lobe is missed
+    let (error, without) = ((mean - 1.0).hypot(spread), (bare - 1.0).hypot(sparkle));
+    assert!((mean - 1.0).abs() < 0.04 && error < 0.2 && without > 4.0 * error, "{error} {without}");
 }
 
 /// An EXR file holds the linear numbers, an animated PNG all its frames in order.
@@ -356,12 +354,14 @@ fn widened_lobes_are_calm() {
             let mean = frames.iter().map(light).sum::<f64>() / 3.0;
             (frames, mean, whole)
         });
-        let found = [&points, &widened].map(|(frames, ..)| flicker(frames, 0.5));
-        let bright = flicker(&ggx.0, 0.5 * points.2 / ggx.1);
+        // all that is lit is bright
+        let exposure = 4.0;
+        let found = [&points, &widened].map(|(frames, ..)| flicker(frames, exposure));
+        let bright = flicker(&ggx.0, exposure * points.2 / ggx.1);
         let kept = widened.1 / points.2;
         println!("{}: {found:?}, ggx {bright:?}, light {kept:.4}", mesh.name);
         let [bare, calm] = found;
-        assert!(bare.bright > 100 && bare.flicker > 0.3, "{bare:?}");
+        assert!(bare.bright > 10 && bare.flicker > 0.2, "{bare:?}");
         assert!(calm.bright > 100 && calm.flicker < 0.01, "{calm:?}");
         assert!(bright.flicker < 0.01, "{bright:?}");
         assert!((kept - 1.0).abs() < 0.03, "{kept}");
