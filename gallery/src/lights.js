@@ -19,25 +19,25 @@ export const CALLS = {
 /** The function that takes light from all around, by an `environment_radiance` of the shell. */
 export const AROUND = "diffraction_environment";
 
-/** A single direction with wider lobes. A variant that has it also has discs that are lobes. */
+/** A single direction with wider lobes. Discs are lobes of it where a variant has no function for them. */
 export const SPREAD = "diffraction_spread";
 
 /** The function that draws a light: that of its kind, by a wider lobe where the variant has those. */
 export const drawnBy = (name, variant) =>
-  LIGHTS[name].calls === "diffraction" && variant.signature(SPREAD) ? SPREAD : LIGHTS[name].calls;
+  ["diffraction", "diffraction_disc"].includes(LIGHTS[name].calls) && variant.signature(SPREAD) ? SPREAD : LIGHTS[name].calls;
 
 /**
- * In both languages, the radius or spread of a call that is as wide as the footprint of a pixel, too: `path` is (u, v), `size` a disc's
- * radius. As in `footprint_spread` of whole shaders: 1.5 times the longest step of (u, v) between pixels. A disc is a lobe with the
- * variance sin² a cos θ/4.
+ * In both languages, the spread of a pixel's footprint and of a disc, from `path`, (u, v), and from `radius` and `cosine` of the disc. As
+ * in `footprint_spread` of whole shaders: 1.5 times the longest step of (u, v) between pixels. A disc is a lobe with the variance
+ * sin² a cos θ/4.
  */
-export const widened = (calls, [vec2, let_], right, down) => `
+export const widened = ([vec2, let_], right, down) => `
     ${let_("path_x", vec2)} = ${right}(path);
     ${let_("path_y", vec2)} = ${down}(path);
     ${let_("steps")} = dot(path_x, path_x) + dot(path_y, path_y);
     ${let_("area")} = path_x.x * path_y.y - path_x.y * path_y.x;
     ${let_("variance")} = 2.25 * 0.5 * (steps + sqrt(max(0.0, steps * steps - 4.0 * area * area)));
-    ${let_("wide")} = ${calls === SPREAD ? "sqrt(variance)" : "asin(sqrt(min(1.0, sin(radius) * sin(radius) + 4.0 * variance / max(cosine, 0.001))))"};`;
+    ${let_("wide")} = sqrt(variance + 0.25 * sin(radius) * sin(radius) * max(cosine, 0.0));`;
 
 /** The function with the same arguments that returns XYZ. */
 export const tristimulus = (name) => name.replace("diffraction", "tristimulus");
@@ -61,7 +61,7 @@ export function functionsOf(variant) {
 
 /** Names of the lights that a variant has the functions for. */
 export function lightsOf(variant) {
-  return Object.keys(LIGHTS).filter((name) => variant.signature(LIGHTS[name].calls));
+  return Object.keys(LIGHTS).filter((name) => variant.signature(drawnBy(name, variant)));
 }
 
 /**
@@ -70,7 +70,7 @@ export function lightsOf(variant) {
  * the angle from the middle to the farthest edge. `turn` holds cosine and sine of the angle by which the studio is turned, so that
  * its greatest softbox stands where the light is, seen from above.
  */
-export function uniformsOf(name, light, sizes, diffuser) {
+export function uniformsOf(name, light, sizes, diffuser, calls = LIGHTS[name].calls) {
   const point = { light, light_a: light, light_b: light, light_c: light, light_d: light, radius: 0, reach: 0, scale: diffuser, turn: new Vector3(1, 0, 0) };
   if (LIGHTS[name].calls === "diffraction") return point;
   if (LIGHTS[name].calls === AROUND) {
@@ -79,6 +79,8 @@ export function uniformsOf(name, light, sizes, diffuser) {
   }
   if (LIGHTS[name].calls === "diffraction_disc") {
     const radius = radians(LIGHTS[name].diameter ?? sizes.diameter) / 2;
+    // the narrowest lobes are those of the sun
+    if (calls === SPREAD) return { ...point, radius: LIGHTS[name].diameter ? 0 : radius };
     return { ...point, radius, reach: Math.sin(radius), scale: Math.PI };
   }
   const corners = rectangle(light, radians(sizes.width), radians(sizes.height));

@@ -92,7 +92,7 @@ export function createStage(state, onFrame) {
       behind.position.copy(view.position);
       behind.visible = name !== "map";
     }
-    const light = uniformsOf(made.lightName, state.light, state.sizes, made.diffuser);
+    const light = uniformsOf(made.lightName, state.light, state.sizes, made.diffuser, made.calls);
     made.set({ ...light, eye: view.position, exposure: 2 ** state.stops, is_map: name === "map", samples });
     const begun = performance.now();
     await engine.draw(scene, view);
@@ -170,7 +170,8 @@ export function createStage(state, onFrame) {
       next.fetches = 50 + (functions.find(({ name }) => name === calls)?.cost ?? cost).fetches;
       next.lightName = lightName;
       // lobes are as wide as a pixel's footprint
-      next.isCalm = variant.signature(SPREAD) !== undefined;
+      next.isCalm = calls === SPREAD;
+      next.calls = calls;
       next.diffuser = core.diffuser_scale ?? 1;
       lastMs = 0;
       scene.clear();

@@ -81,12 +81,12 @@ vec3 shown(vec3 radiance) {
 }`;
 
 /** Widens what is called by the footprint of the pixel. */
-const WIDENED = (calls) => `void widen() {
+const WIDENED = `void widen() {
     vec3 n = normalize(v_normal);
     vec3 t = normalize(v_tangent.xyz - n * dot(n, v_tangent.xyz));
     mat3 frame = is_map ? mat3(1.0) : mat3(t, cross(n, t) * v_tangent.w, n);
     float cosine = (light * frame).z;
-    vec2 path = (light * frame).xy + (is_map ? v_place.xy : (normalize(eye - v_place) * frame).xy);${widened(calls, ["vec2", (name, type = "float") => `${type} ${name}`], "dFdx", "dFdy")}
+    vec2 path = (light * frame).xy + (is_map ? v_place.xy : (normalize(eye - v_place) * frame).xy);${widened(["vec2", (name, type = "float") => `${type} ${name}`], "dFdx", "dFdy")}
     wide_radius = wide;
 }`;
 
@@ -146,7 +146,7 @@ vec4 seen(vec3 place, vec3 normal, vec3 tangent) {
     return vec4(diffracted(frame, wr) + (1.0 - reflected) * lit * v_body, 1.0);
 }`}
 
-${variant.signature(SPREAD) ? WIDENED(calls) : "void widen() { wide_radius = radius; }"}
+${calls === SPREAD ? WIDENED : "void widen() { wide_radius = radius; }"}
 
 void main() {
     widen();

@@ -62,18 +62,18 @@ const BEHIND = `fn behind(to: vec3f, turn: vec3f, exposure: f32, last_level: f32
 }`;
 
 /** Widens what is called by the footprint of the pixel. */
-const WIDENED = (calls) => `
+const WIDENED = `
     let n_here = normalize(normal);
     let t_here = normalize(tangent.xyz - n_here * dot(n_here, tangent.xyz));
     let own = mat3x3f(t_here, cross(n_here, t_here) * tangent.w, n_here);
     let cosine = select((light * own).z, light.z, is_map > 0.5);
-    let path = select((light * own).xy + (normalize(eye - place) * own).xy, light.xy + place.xy, is_map > 0.5);${widened(calls, ["vec2f", (name) => `let ${name}`], "dpdx", "dpdy")}`;
+    let path = select((light * own).xy + (normalize(eye - place) * own).xy, light.xy + place.xy, is_map > 0.5);${widened(["vec2f", (name) => `let ${name}`], "dpdx", "dpdy")}`;
 
 // world space is the bodies' own; the same in GLSL is in webgl2.js
-const shade = (calls, isWidened) => (parameters, tables) => `fn shade(place: vec3f, normal: vec3f, tangent: vec4f, body: vec3f, eye: vec3f, light: vec3f, light_a: vec3f, light_b: vec3f, light_c: vec3f, light_d: vec3f, radius: f32, reach: f32, scale: f32, turn: vec3f, exposure: f32, is_map: f32, samples: f32${calls === AROUND ? ", last_level: f32, surroundings: texture_cube<f32>" : ""}${parameters}) -> vec4f {${calls === AROUND ? `
+const shade = (calls) => (parameters, tables) => `fn shade(place: vec3f, normal: vec3f, tangent: vec4f, body: vec3f, eye: vec3f, light: vec3f, light_a: vec3f, light_b: vec3f, light_c: vec3f, light_d: vec3f, radius: f32, reach: f32, scale: f32, turn: vec3f, exposure: f32, is_map: f32, samples: f32${calls === AROUND ? ", last_level: f32, surroundings: texture_cube<f32>" : ""}${parameters}) -> vec4f {${calls === AROUND ? `
     engine_turn = turn;
     engine_last_level = last_level;` : ""}
-${isWidened ? WIDENED(calls) : "\n    let wide = radius;"}
+${calls === SPREAD ? WIDENED : "\n    let wide = radius;"}
     // a lobe may be much narrower than what a pixel sees: places over the pixel, by the plastic number
     let place_x = dpdx(place);
     let place_y = dpdy(place);
@@ -260,7 +260,7 @@ function bodyMaterial(variant, calls, studio) {
     const seen = { to: varying(positionGeometry), turn, exposure, ...studioInputs(studio) };
     behind.fragmentNode = wgslFn(BEHIND, [...aroundText(), wgslFn(SHOWN)])(seen);
   }
-  material.fragmentNode = shell(variant, [calls], bound, shade(calls, Boolean(variant.signature(SPREAD))), inputs, [...host, wgslFn(SHOWN)]);
+  material.fragmentNode = shell(variant, [calls], bound, shade(calls), inputs, [...host, wgslFn(SHOWN)]);
   const set = (values) => {
     for (const [name, value] of Object.entries(values)) {
       if (value.isVector3) knobs[name].value.copy(value);

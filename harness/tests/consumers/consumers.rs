@@ -198,10 +198,8 @@ fn check(who: &str, results: &Value) {
         let (mut count, mut functions) = (64, json!({ "diffraction": 64 }));
         let mut controls = BTreeSet::from(["swapped channels", "flipped bitangent"]);
         if result["variant"] == "baked" {
-            for function in ["diffraction_spread", "diffraction_disc"] {
-                count += 16;
-                functions[function] = 16.into();
-            }
+            count += 16;
+            functions["diffraction_spread"] = 16.into();
             controls.insert("another size of the light");
         }
         if result["variant"] == LAMPS {
