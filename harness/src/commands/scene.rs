@@ -3,6 +3,7 @@
 mod args;
 mod flicker;
 mod lights;
+mod skin;
 mod work;
 
 use anyhow::Result;

@@ -7,7 +7,7 @@ use diffraction_cli::progress;
 
 use super::args::Args;
 use super::lights::Lamps;
-use super::work::{Skin, orbit};
+use super::skin::{Skin, orbit};
 use crate::drivers::gpu::Gpu;
 use crate::drivers::{ColourMap, Prepared, check};
 use crate::scene::Mesh;

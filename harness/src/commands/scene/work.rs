@@ -11,17 +11,16 @@ use diffraction_cli::files::write_whole;
 use diffraction_cli::{memory, progress};
 use diffraction_shaders::input;
 use diffraction_shaders::light::{Cap, Light, Polygon};
-use diffraction_shaders::plan::{
-    Auto, Coherence, CoherenceScaling, Mode, Plan, SurfaceSpec, Variant,
-};
+use diffraction_shaders::plan::{Auto, Coherence, CoherenceScaling, Mode, Plan, Variant};
 use diffraction_shaders::runner::Placement;
-use diffraction_shaders::surface::{self, Surface};
+use diffraction_shaders::surface;
 use diffraction_shaders::variant::Form;
 use glam::DVec3;
 
 use super::args::{Args, Filter, Sweep};
 use super::flicker::measured;
 use super::lights::{Lamps, has_disc};
+use super::skin::{Skin, orbit};
 use crate::drivers::gpu::{Backend, Gpu};
 use crate::drivers::{Prepared, check};
 use crate::process::watched::{Place, child::enter};
@@ -56,23 +55,6 @@ const WIDER: f64 = 1.5;
 const MIN_LIT: usize = 64;
 /// The negative control: a frame of the other handedness.
 const FLIP: (&str, &str) = ("cross(upright, straight)", "cross(straight, upright)");
-
-/// A surface with a variant of the plan.
-pub(super) struct Skin {
-    pub(super) spec: SurfaceSpec,
-    surface: Surface,
-    /// The variant as built on the surface.
-    pub(super) variant: Variant,
-    /// Whether it has a function for discs.
-    pub(super) has_disc: bool,
-}
-
-impl Skin {
-    pub(super) fn placement(&self) -> Placement<'_> {
-        let (height, variant) = (&self.surface.field, &self.variant);
-        Placement { height, rotate_deg: self.spec.rotate_deg, variant }
-    }
-}
 
 pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let plan: Plan = args.plan.read(console)?;
@@ -387,23 +369,6 @@ fn can_widen(variant: &Variant) -> bool {
         && variant.optics.coherence == Coherence::Ensemble
         && variant.optics.coherence_scaling == CoherenceScaling::Wavelength
         && variant.spread_levels == Auto::Value(0)
-}
-
-pub(super) fn orbit(args: &Args, mesh: &Mesh) -> Orbit {
-    let [width, height] = args.size.0;
-    let shape = f64::from(width) / f64::from(height);
-    let around = match args.sweep {
-        Some(Sweep::Turntable) => Orbit::all_round(mesh, shape),
-        _ => Orbit::around(mesh, shape),
-    };
-    Orbit {
-        target: args.target.map_or(around.target, |t| DVec3::from(t.0)),
-        distance: args.distance.unwrap_or(around.distance),
-        azimuth_deg: args.azimuth,
-        elevation_deg: args.elevation,
-        zoom: args.zoom,
-        ..around
-    }
 }
 
 fn turn(mesh: &mut Mesh, by_deg: f64) {
