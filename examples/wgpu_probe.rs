@@ -44,9 +44,10 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     probes[id.x].viewer = vec4f(rgb, 0.0);
 }";
 /// Functions of the variants with their arguments above.
-const FUNCTIONS: [(&str, &str); 5] = [
+const FUNCTIONS: [(&str, &str); 6] = [
     ("diffraction", "a, wr"),
     ("diffraction_disc", "a, radius, wr"),
+    ("diffraction_spread", "a, wr, radius"),
     ("diffraction_rectangle", "a, b, c, d, wr"),
     ("diffraction_disc_coloured", "a, radius, colour, wr"),
     ("diffraction_rectangle_coloured", "a, b, c, d, colour, wr"),
@@ -70,6 +71,7 @@ struct Probe {
     wi: Option<[f32; 3]>,
     axis: Option<[f32; 3]>,
     radius: Option<f32>,
+    spread: Option<f32>,
     corners: Option<[[f32; 3]; 4]>,
     colour: Option<[f32; 3]>,
     wr: [f32; 3],
@@ -100,7 +102,7 @@ fn main() -> Result<()> {
 enum Fault {
     None,
     FlippedBitangent,
-    /// A disc of another radius, a quadrilateral without its last corner.
+    /// A disc of another radius, lobes of another spread, a quadrilateral without its last corner.
     AnotherSize,
 }
 
@@ -162,7 +164,7 @@ fn arguments(probe: &Probe, fault: Fault) -> Result<[[f32; 4]; 5]> {
     let number = known.ok_or_else(|| format!("{}: not a known function", probe.function()))?;
     let first = probe.wi.or(probe.axis).unwrap_or_default();
     let [a, b, c, mut d] = probe.corners.unwrap_or([first; 4]);
-    let mut radius = probe.radius.unwrap_or_default();
+    let mut radius = probe.radius.or(probe.spread).unwrap_or_default();
     if fault == Fault::AnotherSize {
         (radius, d) = (1.5 * radius, c);
     }

@@ -62,11 +62,31 @@ fn mesh(
 ) -> @location(0) vec4f {
     let wi = in_frame(mesh_params.light_direction.xyz, normal, tangent, uv);
     let wr = in_frame(mesh_params.eye.xyz - place, normal, tangent, uv);
+#ifdef SPREAD
+    let path = wi.xy + wr.xy;
+    let spread = footprint_spread(dpdx(path), dpdy(path));
+#endif
     if (!(wi.z > 0.0 && wr.z > 0.0)) {
         return vec4f(0.0, 0.0, 0.0, 1.0);
     }
+#ifdef SPREAD
+    return vec4f(diffraction_spread(wi, wr, spread), 1.0);
+#else
     return vec4f(diffraction(wi, wr), 1.0);
+#endif
 }
+
+#ifdef SPREAD
+// Spread of lobes by the footprint of a pixel, from the steps of (u, v), which is (wi + wr).xy, to the next pixels of the row
+// and of the column: 1.5 times the longest step in any direction. Lobes may be hundreds of times as bright as white, and with
+// a spread of a pixel or less their edges still flicker while the camera moves.
+fn footprint_spread(right: vec2f, down: vec2f) -> f32 {
+    let sum = dot(right, right) + dot(down, down);
+    let area = right.x * down.y - right.y * down.x;
+    return 1.5 * sqrt(0.5 * (sum + sqrt(max(0.0, sum * sum - 4.0 * area * area))));
+}
+
+#endif
 
 // Direction in the world as a unit vector in the frame of a fragment. Zero if there is no frame.
 fn in_frame(direction: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {

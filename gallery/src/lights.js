@@ -2,18 +2,42 @@
 import { Vector3 } from "three";
 import { KEY_AZIMUTH } from "./surroundings.js";
 
-/** Functions that a variant may offer, and their arguments in the shells: `a` is the direction or the axis, or a corner with `b` to `d`. */
+/**
+ * Functions that a variant may offer, and their arguments in the shells: `a` is the direction or the axis, or a corner with `b` to `d`;
+ * `radius` is that of a disc, or a spread.
+ */
 export const CALLS = {
   diffraction: "a, wr",
   diffraction_disc: "a, radius, wr",
   diffraction_rectangle: "a, b, c, d, wr",
   diffraction_environment: "wr",
+  diffraction_spread: "a, wr, radius",
   diffraction_disc_coloured: "a, radius, tint, wr",
   diffraction_rectangle_coloured: "a, b, c, d, tint, wr",
 };
 
 /** The function that takes light from all around, by an `environment_radiance` of the shell. */
 export const AROUND = "diffraction_environment";
+
+/** A single direction with wider lobes. Discs are lobes of it where a variant has no function for them. */
+export const SPREAD = "diffraction_spread";
+
+/** The function that draws a light: that of its kind, by a wider lobe where the variant has those. */
+export const drawnBy = (name, variant) =>
+  ["diffraction", "diffraction_disc"].includes(LIGHTS[name].calls) && variant.signature(SPREAD) ? SPREAD : LIGHTS[name].calls;
+
+/**
+ * In both languages, the spread of a pixel's footprint and of a disc, from `path`, (u, v), and from `radius` and `cosine` of the disc. As
+ * in `footprint_spread` of whole shaders: 1.5 times the longest step of (u, v) between pixels. A disc is a lobe with the variance
+ * sin² a cos θ/4.
+ */
+export const widened = ([vec2, let_], right, down) => `
+    ${let_("path_x", vec2)} = ${right}(path);
+    ${let_("path_y", vec2)} = ${down}(path);
+    ${let_("steps")} = dot(path_x, path_x) + dot(path_y, path_y);
+    ${let_("area")} = path_x.x * path_y.y - path_x.y * path_y.x;
+    ${let_("variance")} = 2.25 * 0.5 * (steps + sqrt(max(0.0, steps * steps - 4.0 * area * area)));
+    ${let_("wide")} = sqrt(variance + 0.25 * sin(radius) * sin(radius) * max(cosine, 0.0));`;
 
 /** The function with the same arguments that returns XYZ. */
 export const tristimulus = (name) => name.replace("diffraction", "tristimulus");
@@ -37,7 +61,7 @@ export function functionsOf(variant) {
 
 /** Names of the lights that a variant has the functions for. */
 export function lightsOf(variant) {
-  return Object.keys(LIGHTS).filter((name) => variant.signature(LIGHTS[name].calls));
+  return Object.keys(LIGHTS).filter((name) => variant.signature(drawnBy(name, variant)));
 }
 
 /**
@@ -46,7 +70,7 @@ export function lightsOf(variant) {
  * the angle from the middle to the farthest edge. `turn` holds cosine and sine of the angle by which the studio is turned, so that
  * its greatest softbox stands where the light is, seen from above.
  */
-export function uniformsOf(name, light, sizes, diffuser) {
+export function uniformsOf(name, light, sizes, diffuser, calls = LIGHTS[name].calls) {
   const point = { light, light_a: light, light_b: light, light_c: light, light_d: light, radius: 0, reach: 0, scale: diffuser, turn: new Vector3(1, 0, 0) };
   if (LIGHTS[name].calls === "diffraction") return point;
   if (LIGHTS[name].calls === AROUND) {
@@ -55,6 +79,8 @@ export function uniformsOf(name, light, sizes, diffuser) {
   }
   if (LIGHTS[name].calls === "diffraction_disc") {
     const radius = radians(LIGHTS[name].diameter ?? sizes.diameter) / 2;
+    // the narrowest lobes are those of the sun
+    if (calls === SPREAD) return { ...point, radius: LIGHTS[name].diameter ? 0 : radius };
     return { ...point, radius, reach: Math.sin(radius), scale: Math.PI };
   }
   const corners = rectangle(light, radians(sizes.width), radians(sizes.height));

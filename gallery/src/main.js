@@ -1,7 +1,7 @@
 // The page: pickers, knobs, and the one engine that is open.
 import { BODIES } from "./bodies.js";
 import { facts, short } from "./facts.js";
-import { LIGHTS, lightsOf } from "./lights.js";
+import { drawnBy, LIGHTS, lightsOf } from "./lights.js";
 import { listVariants, loadVariant, openPackage } from "./package.js";
 import { lightPad, orbit } from "./pointers.js";
 import { probePackage, probeStudio, probeVariant } from "./probe.js";
@@ -28,7 +28,7 @@ const drawDot = lightPad($("pad"), $("dot"), () => stage.toView(state.light), (v
 });
 // an engine with its canvas for each interface: browsers allow few contexts, and free them late
 const engines = {};
-let files, places, engine, queue = Promise.resolve(), manifest, firstPicture, doing = "starting";
+let files, places, engine, queue = Promise.resolve(), manifest, calls, firstPicture, doing = "starting";
 // what the visitor would like, also where a variant does not have it
 let wishedLight = asked.get("light");
 
@@ -133,7 +133,7 @@ async function show() {
   try {
     if ($("view").firstElementChild !== next.canvas) $("view").replaceChildren(next.canvas);
     stage.show(next, next.canvas, variant, $("light").value);
-    [engine, manifest] = [next, variant.manifest];
+    [engine, manifest, calls] = [next, variant.manifest, drawnBy($("light").value, variant)];
   } finally {
     label();
     await stage.resume();
@@ -198,7 +198,7 @@ function showFrame({ ms, width, height, samples }) {
   firstPicture ??= performance.now();
   const places = samples > 1 ? `, ${samples} places in each pixel` : "";
   const measured = [["frame", `${short(ms)} ms`], ["drawn", `${width} × ${height}${places}`], ["driver", engine.driver]];
-  const groups = [{ title: "Here", rows: measured }, ...facts(manifest, LIGHTS[$("light").value].calls)];
+  const groups = [{ title: "Here", rows: measured }, ...facts(manifest, calls)];
   $("facts").replaceChildren(...groups.flatMap(({ title, rows }) => [made("h2", title), list(rows)]));
 }
 

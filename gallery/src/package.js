@@ -53,12 +53,12 @@ export async function loadVariant(files, { folder }, target) {
 
 /**
  * The probes of a variant, those of lights with a size at the end: `{ calls, vectors, radius, colour, sky, wr, expected, tolerance }`. `calls`
- * is a function, `vectors` are the direction, the axis or the corners, none under a sky.
+ * is a function, `vectors` are the direction, the axis or the corners, none under a sky; `radius` may be a spread.
  */
 export async function loadProbes(files, { folder }) {
   const { probes, lights = [] } = JSON.parse(await files.text(folder + "probe.json"));
   const single = probes.map(({ wi, ...rest }) => ({ calls: "diffraction", vectors: [wi], ...rest }));
-  const sized = lights.map(({ axis, corners, ...rest }) => ({ calls: rest.function, vectors: corners ?? [axis].filter(Boolean), ...rest }));
+  const sized = lights.map(({ wi, axis, corners, spread, ...rest }) => ({ calls: rest.function, vectors: corners ?? [wi ?? axis].filter(Boolean), radius: spread, ...rest }));
   return [...single, ...sized];
 }
 

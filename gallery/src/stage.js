@@ -1,7 +1,7 @@
 // One body, one light, one camera: draws when something changed, coarsely while things move and finely at rest.
 import { BackSide, BoxGeometry, DoubleSide, FrontSide, Mesh, OrthographicCamera, PerspectiveCamera, Scene, Vector3 } from "three";
 import { BODIES } from "./bodies.js";
-import { LIGHTS, uniformsOf } from "./lights.js";
+import { drawnBy, SPREAD, uniformsOf } from "./lights.js";
 
 /** Longest picture while things move, and at rest, milliseconds. */
 const MOVING_MS = 70;
@@ -70,9 +70,9 @@ export function createStage(state, onFrame) {
       const wanted = lastMs ? (ratio * ratio * samples * ms) / lastMs : FETCHES / made.fetches / pixels;
       const density = Math.max(least, wanted);
       ratio = Math.min(finest, Math.max(COARSEST, Math.sqrt(density)));
-      samples = Math.min(mostSamples, Math.max(1, Math.floor(density / ratio ** 2)));
+      samples = Math.min(made.isCalm ? 1 : mostSamples, Math.max(1, Math.floor(density / ratio ** 2)));
     }
-    return ratio >= finest && samples === mostSamples;
+    return ratio >= finest && (made.isCalm || samples === mostSamples);
   }
 
   function geometry(name, isCoarse) {
@@ -92,7 +92,7 @@ export function createStage(state, onFrame) {
       behind.position.copy(view.position);
       behind.visible = name !== "map";
     }
-    const light = uniformsOf(made.lightName, state.light, state.sizes, made.diffuser);
+    const light = uniformsOf(made.lightName, state.light, state.sizes, made.diffuser, made.calls);
     made.set({ ...light, eye: view.position, exposure: 2 ** state.stops, is_map: name === "map", samples });
     const begun = performance.now();
     await engine.draw(scene, view);
@@ -163,12 +163,15 @@ export function createStage(state, onFrame) {
       made?.dispose();
       made = null;
       [engine, canvas] = [newEngine, newCanvas];
-      const { calls } = LIGHTS[lightName];
+      const calls = drawnBy(lightName, variant);
       const { core, cost, functions = [] } = variant.manifest;
       const next = engine.material(variant, calls);
       // arithmetic counts, too
       next.fetches = 50 + (functions.find(({ name }) => name === calls)?.cost ?? cost).fetches;
       next.lightName = lightName;
+      // lobes are as wide as a pixel's footprint
+      next.isCalm = calls === SPREAD;
+      next.calls = calls;
       next.diffuser = core.diffuser_scale ?? 1;
       lastMs = 0;
       scene.clear();

@@ -3,7 +3,7 @@ import {
   BufferAttribute, BufferGeometry, FloatType, GLSL3, Mesh, NearestFilter, NoBlending, OrthographicCamera, PMREMGenerator,
   RawShaderMaterial, Scene, Vector3, WebGLRenderer, WebGLRenderTarget,
 } from "three";
-import { AROUND, CALLS, functionsOf, lightUniforms, tristimulus } from "./lights.js";
+import { AROUND, CALLS, functionsOf, lightUniforms, SPREAD, tristimulus, widened } from "./lights.js";
 import { ALPHA_OF_SPREAD, prefiltered, ROUGHNESS_BEHIND } from "./surroundings.js";
 import { probeArguments, SKY_LOBES, SKY_ROW, textures } from "./tables.js";
 
@@ -80,6 +80,16 @@ vec3 shown(vec3 radiance) {
     return mix(high, low, lessThanEqual(linear, vec3(0.0031308)));
 }`;
 
+/** Widens what is called by the footprint of the pixel. */
+const WIDENED = `void widen() {
+    vec3 n = normalize(v_normal);
+    vec3 t = normalize(v_tangent.xyz - n * dot(n, v_tangent.xyz));
+    mat3 frame = is_map ? mat3(1.0) : mat3(t, cross(n, t) * v_tangent.w, n);
+    float cosine = (light * frame).z;
+    vec2 path = (light * frame).xy + (is_map ? v_place.xy : (normalize(eye - v_place) * frame).xy);${widened(["vec2", (name, type = "float") => `${type} ${name}`], "dFdx", "dFdy")}
+    wide_radius = wide;
+}`;
+
 // world space is the bodies' own; the same in WGSL is in webgpu.js
 const fragment = (variant, calls) => `
 ${calls === AROUND ? HOST : variant.signature(AROUND) ? NO_HOST : ""}
@@ -100,10 +110,13 @@ uniform float scale;
 uniform bool is_map;
 uniform int samples;
 
+// of a disc, or the spread of lobes
+float wide_radius;
+
 // radiance by diffraction; a vector times the frame is that vector in the frame
 vec3 diffracted(mat3 frame, vec3 wr) {${calls === AROUND ? "\n    engine_frame = frame;" : ""}
     vec3 a = light_a * frame, b = light_b * frame, c = light_c * frame, d = light_d * frame;
-    return scale * ${calls}(${CALLS[calls]});
+    return scale * ${calls}(${CALLS[calls].replace("radius", "wide_radius")});
 }
 
 // radiance and cover of a place
@@ -133,7 +146,10 @@ vec4 seen(vec3 place, vec3 normal, vec3 tangent) {
     return vec4(diffracted(frame, wr) + (1.0 - reflected) * lit * v_body, 1.0);
 }`}
 
+${calls === SPREAD ? WIDENED : "void widen() { wide_radius = radius; }"}
+
 void main() {
+    widen();
     // a lobe may be much narrower than what a pixel sees: places over the pixel, by the plastic number
     vec3 place_x = dFdx(v_place), place_y = dFdy(v_place);
     vec3 normal_x = dFdx(v_normal), normal_y = dFdy(v_normal);

@@ -2,7 +2,7 @@
 import { FloatType, LinearSRGBColorSpace, NearestFilter, NoBlending, NoToneMapping, RenderTarget, Vector3 } from "three";
 import { attribute, cubeTexture, positionGeometry, sampler, screenCoordinate, texture, uniform, varying, wgsl, wgslFn } from "three/tsl";
 import { NodeMaterial, PMREMGenerator, QuadMesh, WebGPURenderer } from "three/webgpu";
-import { AROUND, CALLS, functionsOf, lightUniforms, tristimulus } from "./lights.js";
+import { AROUND, CALLS, functionsOf, lightUniforms, SPREAD, tristimulus, widened } from "./lights.js";
 import { ALPHA_OF_SPREAD, prefiltered, ROUGHNESS_BEHIND } from "./surroundings.js";
 import { probeArguments, SKY_LOBES, SKY_ROW, textures } from "./tables.js";
 
@@ -61,10 +61,19 @@ const BEHIND = `fn behind(to: vec3f, turn: vec3f, exposure: f32, last_level: f32
     return vec4f(engine_shown(engine_around(normalize(to), ${ROUGHNESS_BEHIND}), exposure), 1.0);
 }`;
 
+/** Widens what is called by the footprint of the pixel. */
+const WIDENED = `
+    let n_here = normalize(normal);
+    let t_here = normalize(tangent.xyz - n_here * dot(n_here, tangent.xyz));
+    let own = mat3x3f(t_here, cross(n_here, t_here) * tangent.w, n_here);
+    let cosine = select((light * own).z, light.z, is_map > 0.5);
+    let path = select((light * own).xy + (normalize(eye - place) * own).xy, light.xy + place.xy, is_map > 0.5);${widened(["vec2f", (name) => `let ${name}`], "dpdx", "dpdy")}`;
+
 // world space is the bodies' own; the same in GLSL is in webgl2.js
 const shade = (calls) => (parameters, tables) => `fn shade(place: vec3f, normal: vec3f, tangent: vec4f, body: vec3f, eye: vec3f, light: vec3f, light_a: vec3f, light_b: vec3f, light_c: vec3f, light_d: vec3f, radius: f32, reach: f32, scale: f32, turn: vec3f, exposure: f32, is_map: f32, samples: f32${calls === AROUND ? ", last_level: f32, surroundings: texture_cube<f32>" : ""}${parameters}) -> vec4f {${calls === AROUND ? `
     engine_turn = turn;
     engine_last_level = last_level;` : ""}
+${calls === SPREAD ? WIDENED : "\n    let wide = radius;"}
     // a lobe may be much narrower than what a pixel sees: places over the pixel, by the plastic number
     let place_x = dpdx(place);
     let place_y = dpdy(place);
@@ -111,7 +120,7 @@ const shade = (calls) => (parameters, tables) => `fn shade(place: vec3f, normal:
         let b = light_b * frame;
         let c = light_c * frame;
         let d = light_d * frame;
-        sum += vec4f(scale * ${calls}(${CALLS[calls]}${tables(calls)}), 0.0);
+        sum += vec4f(scale * ${calls}(${CALLS[calls].replace("radius", "wide")}${tables(calls)}), 0.0);
         if (is_map < 0.5) {
             let cos_half = dot(normalize(wi + wr), wr);
             let reflected = 0.04 + 0.96 * pow(1.0 - cos_half, 5.0);
@@ -210,7 +219,7 @@ function soon(promise) {
  */
 function shell(variant, functions, bound, make, inputs, host) {
   const read = (name) => {
-    const declared = variant.signature(name).match(/wr: vec3f((?:, [^)]*)?)\)/)[1];
+    const declared = variant.signature(name).match(/wr: vec3f(?:, spread: f32)?((?:, [^)]*)?)\)/)[1];
     return [...declared.matchAll(/, (\w+): (\w+)[^,]*/g)].map(([text, table, type]) => ({ text, table, type }));
   };
   const all = new Map(functions.flatMap(read).map((parameter) => [parameter.table, parameter]));

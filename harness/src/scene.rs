@@ -5,6 +5,7 @@
 
 mod camera;
 pub mod drawing;
+pub mod flicker;
 mod gltf;
 pub mod lights;
 mod mesh;
@@ -19,12 +20,14 @@ mod snake;
 mod sphere;
 pub mod surroundings;
 mod tangents;
+mod torus_knot;
 
 pub use camera::Orbit;
 pub use mesh::Mesh;
 pub use read::read;
 pub use snake::{Snake, snake};
 pub use sphere::sphere;
+pub use torus_knot::torus_knot;
 
 /// The lights of the thesis's figure 5.16, "Different light directions": directions in which the light travels. The camera looks
 /// along `-z`.

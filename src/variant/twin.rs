@@ -98,7 +98,9 @@ impl<'a> Twin<'a> {
     pub fn evaluate(&self, arguments: Arguments) -> Option<[f64; 3]> {
         match (arguments, self.form) {
             (Arguments::Direction(directions), _) => Some(self.tristimulus(directions)),
-            (Arguments::Spread { directions, spread }, Form::Baked(form)) => {
+            (Arguments::Spread { directions, spread }, Form::Baked(form))
+                if form.wide.is_some() =>
+            {
                 Some(baked::tristimulus_spread(self, form, directions, spread))
             }
             (Arguments::Disc { axis, radius_rad, colour: None, wr }, Form::Baked(form)) => {

@@ -15,7 +15,7 @@ use diffraction_shaders::tables::{Table, TableSpec, WideAxes, WideSpec, lobe_sig
 use diffraction_shaders::variant::{
     Arguments, Baked, Form, Function, Ground, SPREAD, Twin, Wide, widened,
 };
-use glam::{DVec2, DVec3};
+use glam::{DQuat, DVec2, DVec3};
 
 pub(crate) const FINGERS: &str = "grating = { kind = \"fingers\", size_um = 16, pixels = 320, pitch_um = 1.1, height_um = 0.25, seed = 7 }";
 
@@ -166,6 +166,57 @@ fn energy_is_kept() {
         println!("{spread:.3}: {part:.4}");
         assert!((part - 1.0).abs() < 0.01, "{spread}: {part}");
     }
+}
+
+/// The mean over the normals of a rough plane or of a normal map, whose slopes have a standard deviation: one call whose spread is
+/// that deviation times `w`. Half and double the spread are wrong.
+#[test]
+fn slopes_are_a_spread() {
+    let shader = Shader::new(
+        FINGERS,
+        "coherence_um = 20\nspread_levels = \"auto\"\nspread_step = 1.4142136",
+    );
+    let seen: Vec<Directions> = directions(70, 4).into_iter().filter(|d| d.wr.z > 0.3).collect();
+    for (slope, stated) in [(0.01, 4.0), (0.03, 6.0)] {
+        let tilts = slopes(400, slope);
+        let tilted: Vec<Directions> =
+            seen.iter().flat_map(|d| tilts.iter().map(|slopes| in_tilted(d, *slopes))).collect();
+        let each = shader.exact(&tilted, 0.0);
+        let mean = |all: &[[f64; 3]]| {
+            let sum = all.iter().fold(DVec3::ZERO, |sum, xyz| sum + DVec3::from(*xyz));
+            (sum / all.len() as f64).to_array()
+        };
+        let exact: Vec<[f64; 3]> = each.chunks(tilts.len()).map(mean).collect();
+        let [once, half, double] = [1.0, 0.5, 2.0].map(|factor| {
+            let found = seen.iter().map(|d| {
+                let spread = factor * slope * (d.wi + d.wr).z;
+                shader.call(Arguments::Spread { directions: *d, spread })
+            });
+            p95(&exact, &found.collect::<Vec<_>>())
+        });
+        println!("slopes of {slope}: {once:.2}, half {half:.1}, double {double:.1}");
+        assert!(once < stated, "{slope}: {once}");
+        assert!(half > 2.0 * stated && double > 2.0 * stated, "{slope}: {half} {double}");
+    }
+}
+
+/// Slopes with a normal distribution on both axes, evenly over it.
+fn slopes(count: u32, deviation: f64) -> Vec<DVec2> {
+    let at = |i: u32| {
+        // the plastic number, and Box and Muller's transform
+        let [share, turn] =
+            [0.754_877_666_2, 0.569_840_290_9].map(|step| (0.5 + step * f64::from(i)).fract());
+        let radius = deviation * (-2.0 * (1.0 - share).ln()).sqrt();
+        radius * DVec2::from_angle(2.0 * PI * turn)
+    };
+    (0..count).map(at).collect()
+}
+
+/// Directions in the frame of a plane with these slopes, turned the shortest way.
+fn in_tilted(Directions { wi, wr }: &Directions, slopes: DVec2) -> Directions {
+    let normal = DVec3::new(-slopes.x, -slopes.y, 1.0).normalize();
+    let back = DQuat::from_rotation_arc(normal, DVec3::Z);
+    Directions { wi: back * *wi, wr: back * *wr }
 }
 
 /// The narrowest table is the one of variants without levels, and the others together are no larger.

@@ -1,7 +1,9 @@
 //! `cargo xtask scene`: draws a variant as the skin of a 3-D body: pictures, sweeps and a turntable.
 
 mod args;
+mod flicker;
 mod lights;
+mod skin;
 mod work;
 
 use anyhow::Result;

@@ -94,17 +94,16 @@ impl Gpu {
         self.shared.guarded(program.name, || mesh::build(&self.shared, program, targets))
     }
 
-    /// Draws passes over a mesh, one over the other, into the same targets. Returns pictures as `[picture][row][column]`, top row
-    /// first; alpha is 0 outside the mesh.
+    /// Draws a mesh. Returns pictures as `[picture][row][column]`, top row first; alpha is 0 outside the mesh.
     pub fn draw_mesh(
         &self,
         name: &str,
         mesh: &MeshBuffers,
-        passes: &[MeshPass<'_>],
+        pass: MeshPass<'_>,
         targets: Targets,
         size: [u32; 2],
     ) -> Result<Vec<Vec<[f32; 4]>>> {
-        self.shared.guarded(name, || mesh::draw(&self.shared, name, mesh, passes, targets, size))
+        self.shared.guarded(name, || mesh::draw(&self.shared, name, mesh, pass, targets, size))
     }
 }
 

@@ -11,9 +11,6 @@ mod truth;
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::light::{Filtered, Light};
-use diffraction_shaders::optics::{REFERENCE_NM, window_sigma_um};
-use diffraction_shaders::plan::Coherence;
-use diffraction_shaders::runner::Placement;
 use diffraction_shaders::tables::{Table, environment_table};
 use diffraction_shaders::variant::mesh::{MeshParams, OrientationMap};
 use diffraction_shaders::variant::{FUNCTIONS, Form, FunctionKind};
@@ -49,6 +46,13 @@ fn environment_radiance(direction: vec3f, spread: f32) -> vec3f {
 }
 ";
 
+/// What a disc of an irradiance diffracts where a variant has the function for white discs alone.
+const WHITE_DISC: &str = "colour * diffraction_disc(axis, radius, wr)";
+
+/// The template's function of a variant that cannot widen lobes.
+const NO_FOOTPRINT: &str =
+    "fn footprint_spread(right: vec2f, down: vec2f) -> f32 { return 0.0; }\n";
+
 /// Bindings of the templates and of [`SHADE`].
 const MESH_PARAMS: u32 = 8;
 const ORIENTATION_MAP: u32 = 9;
@@ -60,13 +64,21 @@ const WHITES: u32 = 23;
 const WHITES_NUMBERS: usize = 4 * TABLE[0] * TABLE[1];
 /// Corners of a polygon that the block has room for.
 const CORNERS: usize = diffraction_shaders::light::MAX_CORNERS;
-const SHADE_NUMBERS: usize = 12 + 4 * MAX_LIGHTS * (2 + 3 + CORNERS);
+const SHADE_NUMBERS: usize = 8 + 4 * MAX_LIGHTS * (2 + 3 + CORNERS);
 const PARAMS_NUMBERS: usize = 56;
 
-/// Number of levels of widened lobes. In the last, lobes are 32 times as wide.
-const LEVELS: u32 = 6;
-
 const PICTURE: Targets = Targets { pictures: 1, multisampled: true };
+
+/// What a pixel takes of the lobes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lobes {
+    /// Their value at the pixel's middle.
+    Points,
+    /// Lobes widened by the footprint of the pixel.
+    Footprint,
+    /// Nothing: a lobe of GGX stands in their place, for comparison.
+    Ggx,
+}
 
 /// Lights and blending of a picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,10 +117,9 @@ pub struct Drawing<'a> {
     gpu: &'a Gpu,
     mesh: Mesh,
     buffers: MeshBuffers,
-    /// The variant with the body's colour, and for widened lobes variants of shorter coherence, each with its diffuser scale.
-    levels: Vec<(MeshPipeline, f64)>,
-    /// `(λ σf)²` of the variant at 550 nm.
-    lobe: f64,
+    pipeline: MeshPipeline,
+    /// Its diffuser scale.
+    scale: f64,
     variant: String,
     form: Form,
     /// Whether it has surroundings.
@@ -116,41 +127,27 @@ pub struct Drawing<'a> {
 }
 
 impl<'a> Drawing<'a> {
-    /// Computes the tables and compiles the passes. `widen`: lobes are widened by the footprint of pixels. Only an ensemble allows
-    /// that: half the coherence length doubles the width of a lobe. `around`: the skies and maps of all pictures, see
-    /// [`filtered`].
+    /// Compiles the shader. [`Lobes::Footprint`] needs the function of wider lobes. `around`: the skies and
+    /// maps of all pictures, see [`filtered`].
     pub fn new(
         gpu: &'a Gpu,
-        placement: Placement<'a>,
+        prepared: &Prepared<'_>,
         mesh: Mesh,
-        widen: bool,
+        lobes: Lobes,
         around: Option<&Filtered>,
     ) -> Result<Drawing<'a>> {
-        let variant = placement.variant;
-        let ensemble = variant.optics.coherence == Coherence::Ensemble;
-        if widen && !ensemble {
-            let cause = "adds amplitudes, so its lobes cannot be widened to the size of a pixel";
-            return Err(Error::new(&variant.name, cause).remedy(
-                "choose a variant with coherence = \"ensemble\", or --filter supersample",
-            ));
-        }
+        let (variant, form) = (prepared.placement.variant, prepared.form.clone());
         let buffers = gpu.mesh(&mesh.vertices, &mesh.triangles)?;
-        let mut levels = Vec::new();
-        let form = Form::new(variant, placement.height)?;
-        for level in 0..if widen { LEVELS } else { 1 } {
-            let mut wider = variant.clone();
-            wider.optics.coherence_um /= f64::from(1 << level);
-            let prepared = Prepared::new(Placement { variant: &wider, ..placement })?;
-            let scale = prepared.form.diffuser_scale(&wider.optics).ok_or_else(|| {
-                let cause = "has no radiance scale, so it cannot be blended with a body";
-                Error::new(&variant.name, cause)
-            })?;
-            levels.push((pass(gpu, &prepared, around, &mesh, level > 0)?, scale));
+        if lobes == Lobes::Footprint {
+            check_widened(&variant.name, &form)?;
         }
-        let sigma = 1.0 / (std::f64::consts::TAU * window_sigma_um(&variant.optics, REFERENCE_NM));
-        let lobe = (sigma * REFERENCE_NM * 1e-3).powi(2);
+        let scale = form.diffuser_scale(&variant.optics).ok_or_else(|| {
+            let cause = "has no radiance scale, so it cannot be blended with a body";
+            Error::new(&variant.name, cause)
+        })?;
+        let pipeline = pass(gpu, prepared, around, &mesh, lobes)?;
         let (variant, is_around) = (variant.name.clone(), around.is_some());
-        Ok(Drawing { gpu, mesh, buffers, levels, lobe, variant, form, is_around })
+        Ok(Drawing { gpu, mesh, buffers, pipeline, scale, variant, form, is_around })
     }
 
     /// The drawn mesh.
@@ -168,42 +165,27 @@ impl<'a> Drawing<'a> {
             let cause = "was prepared without the skies and maps of its lights";
             return Err(Error::new(&self.mesh.name, cause));
         }
-        let has_size = |light: &&Light| !matches!(light.white().0, Light::Direction { .. });
-        if self.levels.len() > 1
-            && look.diffracts
-            && let Some(light) = look.lights.iter().find(has_size)
-        {
-            return Err(Error::new(&self.mesh.name, widened(light)));
-        }
-        let block = params_bytes(params);
-        let shades: Vec<[f32; SHADE_NUMBERS]> =
-            (0..self.levels.len()).map(|level| self.shade(look, level)).collect();
+        let (block, shade) = (params_bytes(params), shade_numbers(look, self.scale));
         let whites = whites(&look.lights);
-        let bytes: Vec<[&[u8]; 3]> = shades
-            .iter()
-            .map(|shade| [&block[..], bytemuck::cast_slice(shade), bytemuck::cast_slice(&whites)])
-            .collect();
-        let passes: Vec<MeshPass<'_>> =
-            self.levels.iter().zip(&bytes).map(|((p, _), bytes)| (p, &bytes[..])).collect();
-        let pictures =
-            self.gpu.draw_mesh(&self.mesh.name, &self.buffers, &passes, PICTURE, size)?;
+        let blocks: [&[u8]; 3] =
+            [&block, bytemuck::cast_slice(&shade), bytemuck::cast_slice(&whites)];
+        let pass: MeshPass<'_> = (&self.pipeline, &blocks);
+        let pictures = self.gpu.draw_mesh(&self.mesh.name, &self.buffers, pass, PICTURE, size)?;
         let [width, height] = size;
         Ok(Hdr { width, height, pixels: pictures.into_iter().flatten().collect() })
     }
-
-    fn shade(&self, look: &Look, level: usize) -> [f32; SHADE_NUMBERS] {
-        let last = if self.levels.len() > 1 { self.levels.len() as f32 - 1.0 } else { -1.0 };
-        let scale = self.levels[level].1;
-        shade_numbers(look, scale, [level as f32, last, self.lobe as f32])
-    }
 }
 
-/// Why lobes are not widened under a light with a size.
-pub fn widened(light: &Light) -> String {
-    format!(
-        "lobes are widened by a shorter coherence length, which stands for the size of a light, but a light of kind {:?} has its own",
-        light.kind()
-    )
+/// Returns an error if the lobes of a form cannot be widened by the footprint of pixels.
+pub fn check_widened(variant: &str, form: &Form) -> Result<()> {
+    if form.functions().iter().any(|function| function.kind() == FunctionKind::Spread) {
+        return Ok(());
+    }
+    let cause =
+        "has no function for wider lobes, so they cannot be widened by the footprint of pixels";
+    Err(Error::new(variant, cause).remedy(
+        "use mode = \"baked\" with coherence = \"ensemble\", coherence_scaling = \"wavelength\" and spread_levels = \"auto\", or --filter supersample",
+    ))
 }
 
 /// Returns an error if lights cannot be drawn on a variant. `subject` names the picture.
@@ -234,16 +216,14 @@ fn whites(lights: &[Light]) -> Vec<f32> {
     Surroundings::new(lights).map_or_else(|| vec![0.0; WHITES_NUMBERS], |found| found.numbers())
 }
 
-/// The uniform block `Shade`. `scale`: diffuser scale; `[level, last, lobe]`: level of the pass, last level, and `(λ σf)²`.
-fn shade_numbers(look: &Look, scale: f64, [level, last, lobe]: [f32; 3]) -> [f32; SHADE_NUMBERS] {
+/// The uniform block `Shade`. `scale`: diffuser scale.
+fn shade_numbers(look: &Look, scale: f64) -> [f32; SHADE_NUMBERS] {
     let mut numbers = [0.0; SHADE_NUMBERS];
     let flag = |is_set: bool| f32::from(u8::from(is_set));
     let surrounded = look.lights.iter().any(Light::is_all_round);
-    let blend = [look.texture_weight as f32, scale as f32, look.unlit as f32, level];
-    let widening = [last, lobe, flag(surrounded), flag(look.diffracts)];
-    numbers[..4].copy_from_slice(&blend);
-    numbers[4..8].copy_from_slice(&widening);
-    let (counts, directions) = (8, 12);
+    let (weight, unlit) = (look.texture_weight as f32, look.unlit as f32);
+    numbers[..4].copy_from_slice(&[weight, scale as f32, unlit, flag(look.diffracts)]);
+    let (counts, directions) = (4, 8);
     let discs = directions + 4 * MAX_LIGHTS;
     let powers = discs + 4 * MAX_LIGHTS;
     let corners = powers + 4 * 3 * MAX_LIGHTS;
@@ -274,7 +254,7 @@ fn shade_numbers(look: &Look, scale: f64, [level, last, lobe]: [f32; 3]) -> [f32
         set(powers + 4 * (MAX_LIGHTS * kind + next[kind]), power * colour, count as f64);
         next[kind] += 1;
     }
-    set(counts, DVec3::from(next.map(|count| count as f64)), 0.0);
+    set(counts, DVec3::from(next.map(|count| count as f64)), f64::from(flag(surrounded)));
     numbers
 }
 
@@ -307,10 +287,10 @@ pub fn lit_parts(
     let variant = prepared.placement.variant;
     check(&mesh.name, &variant.name, &prepared.form, lights)?;
     let scale = prepared.form.diffuser_scale(&variant.optics).unwrap_or_default();
-    let shade = shade_numbers(&Look::lit_by(lights.to_vec()), scale, [0.0, -1.0, 0.0]);
+    let shade = shade_numbers(&Look::lit_by(lights.to_vec()), scale);
     let around = around_table(prepared, filtered(lights).as_ref());
     let textures = textures(prepared, around.as_ref(), &mesh.orientation);
-    let wgsl = &text(prepared, around.as_ref())?;
+    let wgsl = &text(prepared, around.as_ref(), Lobes::Points)?;
     let stage = Stage { wgsl, entry: "scene_parts", pictures: 2, textures };
     let whites = whites(lights);
     let blocks = [bytemuck::cast_slice(&shade), bytemuck::cast_slice(&whites)];
@@ -319,17 +299,29 @@ pub fn lit_parts(
     Ok(pictures[0].iter().zip(&pictures[1]).map(|(g, w)| (*g, white(w))).collect())
 }
 
-/// The directions that the entry point `mesh` uses in each pixel, and the distance from the viewer; `None` outside the mesh.
+/// What the entry point `mesh` uses in a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Used {
+    /// The directions.
+    pub directions: Directions,
+    /// Distance of the point from the viewer.
+    pub away: f64,
+    /// Spread of the lobes; 0 without the function of wider lobes.
+    pub spread: f64,
+}
+
+/// What the entry point `mesh` uses in each pixel; `None` outside the mesh.
 pub fn directions(
     gpu: &Gpu,
     prepared: &Prepared<'_>,
     mesh: &Mesh,
     params: &MeshParams,
     size: [u32; 2],
-) -> Result<Vec<Option<(Directions, f64)>>> {
+) -> Result<Vec<Option<Used>>> {
     let used = |wi: &[f32; 4], wr: &[f32; 4]| {
         let directions = Directions { wi: vector(wi), wr: vector(wr) };
-        (wr[3] > 0.0).then(|| (directions, f64::from(wi[3])))
+        let (away, spread) = (f64::from(wi[3]), f64::from(wr[3]) - 1.0);
+        (wr[3] > 0.0).then_some(Used { directions, away, spread })
     };
     let pictures = frames(gpu, prepared, mesh, params, size, "scene_directions")?;
     Ok(pictures[0].iter().zip(&pictures[1]).map(|(wi, wr)| used(wi, wr)).collect())
@@ -366,7 +358,12 @@ fn frames(
 ) -> Result<Vec<Vec<[f32; 4]>>> {
     let textures = vec![orientation_texture(&mesh.orientation)];
     let around = around_table(prepared, None);
-    let stage = Stage { wgsl: &text(prepared, around.as_ref())?, entry, pictures: 2, textures };
+    let stage = Stage {
+        wgsl: &text(prepared, around.as_ref(), Lobes::Points)?,
+        entry,
+        pictures: 2,
+        textures,
+    };
     single(gpu, prepared, mesh, params, size, stage, None)
 }
 
@@ -405,16 +402,14 @@ fn single(
         textures,
         colours: None,
         uniforms,
-        add: false,
     };
     let pipeline = gpu.mesh_program(&program, targets)?;
     let buffers = gpu.mesh(&mesh.vertices, &mesh.triangles)?;
-    let passes: [MeshPass<'_>; 1] = [(&pipeline, &blocks)];
-    gpu.draw_mesh(&mesh.name, &buffers, &passes, targets, size)
+    gpu.draw_mesh(&mesh.name, &buffers, (&pipeline, &blocks), targets, size)
 }
 
 /// The shader of a variant with the harness's shading appended, and the functions that the variant does not have.
-fn text(prepared: &Prepared<'_>, around: Option<&(Table, f64)>) -> Result<String> {
+fn text(prepared: &Prepared<'_>, around: Option<&(Table, f64)>, lobes: Lobes) -> Result<String> {
     let module = prepared.module(prepared.spectrum.width)?;
     let known = prepared.form.functions();
     let is_absent = |kind| !known.iter().any(|function| function.kind() == kind);
@@ -422,8 +417,16 @@ fn text(prepared: &Prepared<'_>, around: Option<&(Table, f64)>) -> Result<String
         .iter()
         // pictures are not traced by paths
         .filter(|function| is_absent(function.kind()) && function.kind() != FunctionKind::Path)
-        .map(|f| format!("fn {}{} {{ return vec3f(0.0); }}\n", f.name(), f.signature()))
+        .map(|f| {
+            let result = match f.kind() {
+                // lamps of a colour are refused, so that the colour is a number
+                FunctionKind::DiscColoured if !is_absent(FunctionKind::Disc) => WHITE_DISC,
+                _ => "vec3f(0.0)",
+            };
+            format!("fn {}{} {{ return {result}; }}\n", f.name(), f.signature())
+        })
         .collect();
+    let footprint = if is_absent(FunctionKind::Spread) { NO_FOOTPRINT } else { "" };
     let matter = prepared.form.matter();
     // a number above 1 stands for Schlick's reflectance
     let share = matter.body_share().unwrap_or(2.0);
@@ -431,38 +434,41 @@ fn text(prepared: &Prepared<'_>, around: Option<&(Table, f64)>) -> Result<String
         true => SCHLICK,
         false => "fn body_reflectance(cos_half: f32) -> f32 { return 0.0; }",
     };
-    let body = format!("const BODY_SHARE: f32 = {share:?};\n{reflectance}\n");
+    let body = format!(
+        "const BODY_SHARE: f32 = {share:?};\nconst WIDENS: bool = {};\nconst IS_GGX: bool = {};\n{reflectance}\n",
+        lobes == Lobes::Footprint,
+        lobes == Lobes::Ggx,
+    );
     let around = around.map_or_else(String::new, |(_, factor)| {
         format!("const MAP_FACTOR: f32 = {:?};\n{AROUND}", *factor as f32)
     });
     let own = module.text().replace("fn environment_radiance(", "fn map_radiance(");
-    Ok(format!("{own}\n{SHADE}{around}{body}{absent}"))
+    Ok(format!("{own}\n{SHADE}{around}{body}{absent}{footprint}"))
 }
 
-/// The pass of a level. The first one draws the body, too; the others add to it.
+/// The pass that draws the body and what it diffracts.
 fn pass(
     gpu: &Gpu,
     prepared: &Prepared<'_>,
     around: Option<&Filtered>,
     mesh: &Mesh,
-    add: bool,
+    lobes: Lobes,
 ) -> Result<MeshPipeline> {
     let around = around_table(prepared, around);
     let colours = Colours { map: &mesh.colour, binding: BODY_COLOUR, sampler: BODY_SAMPLER };
     let program = MeshProgram {
         name: &mesh.name,
-        wgsl: &text(prepared, around.as_ref())?,
+        wgsl: &text(prepared, around.as_ref(), lobes)?,
         vertex_entry: "mesh_vert",
-        fragment_entry: if add { "scene_level" } else { "scene_skin" },
+        fragment_entry: "scene_skin",
         textures: textures(prepared, around.as_ref(), &mesh.orientation),
-        colours: (!add).then_some(colours),
+        colours: Some(colours),
         uniforms: [
             (MESH_PARAMS, 4 * PARAMS_NUMBERS),
             (SHADE_BLOCK, 4 * SHADE_NUMBERS),
             (WHITES, 4 * WHITES_NUMBERS),
         ]
         .to_vec(),
-        add,
     };
     gpu.mesh_program(&program, PICTURE)
 }

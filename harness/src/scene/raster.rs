@@ -16,6 +16,9 @@ pub struct Seen {
     pub inside: f64,
     /// The interpolated output of the vertex stage there; `position` is in clip space.
     pub at: MeshVertex,
+    /// The same of that triangle at the other pixel in the row and in the column of a block of 2 × 2, from which drivers take
+    /// derivatives.
+    pub next: [MeshVertex; 2],
 }
 
 /// The visible points of a picture of this size, `[row][column]` from the top; `None` outside the mesh.
@@ -54,21 +57,28 @@ pub fn visible(
         };
         for row in range(low.y, high.y, height) {
             for column in range(low.x, high.x, width) {
-                let p = DVec2::new(column as f64 + 0.5, row as f64 + 0.5);
-                let weights = DVec3::new(
-                    (c - b).perp_dot(p - b) / area,
-                    (a - c).perp_dot(p - c) / area,
-                    (b - a).perp_dot(p - a) / area,
-                );
-                if weights.min_element() < 0.0 {
+                let weights = |column: i64, row: i64| {
+                    let p = DVec2::new(column as f64 + 0.5, row as f64 + 0.5);
+                    DVec3::new(
+                        (c - b).perp_dot(p - b) / area,
+                        (a - c).perp_dot(p - c) / area,
+                        (b - a).perp_dot(p - a) / area,
+                    )
+                };
+                let inside = weights(column, row).min_element();
+                if inside < 0.0 {
                     continue;
                 }
-                let at = blend(indices.map(|i| &corners[i as usize]), weights);
+                let of = |column, row| {
+                    blend(indices.map(|i| &corners[i as usize]), weights(column, row))
+                };
+                let at = of(column, row);
                 let place = row as usize * width as usize + column as usize;
                 let depth = at.position.z / at.position.w;
                 if (0.0..=1.0).contains(&depth) && depth < depths[place] {
                     depths[place] = depth;
-                    seen[place] = Some(Seen { triangle, inside: weights.min_element(), at });
+                    let next = [of(column ^ 1, row), of(column, row ^ 1)];
+                    seen[place] = Some(Seen { triangle, inside, at, next });
                 }
             }
         }

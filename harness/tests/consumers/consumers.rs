@@ -126,6 +126,7 @@ fn the_gallery_passes_the_probes_and_reacts() {
         for (variant, lights) in found["lights"].as_object().unwrap() {
             let wanted = match variant.as_str() {
                 LAMPS => json!(["sun", "lamp", "softbox", "studio", "direction"]),
+                "baked" => json!(["sun", "lamp", "direction"]),
                 _ => json!(["direction"]),
             };
             assert_eq!(*lights, wanted, "{api}: {variant}");
@@ -196,6 +197,11 @@ fn check(who: &str, results: &Value) {
         let name = format!("{who}: {} {}", result["surface"], result["variant"]);
         let (mut count, mut functions) = (64, json!({ "diffraction": 64 }));
         let mut controls = BTreeSet::from(["swapped channels", "flipped bitangent"]);
+        if result["variant"] == "baked" {
+            count += 16;
+            functions["diffraction_spread"] = 16.into();
+            controls.insert("another size of the light");
+        }
         if result["variant"] == LAMPS {
             lamps += 1;
             for shape in ["disc", "disc_coloured", "rectangle", "rectangle_coloured"] {

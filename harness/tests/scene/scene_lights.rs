@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_1_PI, PI};
 
 use diffraction_harness::drivers::gpu::Gpu;
 use diffraction_harness::drivers::{ColourMap, Prepared};
-use diffraction_harness::scene::drawing::{Drawing, Look, Truth, truth_under};
+use diffraction_harness::scene::drawing::{Drawing, Lobes, Look, Truth, truth_under};
 use diffraction_harness::scene::lights::facing;
 use diffraction_harness::scene::{Mesh, Orbit, sphere};
 use diffraction_shaders::light::{Cap, Light, Polygon};
@@ -140,7 +140,8 @@ fn units_are_those_of_the_file() {
     let (height, variant) = (crossed(), orders());
     let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     let mesh = Mesh { colour: ColourMap::plain([255; 3]), ..sphere(96) };
-    let drawing = Drawing::new(&gpu, placement, mesh.clone(), false, None).unwrap();
+    let prepared = Prepared::new(placement).unwrap();
+    let drawing = Drawing::new(&gpu, &prepared, mesh.clone(), Lobes::Points, None).unwrap();
     let softbox = window(DVec3::Z, 0.5, 4);
     let facing = facing(&softbox);
     let lights = [
@@ -172,10 +173,11 @@ fn units_are_those_of_the_file() {
 fn what_a_picture_cannot_show_is_refused() {
     let Some(gpu) = gpu() else { return };
     let height = crossed();
-    let refused = |variant: &Variant, widen: bool, lights: Vec<Light>| {
+    let refused = |variant: &Variant, lights: Vec<Light>| {
         let placement = Placement { height: &height, rotate_deg: 0.0, variant };
         let mesh = sphere(12);
-        let drawing = Drawing::new(&gpu, placement, mesh.clone(), widen, None).unwrap();
+        let prepared = Prepared::new(placement).unwrap();
+        let drawing = Drawing::new(&gpu, &prepared, mesh.clone(), Lobes::Points, None).unwrap();
         let params = Orbit::around(&mesh, 1.0).params(&mesh, [8, 8], DVec3::Z).unwrap();
         drawing.draw(&params, &Look::lit_by(lights), [8, 8]).unwrap_err().to_string()
     };
@@ -183,13 +185,12 @@ fn what_a_picture_cannot_show_is_refused() {
     let few = Variant { lights: vec![LightFunction::Direction], ..orders() };
     let sun = disc(DVec3::Z, 0.53);
     for (found, expected) in [
-        (refused(&all, false, vec![]), "has no light"),
-        (refused(&all, false, vec![sun.clone(); 5]), "has 5 lights of kind \"disc\""),
-        (refused(&few, false, vec![Light::Sky { radiance: 1.0 }]), "a light of kind \"sky\""),
-        (refused(&all, false, vec![Light::Sky { radiance: 1.0 }]), "prepared without the skies"),
-        (refused(&few, false, vec![sun.clone()]), "no function for a light of kind \"disc\""),
-        (refused(&few, false, vec![window(DVec3::Z, 0.1, 3)]), "of kind \"polygon\""),
-        (refused(&all, true, vec![sun]), "lobes are widened by a shorter coherence length"),
+        (refused(&all, vec![]), "has no light"),
+        (refused(&all, vec![sun.clone(); 5]), "has 5 lights of kind \"disc\""),
+        (refused(&few, vec![Light::Sky { radiance: 1.0 }]), "a light of kind \"sky\""),
+        (refused(&all, vec![Light::Sky { radiance: 1.0 }]), "prepared without the skies"),
+        (refused(&few, vec![sun]), "no function for a light of kind \"disc\""),
+        (refused(&few, vec![window(DVec3::Z, 0.1, 3)]), "of kind \"polygon\""),
     ] {
         assert!(found.contains(expected), "{found}");
     }

@@ -3,8 +3,8 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use diffraction_harness::drivers::ColourMap;
-use diffraction_harness::scene::drawing::{Drawing, Look};
+use diffraction_harness::drivers::{ColourMap, Prepared};
+use diffraction_harness::scene::drawing::{Drawing, Lobes, Look};
 use diffraction_harness::scene::surroundings::add_behind;
 use diffraction_harness::scene::{Mesh, Orbit, raster, sphere};
 use diffraction_shaders::light::{Cap, Environment, Light, Panorama, Studio};
@@ -107,7 +107,8 @@ fn a_body_is_lit_by_the_whole_map() {
     let (height, variant) = (crossed(), orders());
     let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     let mesh = Mesh { colour: ColourMap::plain([255; 3]), ..sphere(96) };
-    let drawing = Drawing::new(&gpu, placement, mesh.clone(), false, None).unwrap();
+    let prepared = Prepared::new(placement).unwrap();
+    let drawing = Drawing::new(&gpu, &prepared, mesh.clone(), Lobes::Points, None).unwrap();
     let orbit = Orbit { azimuth_deg: 35.0, elevation_deg: 20.0, ..Orbit::around(&mesh, 1.5) };
     let view = orbit.params(&mesh, SIZE, DVec3::Y).unwrap();
     let seen = raster::visible(&mesh, &view, SIZE).unwrap();
@@ -178,7 +179,8 @@ fn what_a_relief_cannot_diffract_is_refused() {
     let (height, variant) = (crossed(), Variant { lights, ..orders() });
     let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
     let mesh = sphere(12);
-    let drawing = Drawing::new(&gpu, placement, mesh, false, None).unwrap();
+    let prepared = Prepared::new(placement).unwrap();
+    let drawing = Drawing::new(&gpu, &prepared, mesh, Lobes::Points, None).unwrap();
     let map = Light::Environment(environment(Studio::Window.panorama(32), 0.0));
     let sun = Light::Disc { cap: Cap { axis: DVec3::Y, radius_rad: 0.01 }, irradiance: 1.0 };
     let ahead = Light::Direction { direction: DVec3::Y, irradiance: 1.0 };

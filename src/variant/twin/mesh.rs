@@ -3,6 +3,7 @@
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
 use crate::field::reference::Directions;
+use crate::variant::Arguments;
 
 use super::Twin;
 
@@ -85,19 +86,35 @@ pub fn mesh_vert(params: &MeshParams, vertex: &Vertex) -> MeshVertex {
     }
 }
 
-/// The fragment stage, as relative tristimulus values.
+/// The fragment stage, as relative tristimulus values. `next`: the values in the next pixel of the row and in that of the column,
+/// on the same triangle.
 pub fn mesh(
     twin: &Twin<'_>,
     params: &MeshParams,
     map: &OrientationMap,
     at: &MeshVertex,
+    next: &[MeshVertex; 2],
 ) -> [f64; 3] {
-    let wi = in_frame(map, params.light_direction, at);
-    let wr = in_frame(map, params.eye - at.place, at);
-    if !(wi.z > 0.0 && wr.z > 0.0) {
+    let used = |at: &MeshVertex| Directions {
+        wi: in_frame(map, params.light_direction, at),
+        wr: in_frame(map, params.eye - at.place, at),
+    };
+    let path = |at: &MeshVertex| (used(at).wi + used(at).wr).truncate();
+    let directions = used(at);
+    if !(directions.wi.z > 0.0 && directions.wr.z > 0.0) {
         return [0.0; 3];
     }
-    twin.tristimulus(Directions { wi, wr })
+    let [right, down] = [&next[0], &next[1]].map(|next| path(next) - path(at));
+    let spread = footprint_spread(right, down);
+    let widened = twin.evaluate(Arguments::Spread { directions, spread });
+    widened.unwrap_or_else(|| twin.tristimulus(directions))
+}
+
+/// Spread of lobes by the footprint of a pixel, from the steps of `(u, v)` to the next pixels.
+pub fn footprint_spread(right: DVec2, down: DVec2) -> f64 {
+    let sum = right.length_squared() + down.length_squared();
+    let area = right.perp_dot(down);
+    1.5 * (0.5 * (sum + (sum * sum - 4.0 * area * area).max(0.0).sqrt())).sqrt()
 }
 
 /// Direction in the world as a unit vector in the frame of a fragment. Zero if there is no frame.

@@ -15,6 +15,7 @@ const EXAMPLE: &str = "Examples:
   cargo xtask scene --plan plans/scene.toml --surface fingers --variant baked --sweep zoom --filter footprint --size 480x360 --out zoom.png
   cargo xtask scene --plan plans/scene.toml --surface rows --variant lamp --sweep turntable --size 480x360 --out turntable.png
   cargo xtask scene --plan plans/scene.toml --surface fingers --variant baked --truth --size 640x360
+  cargo xtask scene --plan plans/scene.toml --surface cd,fingers --variant baked --mesh torus-knot --sweep flicker --size 1920x1080
   cargo xtask scene --plan plans/scene.toml --surface cd --variant orders --mesh sphere --filter supersample --out sun.png
   cargo xtask scene --plan plans/scene.toml --surface crossed --variant orders --mesh sphere --lights studio.toml --out studio.png
   cargo xtask scene --plan plans/scene.toml --surface crossed --variant orders --mesh sphere --lights studio.toml --truth --size 320x240
@@ -67,9 +68,9 @@ pub(crate) struct Args {
     /// Name of the variant, as in the plan. Needed only if the plan has several.
     #[arg(long, value_name = "NAME")]
     pub(crate) variant: Option<String>,
-    /// The body: snake, sphere, or a .gltf, .glb or .obj file. Files that it names must lie below its folder. Limits: 512 MiB in
+    /// The body: snake, sphere, torus-knot, or a .gltf, .glb or .obj file. Files that it names must lie below its folder. Limits: 512 MiB in
     /// all, 4 Mi vertices, 8 Mi triangles, 65536 nodes.
-    #[arg(long, value_name = "snake|sphere|FILE", default_value = "snake")]
+    #[arg(long, value_name = "snake|sphere|torus-knot|FILE", default_value = "snake")]
     pub(crate) mesh: String,
     /// Width and height of a picture, in pixels.
     #[arg(long, value_name = "WxH", default_value = "1280x720")]
@@ -82,8 +83,8 @@ pub(crate) struct Args {
         allow_hyphen_values = true
     )]
     pub(crate) light: Vec<Vector>,
-    /// Angular diameter of each --light: a disc such as the sun, where the variant has a function for discs (mode = "orders"). 0: a
-    /// single direction, which is what other variants always have; their coherence length stands for the size of the light.
+    /// Angular diameter of each --light: a disc such as the sun, where the variant has a function for discs (mode = "orders", or
+    /// "baked" with spread_levels). 0: a single direction, which is what other variants always have; their coherence length stands for the size of the light.
     #[arg(long, value_name = "DEG", default_value = "0.53", value_parser = diameter)]
     pub(crate) light_diameter_deg: f64,
     /// Lights of a file in place of --light: up to 4 of each kind. Discs, polygons, skies and maps need a variant with mode = "orders";
@@ -146,7 +147,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) time: u32,
     /// The picture to write: .png (tone-mapped, sRGB) or .exr (linear).
-    #[arg(long, value_name = "FILE.png|.exr", required_unless_present_any = ["truth", "time"])]
+    #[arg(long, value_name = "FILE.png|.exr", required_unless_present_any = ["truth", "time", "sweep"])]
     pub(crate) out: Option<PathBuf>,
 }
 
@@ -155,7 +156,8 @@ pub(crate) struct Args {
 pub(crate) enum Filter {
     /// Four samples per pixel at edges only.
     None,
-    /// Widen lobes by the pixel's footprint; needs coherence = "ensemble", and lights of a single direction.
+    /// Widen lobes by the pixel's footprint; needs mode = "baked" and coherence = "ensemble". Without spread_levels the variant is drawn
+    /// with "auto".
     Footprint,
     /// Shade 16 points per pixel.
     Supersample,
@@ -172,6 +174,11 @@ pub(crate) enum Sweep {
     Orientation,
     /// Once around the body, as an animated PNG.
     Turntable,
+    /// Three frames, the camera a third of a pixel further each time. Prints as JSON, for the filters none and footprint and for a
+    /// lobe of GGX with as much light: bright_pixels, within the black body, above 0.5 of the displayed luminance in any frame;
+    /// flicker, the share of them that changes by more than 0.25; light, that of the picture relative to the mean of 64 points per
+    /// pixel; seconds, the least time of a frame. --filter has no effect, --out writes the first frames side by side.
+    Flicker,
 }
 
 /// A diameter: 0, or what functions for discs take.
@@ -230,7 +237,12 @@ impl Args {
         if self.light.iter().any(|light| light.0 == [0.0; 3]) {
             bail!("--light 0,0,0: expected a direction, which has a length above 0");
         }
-        let Some(out) = &self.out else { return Ok(()) };
+        let Some(out) = &self.out else {
+            if matches!(self.sweep, None | Some(Sweep::Flicker)) || self.truth || self.time > 0 {
+                return Ok(());
+            }
+            bail!("--sweep: its pictures need --out FILE.png");
+        };
         let extension = out.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
         let several = self.sweep.is_some() || self.surface.len() > 1;
         match extension.as_deref() {

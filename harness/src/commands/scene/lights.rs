@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use diffraction_cli::console::{Console, Errors};
 use diffraction_shaders::input;
 use diffraction_shaders::light::{Cap, LampSearch, Light, Lights};
@@ -12,8 +12,8 @@ use diffraction_shaders::runner::check_scaling;
 use diffraction_shaders::variant::{Form, FunctionKind};
 use glam::DVec3;
 
-use super::args::{Args, Filter};
-use crate::scene::drawing::{Look, check_counts, widened};
+use super::args::Args;
+use crate::scene::drawing::{Look, check_counts};
 use crate::scene::lights::{facing, in_world, refused};
 
 /// Exposure of a picture in which a white diffuser that faces the lights has the radiance 1.
@@ -63,9 +63,9 @@ impl Lamps {
     /// Refuses lights that a scene cannot show on a variant.
     pub(super) fn check(&self, variant: &Variant, form: &Form, args: &Args) -> Result<()> {
         let lights = self.on(has_disc(form), None);
-        let (subject, remedy) = match self {
-            Lamps::File(name, ..) => (name.as_str(), ""),
-            Lamps::Options(..) => ("--light", ", or --light-diameter-deg 0"),
+        let subject = match self {
+            Lamps::File(name, ..) => name.as_str(),
+            Lamps::Options(..) => "--light",
         };
         check_counts(subject, &lights)?;
         if args.no_diffraction {
@@ -80,11 +80,6 @@ impl Lamps {
             };
             if let Some(error) = refused(&subject, &variant.name, form, light) {
                 return Err(error.into());
-            }
-            let has_size = !matches!(light.white().0, Light::Direction { .. });
-            if args.filter == Filter::Footprint && has_size {
-                let cause = widened(light);
-                bail!("--filter footprint: {subject}: {cause} (use --filter supersample{remedy})");
             }
         }
         check_scaling(&variant.optics, &Lights { all: lights, notes: Vec::new() })?;

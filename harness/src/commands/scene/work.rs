@@ -11,23 +11,27 @@ use diffraction_cli::files::write_whole;
 use diffraction_cli::{memory, progress};
 use diffraction_shaders::input;
 use diffraction_shaders::light::{Cap, Light, Polygon};
-use diffraction_shaders::plan::{Plan, SurfaceSpec, Variant};
+use diffraction_shaders::plan::{Auto, Coherence, CoherenceScaling, Mode, Plan, Variant};
 use diffraction_shaders::runner::Placement;
-use diffraction_shaders::surface::{self, Surface};
+use diffraction_shaders::surface;
 use diffraction_shaders::variant::Form;
 use glam::DVec3;
 
 use super::args::{Args, Filter, Sweep};
+use super::flicker::measured;
 use super::lights::{Lamps, has_disc};
+use super::skin::{Skin, orbit};
 use crate::drivers::gpu::{Backend, Gpu};
 use crate::drivers::{Prepared, check};
 use crate::process::watched::{Place, child::enter};
 use crate::results::Part;
-use crate::scene::drawing::{Drawing, Hdr, Truth, truth, truth_under};
+use crate::scene::drawing::{Drawing, Hdr, Lobes, Truth, check_widened, truth, truth_under};
 use crate::scene::lights::middle;
 use crate::scene::surroundings::{add_behind, filtered};
 use crate::scene::tone_map::{display, exr, reduced, stacked, strip};
-use crate::scene::{Mesh, Orbit, PRINTED_LIGHTS, PRINTED_ZOOMS, Snake, read, snake, sphere};
+use crate::scene::{
+    Mesh, Orbit, PRINTED_LIGHTS, PRINTED_ZOOMS, Snake, read, snake, sphere, torus_knot,
+};
 use diffraction_shaders::encode::{Picture, animation};
 
 /// Supersampled pictures are drawn N times as wide and as high.
@@ -52,27 +56,24 @@ const MIN_LIT: usize = 64;
 /// The negative control: a frame of the other handedness.
 const FLIP: (&str, &str) = ("cross(upright, straight)", "cross(straight, upright)");
 
-/// A surface with a variant of the plan.
-struct Skin {
-    spec: SurfaceSpec,
-    surface: Surface,
-    /// The variant as built on the surface.
-    variant: Variant,
-    /// Whether it has a function for discs.
-    has_disc: bool,
-}
-
 pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let plan: Plan = args.plan.read(console)?;
     let lamps = Lamps::read(args, console)?;
     let mut skins = Vec::new();
     for name in &args.surface {
         let spec = plan.surface(name)?.clone();
-        let variant = plan.on(&spec).variant(args.variant.as_deref())?;
+        let mut variant = plan.on(&spec).variant(args.variant.as_deref())?;
+        let widens = args.filter == Filter::Footprint || args.sweep == Some(Sweep::Flicker);
+        if widens && can_widen(&variant) {
+            variant.spread_levels = Auto::Auto;
+        }
         let surface = input::load_surface(&spec)?;
         surface.notes.iter().for_each(|note| console.note(note));
         surface.field.check_pitch(&surface::subject(&spec), variant.wavelengths.min_nm)?;
         let form = Form::new(&variant, &surface.field)?;
+        if widens {
+            check_widened(&variant.name, &form)?;
+        }
         lamps.check(&variant, &form, args)?;
         if args.no_diffraction && form.matter().body_share() == Some(0.0) {
             console.note(&format!(
@@ -95,6 +96,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let mut mesh = match args.mesh.as_str() {
         "snake" => snake(&Snake::standard()),
         "sphere" => sphere(128),
+        "torus-knot" => torus_knot(768, 96),
         file => read(Path::new(file))?,
     };
     mesh.notes.iter().for_each(|note| console.note(note));
@@ -111,7 +113,10 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     }
     let mut rows = Vec::new();
     for skin in &skins {
-        rows.push(sweep(args, &gpu, &lamps, skin, &mesh, console)?);
+        rows.push(match args.sweep {
+            Some(Sweep::Flicker) => measured(args, &gpu, &lamps, skin, &mesh)?,
+            _ => sweep(args, &gpu, &lamps, skin, &mesh, console)?,
+        });
     }
     if args.sweep.is_none() {
         rows = vec![rows.concat()];
@@ -152,7 +157,7 @@ fn sweep(
     let orbit = orbit(args, mesh);
     let at = |orbit: Orbit, lights: &[Light], turned: f64| (orbit, lights.to_vec(), turned);
     let shots = match args.sweep {
-        None => vec![at(orbit, &lights, 0.0)],
+        None | Some(Sweep::Flicker) => vec![at(orbit, &lights, 0.0)],
         // the printed vectors point where the light goes
         Some(Sweep::Lights) => PRINTED_LIGHTS
             .map(|l| at(orbit, &lamps.on(skin.has_disc, Some(&[-DVec3::from(l)])), 0.0))
@@ -171,12 +176,14 @@ fn sweep(
             })
             .collect(),
     };
-    let (height, variant) = (&skin.surface.field, &skin.variant);
-    let placement = Placement { height, rotate_deg: skin.spec.rotate_deg, variant };
+    let (prepared, variant) = (Prepared::new(skin.placement())?, &skin.variant);
     if !args.unchecked {
-        check(&Prepared::new(placement)?, gpu)?;
+        check(&prepared, gpu)?;
     }
-    let widen = args.filter == Filter::Footprint;
+    let lobes = match args.filter {
+        Filter::Footprint => Lobes::Footprint,
+        Filter::None | Filter::Supersample => Lobes::Points,
+    };
     let around = filtered(&lights);
     let bar = progress::bar(shots.len(), &format!("drawing {}", skin.spec.name));
     let (mut pictures, mut times) = (Vec::new(), Vec::new());
@@ -187,7 +194,7 @@ fn sweep(
             let mut mesh = mesh.clone();
             turn(&mut mesh, turned);
             angle = turned;
-            drawing = Some(Drawing::new(gpu, placement, mesh, widen, around.as_ref())?);
+            drawing = Some(Drawing::new(gpu, &prepared, mesh, lobes, around.as_ref())?);
         }
         let Some(drawing) = &drawing else { bail!("the sweep has no picture") };
         if mesh.holds(orbit.eye()) {
@@ -356,21 +363,12 @@ fn wider(lights: &[Light]) -> Option<Vec<Light>> {
     (all != lights).then_some(all)
 }
 
-fn orbit(args: &Args, mesh: &Mesh) -> Orbit {
-    let [width, height] = args.size.0;
-    let shape = f64::from(width) / f64::from(height);
-    let around = match args.sweep {
-        Some(Sweep::Turntable) => Orbit::all_round(mesh, shape),
-        _ => Orbit::around(mesh, shape),
-    };
-    Orbit {
-        target: args.target.map_or(around.target, |t| DVec3::from(t.0)),
-        distance: args.distance.unwrap_or(around.distance),
-        azimuth_deg: args.azimuth,
-        elevation_deg: args.elevation,
-        zoom: args.zoom,
-        ..around
-    }
+/// Whether a variant can have the function of wider lobes, but does not.
+fn can_widen(variant: &Variant) -> bool {
+    variant.mode == Mode::Baked
+        && variant.optics.coherence == Coherence::Ensemble
+        && variant.optics.coherence_scaling == CoherenceScaling::Wavelength
+        && variant.spread_levels == Auto::Value(0)
 }
 
 fn turn(mesh: &mut Mesh, by_deg: f64) {

@@ -50,8 +50,6 @@ pub struct MeshProgram<'a> {
     pub colours: Option<Colours<'a>>,
     /// Bindings and sizes in bytes of the uniform blocks. Each frame brings their content.
     pub uniforms: Vec<(u32, usize)>,
-    /// Whether colours are added to those of earlier passes of the frame, at equal depth, instead of replacing them.
-    pub add: bool,
 }
 
 /// A compiled pass.
@@ -207,14 +205,9 @@ fn pipeline(
         attribute
     });
     let attributes: Vec<_> = attributes.collect();
-    let sum = wgpu::BlendComponent {
-        src_factor: wgpu::BlendFactor::One,
-        dst_factor: wgpu::BlendFactor::One,
-        operation: wgpu::BlendOperation::Add,
-    };
     let target = wgpu::ColorTargetState {
         format: targets.format(),
-        blend: program.add.then_some(wgpu::BlendState { color: sum, alpha: sum }),
+        blend: None,
         write_mask: wgpu::ColorWrites::ALL,
     };
     let all = vec![Some(target); targets.pictures];
@@ -235,7 +228,7 @@ fn pipeline(
         primitive: wgpu::PrimitiveState::default(),
         depth_stencil: Some(wgpu::DepthStencilState {
             format: DEPTH,
-            depth_write_enabled: Some(!program.add),
+            depth_write_enabled: Some(true),
             depth_compare: Some(wgpu::CompareFunction::LessEqual),
             stencil: wgpu::StencilState::default(),
             bias: wgpu::DepthBiasState::default(),
@@ -255,12 +248,12 @@ fn pipeline(
 /// A pass with the bytes of its uniform blocks, in the order of their declaration.
 pub type MeshPass<'a> = (&'a MeshPipeline, &'a [&'a [u8]]);
 
-/// Draws passes one over the other. Returns pictures as `[picture][row][column]`, top row first; alpha is 0 outside the mesh.
+/// Draws a mesh. Returns pictures as `[picture][row][column]`, top row first; alpha is 0 outside the mesh.
 pub(super) fn draw(
     shared: &Shared,
     name: &str,
     mesh: &MeshBuffers,
-    passes: &[MeshPass<'_>],
+    (pipeline, uniforms): MeshPass<'_>,
     targets: Targets,
     [width, height]: [u32; 2],
 ) -> Result<Vec<Vec<[f32; 4]>>> {
@@ -297,43 +290,37 @@ pub(super) fn draw(
         (single.iter().map(view).collect(), many.iter().map(view).collect());
     let depth = view(&depth);
     let mut encoder = shared.device.create_command_encoder(&Default::default());
-    for (number, (pipeline, uniforms)) in passes.iter().enumerate() {
-        for (buffer, bytes) in pipeline.uniforms.iter().zip(*uniforms) {
-            shared.queue.write_buffer(buffer, 0, bytes);
-        }
-        let first = number == 0;
-        let last = number + 1 == passes.len();
-        let load = |clear| if first { clear } else { wgpu::LoadOp::Load };
-        let ops = wgpu::Operations {
-            load: load(wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT)),
-            store: wgpu::StoreOp::Store,
-        };
-        let attachments = singles.iter().enumerate().map(|(i, single)| {
-            let (view, resolve_target) = match manys.get(i) {
-                Some(many) => (many, last.then_some(single)),
-                None => (single, None),
-            };
-            Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target, ops })
-        });
-        let attachments: Vec<_> = attachments.collect();
-        let depth_load = if first { wgpu::LoadOp::Clear(1.0) } else { wgpu::LoadOp::Load };
-        let depth_ops = wgpu::Operations { load: depth_load, store: wgpu::StoreOp::Store };
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some(name),
-            color_attachments: &attachments,
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &depth,
-                depth_ops: Some(depth_ops),
-                stencil_ops: None,
-            }),
-            ..Default::default()
-        });
-        pass.set_pipeline(&pipeline.pipeline);
-        pass.set_bind_group(0, &pipeline.group, &[]);
-        pass.set_vertex_buffer(0, mesh.vertices.slice(..));
-        pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
-        pass.draw_indexed(0..mesh.count, 0, 0..1);
+    for (buffer, bytes) in pipeline.uniforms.iter().zip(uniforms) {
+        shared.queue.write_buffer(buffer, 0, bytes);
     }
+    let clear = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
+    let ops = wgpu::Operations { load: clear, store: wgpu::StoreOp::Store };
+    let attachments = singles.iter().enumerate().map(|(i, single)| {
+        let (view, resolve_target) = match manys.get(i) {
+            Some(many) => (many, Some(single)),
+            None => (single, None),
+        };
+        Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target, ops })
+    });
+    let attachments: Vec<_> = attachments.collect();
+    let depth_ops =
+        wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Store };
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(name),
+        color_attachments: &attachments,
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: &depth,
+            depth_ops: Some(depth_ops),
+            stencil_ops: None,
+        }),
+        ..Default::default()
+    });
+    pass.set_pipeline(&pipeline.pipeline);
+    pass.set_bind_group(0, &pipeline.group, &[]);
+    pass.set_vertex_buffer(0, mesh.vertices.slice(..));
+    pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
+    pass.draw_indexed(0..mesh.count, 0, 0..1);
+    drop(pass);
     shared.queue.submit([encoder.finish()]);
     let read = |texture| {
         let encoder = shared.device.create_command_encoder(&Default::default());

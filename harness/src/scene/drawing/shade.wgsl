@@ -2,12 +2,10 @@
 // variant does not have are appended, too: they return black.
 
 struct Shade {
-    // x: weight w_d of the unlit texture; y: diffuser scale s; z: radiance of an unlit white; w: level of this pass
+    // x: weight w_d of the unlit texture; y: diffuser scale s; z: radiance of an unlit white; w: 1 if light is diffracted, 0
+    // for the body alone
     blend: vec4f,
-    // x: last level, or below 0 if lobes are not widened; y: (λ σf)² of level 0; z: 1 under skies or maps; w: 1 if light is
-    // diffracted, 0 for the body alone
-    widening: vec4f,
-    // x: number of single directions; y: of discs; z: of polygons; w: unused
+    // x: number of single directions; y: of discs; z: of polygons; w: 1 under skies or maps
     counts: vec4f,
     // xyz: direction to the light; w: unused
     directions: array<vec4f, 4>,
@@ -31,6 +29,8 @@ struct Whites {
 
 const FIRST_DISC: i32 = 4;
 const FIRST_POLYGON: i32 = 8;
+// roughness of the lobe for comparison, GGX's alpha
+const GGX_ALPHA: f32 = 0.2;
 
 // The colour of a body: its lit colour, plus the diffraction.
 @fragment
@@ -42,17 +42,6 @@ fn scene_skin(
 ) -> @location(0) vec4f {
     let colour = body(place, normal, tangent, uv);
     return vec4f(held(colour + glints(place, normal, tangent, uv)), 1.0);
-}
-
-// The contribution of a further level of widened lobes, to be added.
-@fragment
-fn scene_level(
-    @location(0) place: vec3f,
-    @location(1) normal: vec3f,
-    @location(2) tangent: vec4f,
-    @location(3) uv: vec2f,
-) -> @location(0) vec4f {
-    return vec4f(held(glints(place, normal, tangent, uv)), 0.0);
 }
 
 // (1 - w_d) times the lit texture, and w_d times the unlit one.
@@ -83,7 +72,7 @@ fn diffuse(place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
         irradiance += polygon_share(i, wr, normal, tangent, uv) * shade.powers[FIRST_POLYGON + i].rgb;
     }
     var white = irradiance / 3.1415927;
-    if (shade.widening.z > 0.5) {
+    if (shade.counts.w > 0.5) {
         white += transmitted(vec3f(0.0, 0.0, 1.0), wr) * white_under_surroundings(unit(normal, 1e-8));
     }
     return white;
@@ -163,24 +152,30 @@ fn corner(index: i32, number: i32, normal: vec3f, tangent: vec4f, uv: vec2f) -> 
     return in_frame(shade.corners[8 * index + number].xyz, normal, tangent, uv);
 }
 
-// (1 - w_d) times the radiance that is diffracted, summed over the lights; if lobes are widened, the share of this pass's level.
+// (1 - w_d) times the radiance that is diffracted, summed over the lights.
 fn glints(place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
     let wr = in_frame(mesh_params.eye.xyz - place, normal, tangent, uv);
-    if (shade.widening.w < 0.5) {
+    if (shade.blend.w < 0.5) {
         return vec3f(0.0);
     }
     var sum = vec3f(0.0);
     for (var i = 0; i < i32(shade.counts.x); i++) {
         let wi = in_frame(shade.directions[i].xyz, normal, tangent, uv);
-        let share = level_share(wi.xy + wr.xy);
-        if (wi.z > 0.0 && wr.z > 0.0 && share > 0.0) {
-            sum += share * shade.blend.y / 3.1415927 * shade.powers[i].rgb * diffraction(wi, wr);
+        let spread = footprint(wi.xy + wr.xy);
+        if (wi.z > 0.0 && wr.z > 0.0) {
+            sum += shade.blend.y / 3.1415927 * shade.powers[i].rgb * seen(wi, wr, spread);
         }
     }
     // the functions take away what is below the horizon
     for (var i = 0; i < i32(shade.counts.y); i++) {
         let axis = in_frame(shade.discs[i].xyz, normal, tangent, uv);
-        sum += diffraction_disc_coloured(axis, shade.discs[i].w, shade.powers[FIRST_DISC + i].rgb, wr);
+        let radius = with_footprint(shade.discs[i].w, axis.z, footprint(axis.xy + wr.xy));
+        if (IS_GGX && axis.z > 0.0 && wr.z > 0.0) {
+            sum += shade.powers[FIRST_DISC + i].rgb * ggx(axis, wr);
+        }
+        if (!IS_GGX) {
+            sum += diffraction_disc_coloured(axis, radius, shade.powers[FIRST_DISC + i].rgb, wr);
+        }
     }
     for (var i = 0; i < i32(shade.counts.z); i++) {
         // a fan of quadrilaterals; the last one may be a triangle
@@ -204,7 +199,7 @@ var<private> world_z: vec3f;
 
 // What is diffracted of skies and maps.
 fn glints_of_surroundings(normal: vec3f, tangent: vec4f, uv: vec2f, wr: vec3f) -> vec3f {
-    if (shade.widening.z == 0.0) {
+    if (shade.counts.w == 0.0) {
         return vec3f(0.0);
     }
     world_x = in_frame(vec3f(1.0, 0.0, 0.0), normal, tangent, uv);
@@ -218,17 +213,39 @@ fn held(radiance: vec3f) -> vec3f {
     return clamp(radiance, vec3f(-6e4), vec3f(6e4));
 }
 
-// The directions inside a pixel have a variance of (u, v) of a twelfth of the squared steps between pixels. This widens the
-// lobe to σf² + σpix². Level k has a lobe 2^k times as wide.
-fn level_share(path: vec2f) -> f32 {
-    let right = dpdx(path);
-    let down = dpdy(path);
-    if (shade.widening.x < 0.0) {
-        return 1.0;
+// What is diffracted of a single direction, or what an ordinary material reflects.
+fn seen(wi: vec3f, wr: vec3f, spread: f32) -> vec3f {
+    if (IS_GGX) {
+        return ggx(wi, wr);
     }
-    let pixel = (dot(right, right) + dot(down, down)) / 12.0;
-    let level = 0.5 * log2(1.0 + pixel / shade.widening.y);
-    return max(0.0, 1.0 - abs(min(level, shade.widening.x) - shade.blend.w));
+    if (WIDENS) {
+        return diffraction_spread(wi, wr, spread);
+    }
+    return diffraction(wi, wr);
+}
+
+// A white lobe of GGX for comparison, in an arbitrary unit.
+fn ggx(wi: vec3f, wr: vec3f) -> vec3f {
+    let squared = GGX_ALPHA * GGX_ALPHA;
+    let half_vector = unit(wi + wr, 1e-8);
+    let width = half_vector.z * half_vector.z * (squared - 1.0) + 1.0;
+    let masking = wi.z * sqrt(wr.z * wr.z * (1.0 - squared) + squared) + wr.z * sqrt(wi.z * wi.z * (1.0 - squared) + squared);
+    return vec3f(wi.z * squared / (width * width * max(masking, 1e-4)));
+}
+
+// Spread of the lobes by the footprint of the pixel; 0 if lobes are not widened.
+fn footprint(path: vec2f) -> f32 {
+    let spread = footprint_spread(dpdx(path), dpdy(path));
+    return select(0.0, spread, WIDENS);
+}
+
+// Radius of a disc whose lobe has the variance of both the disc, sin² a cos θ/4 in direction cosines, and the footprint.
+fn with_footprint(radius: f32, cosine: f32, spread: f32) -> f32 {
+    if (!WIDENS) {
+        return radius;
+    }
+    let sine = sin(radius);
+    return asin(sqrt(min(1.0, sine * sine + 4.0 * spread * spread / max(cosine, 1e-3))));
 }
 
 struct Parts {
@@ -254,11 +271,11 @@ fn scene_parts(
 struct Used {
     // xyz: direction to the light; w: distance from the viewer
     @location(0) wi: vec4f,
-    // xyz: direction to the viewer; w: 1
+    // xyz: direction to the viewer; w: 1 plus the spread of lobes
     @location(1) wr: vec4f,
 }
 
-// The directions that the entry point `mesh` uses.
+// The directions and the spread that the entry point `mesh` uses.
 @fragment
 fn scene_directions(
     @location(0) place: vec3f,
@@ -268,7 +285,9 @@ fn scene_directions(
 ) -> Used {
     let wi = in_frame(mesh_params.light_direction.xyz, normal, tangent, uv);
     let wr = in_frame(mesh_params.eye.xyz - place, normal, tangent, uv);
-    return Used(vec4f(wi, distance(mesh_params.eye.xyz, place)), vec4f(wr, 1.0));
+    let path = wi.xy + wr.xy;
+    let spread = footprint_spread(dpdx(path), dpdy(path));
+    return Used(vec4f(wi, distance(mesh_params.eye.xyz, place)), vec4f(wr, 1.0 + spread));
 }
 
 struct Axes {

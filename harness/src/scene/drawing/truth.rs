@@ -20,7 +20,7 @@ use crate::scene::lights::{irradiance, middle};
 use crate::scene::surroundings::{Surroundings, filtered, turned};
 use crate::scene::{Mesh, raster};
 
-use super::{axes, directions, lit_parts, relative_radiance};
+use super::{Used, axes, directions, lit_parts, relative_radiance};
 
 /// The differences between a driver's picture and the scene in f64.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -52,8 +52,12 @@ struct Pixel {
     index: usize,
     /// The point that the rasteriser sees.
     at: MeshVertex,
+    /// That of the next pixels, see [`raster::Seen`].
+    next: [MeshVertex; 2],
     /// The directions that the driver used.
     used: Directions,
+    /// The spread of lobes that the driver used.
+    spread: f64,
 }
 
 /// Draws `mesh` by the entry point `mesh` of a variant, reads the directions that the driver used, and computes both again in
@@ -70,8 +74,11 @@ pub fn truth(
     let (params, map) = (&scene.params, &scene.mesh.orientation);
     scene.compared(
         &|pixel| drawn[pixel.index],
-        &|twin, pixel| shaded(twin, params, map, &pixel.at),
-        &|twin, pixel| twin.tristimulus(pixel.used),
+        &|twin, pixel| shaded(twin, params, map, &pixel.at, &pixel.next),
+        &|twin, pixel| {
+            let call = Arguments::Spread { directions: pixel.used, spread: pixel.spread };
+            twin.evaluate(call).unwrap_or_else(|| twin.tristimulus(pixel.used))
+        },
     )
 }
 
@@ -233,7 +240,7 @@ impl<'a> Scene<'a> {
         let seen = raster::visible(&mesh, &params, size)?;
         let (mut edges, mut pixels) = (0, Vec::new());
         for (index, (seen, used)) in seen.into_iter().zip(used).enumerate() {
-            let (Some(seen), Some((used, away))) = (seen, used) else {
+            let (Some(seen), Some(Used { directions: used, away, spread })) = (seen, used) else {
                 edges += usize::from(seen.is_some() != used.is_some());
                 continue;
             };
@@ -241,7 +248,7 @@ impl<'a> Scene<'a> {
                 edges += 1;
                 continue;
             }
-            pixels.push(Pixel { index, at: seen.at, used });
+            pixels.push(Pixel { index, at: seen.at, next: seen.next, used, spread });
         }
         if pixels.is_empty() {
             let cause = "is not visible in any pixel, so nothing can be compared";
