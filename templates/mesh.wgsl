@@ -64,7 +64,7 @@ fn mesh(
     let wr = in_frame(mesh_params.eye.xyz - place, normal, tangent, uv);
 #ifdef SPREAD
     let path = wi.xy + wr.xy;
-    let spread = footprint_spread(dpdx(path), dpdy(path));
+    let spread = footprint_spread(dpdx(path), dpdy(path), min(wi.z, wr.z));
 #endif
     if (!(wi.z > 0.0 && wr.z > 0.0)) {
         return vec4f(0.0, 0.0, 0.0, 1.0);
@@ -79,11 +79,13 @@ fn mesh(
 #ifdef SPREAD
 // Spread of lobes by the footprint of a pixel, from the steps of (u, v), which is (wi + wr).xy, to the next pixels of the row
 // and of the column: 1.5 times the longest step in any direction. Lobes may be hundreds of times as bright as white, and with
-// a spread of a pixel or less their edges still flicker while the camera moves.
-fn footprint_spread(right: vec2f, down: vec2f) -> f32 {
+// a spread of a pixel or less their edges still flicker while the camera moves. `height` is the lower of wi.z and wr.z: no
+// lobe reaches the horizon, where it would take light from directions that are not seen.
+fn footprint_spread(right: vec2f, down: vec2f, height: f32) -> f32 {
     let sum = dot(right, right) + dot(down, down);
     let area = right.x * down.y - right.y * down.x;
-    return 1.5 * sqrt(0.5 * (sum + sqrt(max(0.0, sum * sum - 4.0 * area * area))));
+    let longest = sqrt(0.5 * (sum + sqrt(max(0.0, sum * sum - 4.0 * area * area))));
+    return min(1.5 * longest, 0.5 * max(height, 0.0));
 }
 
 #endif

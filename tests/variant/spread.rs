@@ -32,7 +32,7 @@ pub(crate) struct Shader {
     pub(crate) height: HeightField,
     pub(crate) variant: Variant,
     pub(crate) form: Form,
-    tables: Vec<Table>,
+    pub(crate) tables: Vec<Table>,
 }
 
 impl Shader {

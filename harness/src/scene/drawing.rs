@@ -49,9 +49,22 @@ fn environment_radiance(direction: vec3f, spread: f32) -> vec3f {
 /// What a disc of an irradiance diffracts where a variant has the function for white discs alone.
 const WHITE_DISC: &str = "colour * diffraction_disc(axis, radius, wr)";
 
-/// The template's function of a variant that cannot widen lobes.
-const NO_FOOTPRINT: &str =
-    "fn footprint_spread(right: vec2f, down: vec2f) -> f32 { return 0.0; }\n";
+/// A single direction whose lobes have a variance, no less than that of the narrowest.
+const LOBE: &str = "
+fn lobe_of(wi: vec3f, wr: vec3f, variance: f32) -> vec3f {
+    return diffraction_spread(wi, wr, sqrt(max(variance - LOBE_SIGMA * LOBE_SIGMA, 0.0)));
+}
+";
+
+/// What a variant has in their place that cannot widen lobes.
+const NO_FOOTPRINT: &str = "
+fn footprint_spread(right: vec2f, down: vec2f, height: f32) -> f32 {
+    return 0.0;
+}
+fn lobe_of(wi: vec3f, wr: vec3f, variance: f32) -> vec3f {
+    return vec3f(0.0);
+}
+";
 
 /// Bindings of the templates and of [`SHADE`].
 const MESH_PARAMS: u32 = 8;
@@ -426,7 +439,7 @@ fn text(prepared: &Prepared<'_>, around: Option<&(Table, f64)>, lobes: Lobes) ->
             format!("fn {}{} {{ return {result}; }}\n", f.name(), f.signature())
         })
         .collect();
-    let footprint = if is_absent(FunctionKind::Spread) { NO_FOOTPRINT } else { "" };
+    let footprint = if is_absent(FunctionKind::Spread) { NO_FOOTPRINT } else { LOBE };
     let matter = prepared.form.matter();
     // a number above 1 stands for Schlick's reflectance
     let share = matter.body_share().unwrap_or(2.0);

@@ -134,8 +134,8 @@ fn the_footprint_is_that_of_the_scene_in_f64() {
     assert!(found.shading.de2000.p95 < COLOUR, "{found:?}");
     let right = prepared.sources.0["mesh"].clone();
     for (from, to) in [
-        ("footprint_spread(dpdx(path), dpdy(path))", "footprint_spread(dpdx(path), dpdx(path))"),
-        ("footprint_spread(dpdx(path), dpdy(path))", "0.0"),
+        ("footprint_spread(dpdx(path), dpdy(path), ", "footprint_spread(dpdx(path), dpdx(path), "),
+        ("footprint_spread(dpdx(path), dpdy(path), ", "footprint_spread(vec2f(0.0), vec2f(0.0), "),
     ] {
         assert!(right.contains(from), "{from}");
         prepared.sources.0.insert("mesh".into(), right.replace(from, to));

@@ -234,19 +234,19 @@ impl Baked {
     /// The error that the function of surroundings promises.
     pub fn sky_error(&self) -> Option<f64> {
         let cells = self.cells.filter(|_| is_visible(self.range_nm))?;
-        Some(CELLS_128 * 128.0 / f64::from(cells.count))
+        Some(CELLS_128 * (128.0 / f64::from(cells.count)).powf(CELLS_FALL))
     }
 
-    /// The errors that the function of discs promises, for every radius that the tables reach. Empty as above, and with steps
-    /// that are too wide for lamps.
+    /// The errors that the function of discs promises, for every radius that the tables reach. Empty as above.
     pub fn disc_errors(&self) -> Vec<StatedError> {
-        let Some(wide) = self.wide.as_ref().filter(|wide| wide.step <= LAMP_STEP) else {
+        let Some(wide) = &self.wide else {
             return Vec::new();
         };
         let kept = self.is_uncut && wide.is_uncut && is_visible(self.range_nm);
         let reached = |radius_deg: f64| {
             let lobe = 2.0 * wide.lobe_sigma;
-            kept && (lobe..=lobe * wide.widest().sqrt()).contains(&radius_deg.to_radians().sin())
+            let widest = lobe * (wide.widest() / DISC_SHARE).sqrt();
+            kept && (lobe..=widest).contains(&radius_deg.to_radians().sin())
         };
         let stated = DISC_ERRORS.into_iter().filter(|(radius_deg, _)| reached(*radius_deg));
         let error = |(radius_deg, de2000_p95): (f64, f64)| StatedError {
@@ -259,16 +259,18 @@ impl Baked {
     }
 }
 
-/// The error under surroundings of 128 cells, and how it falls with their number.
-const CELLS_128: f64 = 4.0;
+/// The error under surroundings of 128 cells, and the power of their number with which it falls: at most 4.9, 4.9 and 2.8 with 64,
+/// 128 and 256 cells under a lamp that is narrower than a cell; 4.9, 3.3 and 2.7 without.
+const CELLS_128: f64 = 6.0;
+/// See [`CELLS_128`].
+const CELLS_FALL: f64 = 0.5;
 
 /// Error of a mixture of two tables per logarithm of the step between them: at most 17 on fingers, where it is largest.
 const MIXING: f64 = 20.0;
-/// Largest step for which errors under discs are stated: √2, rounded up.
-const LAMP_STEP: f64 = 1.4143;
-/// Radius of a disc, degrees, and the 95th percentile of CIEDE2000 against the exact colours. A disc has an edge, and a
-/// lobe has not, so it depends on the relief: 4.7 and 6.8 on a scan of 65 µm, 9.5 and 14.9 on synthetic reliefs of 40 µm.
-const DISC_ERRORS: [(f64, f64); 2] = [(3.0, 12.0), (8.0, 18.0)];
+/// Radius of a disc, degrees, and the 95th percentile of CIEDE2000 against the exact colours. The sum of lobes is less sharp than a
+/// disc, which shows where few orders are strong: at most 2.7 and 6.8 on a scan of 65 µm, 6.9 and 13.2 on synthetic reliefs, whose
+/// lattices are nearly regular.
+const DISC_ERRORS: [(f64, f64); 2] = [(3.0, 8.0), (8.0, 14.0)];
 
 impl Wide {
     /// Error of a lobe between two tables.

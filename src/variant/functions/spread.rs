@@ -61,7 +61,8 @@ impl Function for Spread {
         PROBES
     }
 
-    /// The first lit directions of the comparison's pool, each third of it in turn. Time: an exact field for each spread.
+    /// Lit directions of the comparison's pool, each third of it in turn, at equal steps through all of them: the first ones are close
+    /// to the mirror direction, where a wrong frame hardly shows. Time: an exact field for each spread.
     fn probes(
         &self,
         height: &HeightField,
@@ -78,11 +79,14 @@ impl Function for Spread {
             let xyz = widened(height, rotate_deg, optics, spread, &directions)?;
             let exposure = auto_exposure(&xyz).unwrap_or(1.0);
             let lit = directions.iter().zip(xyz).filter(|(_, xyz)| exposure * xyz[1] > LIT);
-            let probe = |(directions, xyz): (&Directions, [f64; 3])| ExactProbe {
-                arguments: Arguments::Spread { directions: *directions, spread },
-                xyz,
+            let lit: Vec<_> = lit.collect();
+            let each = PROBES / SPREADS.len();
+            let chosen = (0..each).filter_map(|i| lit.get((2 * i + 1) * lit.len() / (2 * each)));
+            let probe = |(directions, xyz): &(&Directions, [f64; 3])| ExactProbe {
+                arguments: Arguments::Spread { directions: **directions, spread },
+                xyz: *xyz,
             };
-            found.extend(lit.take(PROBES / SPREADS.len()).map(probe));
+            found.extend(chosen.map(probe));
         }
         if found.len() < PROBES {
             let cause = format!("only {} of {PROBES} probes are lit", found.len());

@@ -105,16 +105,18 @@ pub fn mesh(
         return [0.0; 3];
     }
     let [right, down] = [&next[0], &next[1]].map(|next| path(next) - path(at));
-    let spread = footprint_spread(right, down);
+    let spread = footprint_spread(right, down, directions.wi.z.min(directions.wr.z));
     let widened = twin.evaluate(Arguments::Spread { directions, spread });
     widened.unwrap_or_else(|| twin.tristimulus(directions))
 }
 
-/// Spread of lobes by the footprint of a pixel, from the steps of `(u, v)` to the next pixels.
-pub fn footprint_spread(right: DVec2, down: DVec2) -> f64 {
+/// Spread of lobes by the footprint of a pixel, from the steps of `(u, v)` to the next pixels, and the lower of the heights of
+/// light and viewer.
+pub fn footprint_spread(right: DVec2, down: DVec2, height: f64) -> f64 {
     let sum = right.length_squared() + down.length_squared();
     let area = right.perp_dot(down);
-    1.5 * (0.5 * (sum + (sum * sum - 4.0 * area * area).max(0.0).sqrt())).sqrt()
+    let longest = (0.5 * (sum + (sum * sum - 4.0 * area * area).max(0.0).sqrt())).sqrt();
+    (1.5 * longest).min(0.5 * height.max(0.0))
 }
 
 /// Direction in the world as a unit vector in the frame of a fragment. Zero if there is no frame.

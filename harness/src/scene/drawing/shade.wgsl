@@ -161,7 +161,7 @@ fn glints(place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
     var sum = vec3f(0.0);
     for (var i = 0; i < i32(shade.counts.x); i++) {
         let wi = in_frame(shade.directions[i].xyz, normal, tangent, uv);
-        let spread = footprint(wi.xy + wr.xy);
+        let spread = footprint(wi, wr);
         if (wi.z > 0.0 && wr.z > 0.0) {
             sum += shade.blend.y / 3.1415927 * shade.powers[i].rgb * seen(wi, wr, spread);
         }
@@ -169,12 +169,20 @@ fn glints(place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
     // the functions take away what is below the horizon
     for (var i = 0; i < i32(shade.counts.y); i++) {
         let axis = in_frame(shade.discs[i].xyz, normal, tangent, uv);
-        let radius = with_footprint(shade.discs[i].w, axis.z, footprint(axis.xy + wr.xy));
+        let radius = shade.discs[i].w;
+        let power = shade.powers[FIRST_DISC + i].rgb;
+        let spread = footprint(axis, wr);
         if (IS_GGX && axis.z > 0.0 && wr.z > 0.0) {
-            sum += shade.powers[FIRST_DISC + i].rgb * ggx(axis, wr);
+            sum += power * ggx(axis, wr);
         }
-        if (!IS_GGX) {
-            sum += diffraction_disc_coloured(axis, radius, shade.powers[FIRST_DISC + i].rgb, wr);
+        if (WIDENS && 4.0 * spread * spread > disc_variance(radius, axis.z)) {
+            // the footprint hides the edge of the disc, so that both are one lobe
+            let variance = disc_variance(radius, axis.z) + spread * spread;
+            if (axis.z > 0.0 && wr.z > 0.0) {
+                sum += shade.blend.y / 3.1415927 * power * lobe_of(axis, wr, variance);
+            }
+        } else if (!IS_GGX) {
+            sum += diffraction_disc_coloured(axis, radius, power, wr);
         }
     }
     for (var i = 0; i < i32(shade.counts.z); i++) {
@@ -224,6 +232,12 @@ fn seen(wi: vec3f, wr: vec3f, spread: f32) -> vec3f {
     return diffraction(wi, wr);
 }
 
+// Variance of a disc in direction cosines, on each axis.
+fn disc_variance(radius: f32, cosine: f32) -> f32 {
+    let sine = sin(radius);
+    return 0.25 * sine * sine * max(cosine, 0.0);
+}
+
 // A white lobe of GGX for comparison, in an arbitrary unit.
 fn ggx(wi: vec3f, wr: vec3f) -> vec3f {
     let squared = GGX_ALPHA * GGX_ALPHA;
@@ -234,18 +248,10 @@ fn ggx(wi: vec3f, wr: vec3f) -> vec3f {
 }
 
 // Spread of the lobes by the footprint of the pixel; 0 if lobes are not widened.
-fn footprint(path: vec2f) -> f32 {
-    let spread = footprint_spread(dpdx(path), dpdy(path));
+fn footprint(wi: vec3f, wr: vec3f) -> f32 {
+    let path = wi.xy + wr.xy;
+    let spread = footprint_spread(dpdx(path), dpdy(path), min(wi.z, wr.z));
     return select(0.0, spread, WIDENS);
-}
-
-// Radius of a disc whose lobe has the variance of both the disc, sin² a cos θ/4 in direction cosines, and the footprint.
-fn with_footprint(radius: f32, cosine: f32, spread: f32) -> f32 {
-    if (!WIDENS) {
-        return radius;
-    }
-    let sine = sin(radius);
-    return asin(sqrt(min(1.0, sine * sine + 4.0 * spread * spread / max(cosine, 1e-3))));
 }
 
 struct Parts {
@@ -286,7 +292,7 @@ fn scene_directions(
     let wi = in_frame(mesh_params.light_direction.xyz, normal, tangent, uv);
     let wr = in_frame(mesh_params.eye.xyz - place, normal, tangent, uv);
     let path = wi.xy + wr.xy;
-    let spread = footprint_spread(dpdx(path), dpdy(path));
+    let spread = footprint_spread(dpdx(path), dpdy(path), min(wi.z, wr.z));
     return Used(vec4f(wi, distance(mesh_params.eye.xyz, place)), vec4f(wr, 1.0 + spread));
 }
 
