@@ -236,7 +236,7 @@ fn levels_leave_the_narrowest_table_alone() {
             };
             let (plain, levels) = (specs(""), specs("\nspread_levels = \"auto\""));
             assert_eq!(plain[0].id(), levels[0].id());
-            let [narrow, _, wide] = &levels[..] else { panic!("{levels:?}") };
+            let [narrow, _, wide, ..] = &levels[..] else { panic!("{levels:?}") };
             let (one, others) = (narrow.shape().byte_count(), wide.shape().byte_count());
             println!(
                 "{optics}{more}: {:.2} MiB and {:.2}",

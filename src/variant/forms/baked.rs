@@ -259,9 +259,9 @@ impl Baked {
     }
 }
 
-/// The error under surroundings of 128 cells, and the power of their number with which it falls: at most 4.9, 4.9 and 2.8 with 64,
-/// 128 and 256 cells under a lamp that is narrower than a cell; 4.9, 3.3 and 2.7 without.
-const CELLS_128: f64 = 6.0;
+/// The error under surroundings of 128 cells, and the power of their number with which it falls: at most 6.6, 6.6 and 4.9 with 64,
+/// 128 and 256 cells under a window with bars; 4.8, 3.7 and 2.9 under softboxes, less under skies without narrow lamps.
+const CELLS_128: f64 = 7.5;
 /// See [`CELLS_128`].
 const CELLS_FALL: f64 = 0.5;
 

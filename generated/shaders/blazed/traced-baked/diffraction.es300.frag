@@ -41,8 +41,8 @@ layout(location = 0) out vec4 _fs2p_location0;
 
 float fresnel_ratio(float cos_half) {
     float one_minus = (1.0 - cos_half);
-    float squared_1 = (one_minus * one_minus);
-    return (1.0 + (((23.999998 * squared_1) * squared_1) * one_minus));
+    float squared_2 = (one_minus * one_minus);
+    return (1.0 + (((23.999998 * squared_2) * squared_2) * one_minus));
 }
 
 float shadowing(vec3 wi, vec3 wr) {
@@ -63,10 +63,10 @@ float gain(vec3 wi_1, vec3 wr_1) {
         return 0.0;
     }
     vec3 half_vector_1 = normalize((wi_1 + wr_1));
-    float w = (wi_1.z + wr_1.z);
+    float w_1 = (wi_1.z + wr_1.z);
     float aligned = (1.0 + dot(wi_1, wr_1));
     float _e23 = fresnel_ratio(dot(half_vector_1, wr_1));
-    factor = (((_e23 * aligned) * aligned) / ((w * w) * wr_1.z));
+    factor = (((_e23 * aligned) * aligned) / ((w_1 * w_1) * wr_1.z));
     float _e30 = factor;
     float _e31 = shadowing(wi_1, wr_1);
     factor = (_e30 * _e31);
@@ -93,6 +93,10 @@ float row_at(float squared) {
     return min((ROW_PACE * log((sqrt(stretched) + sqrt((stretched + 1.0))))), 62.0);
 }
 
+float layer_share(float w, float squared_1) {
+    return min(((w * w) / max((4.0 - squared_1), 1e-6)), 1.0);
+}
+
 vec3 texel_at(vec2 place_1, int layer) {
     vec2 last = vec2(567.0, 61.0);
     vec2 first = min(floor(place_1), last);
@@ -110,18 +114,18 @@ vec3 texel_at(vec2 place_1, int layer) {
 }
 
 vec3 colour_between(vec3 path) {
-    float squared_2 = dot(path.xy, path.xy);
+    float squared_3 = dot(path.xy, path.xy);
     float _e5 = column_at(path.xy);
     float page = min(floor((_e5 / 568.0)), 0.0);
-    float _e11 = row_at(squared_2);
+    float _e11 = row_at(squared_3);
     vec2 place_3 = vec2((_e5 - (page * 568.0)), _e11);
-    float share = min(((path.z * path.z) / max((4.0 - squared_2), 1e-6)), 1.0);
-    float level = (share * 6.0);
+    float _e17 = layer_share(path.z, squared_3);
+    float level = (_e17 * 6.0);
     float below = min(floor(level), 5.0);
     int layer_1 = ((int(page) * LEVEL_COUNT) + int(below));
-    vec3 _e36 = texel_at(place_3, layer_1);
-    vec3 _e39 = texel_at(place_3, (layer_1 + 1));
-    return mix(_e36, _e39, (level - below));
+    vec3 _e28 = texel_at(place_3, layer_1);
+    vec3 _e31 = texel_at(place_3, (layer_1 + 1));
+    return mix(_e28, _e31, (level - below));
 }
 
 vec3 tristimulus(vec3 wi_3, vec3 wr_3) {
@@ -152,8 +156,8 @@ vec2 pixel_of(vec2 place_2) {
 vec3 view_direction(vec2 pixel) {
     vec4 _e3 = _group_0_binding_0_fs.size;
     vec2 centre = ((((2.0 * pixel) + vec2(1.0)) / _e3.xy) - vec2(1.0));
-    float squared_3 = dot(centre, centre);
-    return vec3(centre, ((squared_3 < 1.0) ? sqrt(max(0.0, (1.0 - squared_3))) : -1.0));
+    float squared_4 = dot(centre, centre);
+    return vec3(centre, ((squared_4 < 1.0) ? sqrt(max(0.0, (1.0 - squared_4))) : -1.0));
 }
 
 void main() {

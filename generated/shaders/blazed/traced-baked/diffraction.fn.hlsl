@@ -30,8 +30,8 @@ Texture2D<float4> paths;
 float fresnel_ratio(float cos_half)
 {
     float one_minus = (1.0 - cos_half);
-    float squared_1 = (one_minus * one_minus);
-    return (1.0 + (((23.999998 * squared_1) * squared_1) * one_minus));
+    float squared_2 = (one_minus * one_minus);
+    return (1.0 + (((23.999998 * squared_2) * squared_2) * one_minus));
 }
 
 float shadowing(float3 wi, float3 wr)
@@ -55,10 +55,10 @@ float gain(float3 wi_1, float3 wr_1)
         return 0.0;
     }
     float3 half_vector_1 = normalize((wi_1 + wr_1));
-    float w = (wi_1.z + wr_1.z);
+    float w_1 = (wi_1.z + wr_1.z);
     float aligned = (1.0 + dot(wi_1, wr_1));
     const float _e23 = fresnel_ratio(dot(half_vector_1, wr_1));
-    factor = (((_e23 * aligned) * aligned) / ((w * w) * wr_1.z));
+    factor = (((_e23 * aligned) * aligned) / ((w_1 * w_1) * wr_1.z));
     float _e30 = factor;
     const float _e31 = shadowing(wi_1, wr_1);
     factor = (_e30 * _e31);
@@ -88,6 +88,11 @@ float row_at(float squared)
     return min((ROW_PACE * log((sqrt(stretched) + sqrt((stretched + 1.0))))), 62.0);
 }
 
+float layer_share(float w, float squared_1)
+{
+    return min(((w * w) / max((4.0 - squared_1), 1e-6)), 1.0);
+}
+
 int2 naga_f2i32(float2 value) {
     return int2(clamp(value, -2147483600.0, 2147483500.0));
 }
@@ -115,18 +120,18 @@ int naga_f2i32(float value) {
 
 float3 colour_between(float3 path)
 {
-    float squared_2 = dot(path.xy, path.xy);
+    float squared_3 = dot(path.xy, path.xy);
     const float _e5 = column_at(path.xy);
     float page = min(floor((_e5 / 568.0)), 0.0);
-    const float _e11 = row_at(squared_2);
+    const float _e11 = row_at(squared_3);
     float2 place_1 = float2((_e5 - (page * 568.0)), _e11);
-    float share = min(((path.z * path.z) / max((4.0 - squared_2), 1e-6)), 1.0);
-    float level_2 = (share * 6.0);
+    const float _e17 = layer_share(path.z, squared_3);
+    float level_2 = (_e17 * 6.0);
     float below = min(floor(level_2), 5.0);
     int layer_1 = asint(asuint(asint(asuint(naga_f2i32(page)) * asuint(LEVEL_COUNT))) + asuint(naga_f2i32(below)));
-    const float3 _e36 = texel_at(place_1, layer_1);
-    const float3 _e39 = texel_at(place_1, asint(asuint(layer_1) + asuint(int(1))));
-    return lerp(_e36, _e39, (level_2 - below));
+    const float3 _e28 = texel_at(place_1, layer_1);
+    const float3 _e31 = texel_at(place_1, asint(asuint(layer_1) + asuint(int(1))));
+    return lerp(_e28, _e31, (level_2 - below));
 }
 
 float3 tristimulus(float3 wi_3, float3 wr_3)

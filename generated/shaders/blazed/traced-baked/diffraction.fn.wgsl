@@ -79,11 +79,15 @@ fn colour_between(path: vec3f, colours: texture_2d_array<f32>) -> vec3f {
     let turn = column_at(path.xy);
     let page = min(floor(turn / f32(PAGE_COLUMNS)), f32(PAGE_COUNT - 1));
     let place = vec2f(turn - page * f32(PAGE_COLUMNS), row_at(squared));
-    let share = min(path.z * path.z / max(4.0 - squared, 1e-6), 1.0);
-    let level = share * f32(LEVEL_COUNT - 1);
+    let level = layer_share(path.z, squared) * f32(LEVEL_COUNT - 1);
     let below = min(floor(level), f32(LEVEL_COUNT - 2));
     let layer = i32(page) * LEVEL_COUNT + i32(below);
     return mix(texel_at(place, layer, colours), texel_at(place, layer + 1, colours), level - below);
+}
+
+// Position between the first and the last layer of w, 0 to 1.
+fn layer_share(w: f32, squared: f32) -> f32 {
+    return min(w * w / max(4.0 - squared, 1e-6), 1.0);
 }
 
 // Column of the angle of (u, v), from 0 to COLUMN_COUNT. A parabola replaces the arc tangent in each octant. The table

@@ -88,8 +88,8 @@ struct FragmentInput_mesh {
 float fresnel_ratio(float cos_half)
 {
     float one_minus = (1.0 - cos_half);
-    float squared_1 = (one_minus * one_minus);
-    return (1.0 + (((23.999998 * squared_1) * squared_1) * one_minus));
+    float squared_2 = (one_minus * one_minus);
+    return (1.0 + (((23.999998 * squared_2) * squared_2) * one_minus));
 }
 
 float shadowing(float3 wi, float3 wr)
@@ -113,10 +113,10 @@ float gain(float3 wi_1, float3 wr_1)
         return 0.0;
     }
     float3 half_vector_1 = normalize((wi_1 + wr_1));
-    float w = (wi_1.z + wr_1.z);
+    float w_1 = (wi_1.z + wr_1.z);
     float aligned = (1.0 + dot(wi_1, wr_1));
     const float _e23 = fresnel_ratio(dot(half_vector_1, wr_1));
-    factor = (((_e23 * aligned) * aligned) / ((w * w) * wr_1.z));
+    factor = (((_e23 * aligned) * aligned) / ((w_1 * w_1) * wr_1.z));
     float _e30 = factor;
     const float _e31 = shadowing(wi_1, wr_1);
     factor = (_e30 * _e31);
@@ -146,6 +146,11 @@ float row_at(float squared)
     return min((ROW_PACE * log((sqrt(stretched) + sqrt((stretched + 1.0))))), 62.0);
 }
 
+float layer_share(float w, float squared_1)
+{
+    return min(((w * w) / max((4.0 - squared_1), 1e-6)), 1.0);
+}
+
 int2 naga_f2i32(float2 value) {
     return int2(clamp(value, -2147483600.0, 2147483500.0));
 }
@@ -173,18 +178,18 @@ int naga_f2i32(float value) {
 
 float3 colour_between(float3 path)
 {
-    float squared_2 = dot(path.xy, path.xy);
+    float squared_3 = dot(path.xy, path.xy);
     const float _e5 = column_at(path.xy);
     float page = min(floor((_e5 / 568.0)), 0.0);
-    const float _e11 = row_at(squared_2);
+    const float _e11 = row_at(squared_3);
     float2 place_10 = float2((_e5 - (page * 568.0)), _e11);
-    float share = min(((path.z * path.z) / max((4.0 - squared_2), 1e-6)), 1.0);
-    float level_2 = (share * 6.0);
+    const float _e17 = layer_share(path.z, squared_3);
+    float level_2 = (_e17 * 6.0);
     float below = min(floor(level_2), 5.0);
     int layer_1 = asint(asuint(asint(asuint(naga_f2i32(page)) * asuint(LEVEL_COUNT))) + asuint(naga_f2i32(below)));
-    const float3 _e36 = texel_at(place_10, layer_1);
-    const float3 _e39 = texel_at(place_10, asint(asuint(layer_1) + asuint(int(1))));
-    return lerp(_e36, _e39, (level_2 - below));
+    const float3 _e28 = texel_at(place_10, layer_1);
+    const float3 _e31 = texel_at(place_10, asint(asuint(layer_1) + asuint(int(1))));
+    return lerp(_e28, _e31, (level_2 - below));
 }
 
 float3 tristimulus(float3 wi_3, float3 wr_3)
@@ -357,17 +362,17 @@ float3 view_direction(float2 pixel)
 {
     float4 _e3 = params.size;
     float2 centre = ((((2.0 * pixel) + (1.0).xx) / _e3.xy) - (1.0).xx);
-    float squared_3 = dot(centre, centre);
-    return float3(centre, ((squared_3 < 1.0) ? sqrt(max(0.0, (1.0 - squared_3))) : -1.0));
+    float squared_4 = dot(centre, centre);
+    return float3(centre, ((squared_4 < 1.0) ? sqrt(max(0.0, (1.0 - squared_4))) : -1.0));
 }
 
 float3 unit(float3 vector_, float least)
 {
-    float squared_4 = dot(vector_, vector_);
-    if (!((squared_4 > least))) {
+    float squared_5 = dot(vector_, vector_);
+    if (!((squared_5 > least))) {
         return (0.0).xxx;
     }
-    return (vector_ * rsqrt(squared_4));
+    return (vector_ * rsqrt(squared_5));
 }
 
 float model_volume()
@@ -412,19 +417,19 @@ float2 orientation(float2 uv_4)
     float2 size_2 = float2(NagaMipDimensions2D(orientation_map, int(0)));
     float2 place_13 = (((uv_4 - floor(uv_4)) * size_2) - (0.5).xx);
     float2 corner = floor(place_13);
-    float2 share_1 = (place_13 - corner);
+    float2 share = (place_13 - corner);
     float2 right = (corner + float2(1.0, 0.0));
     const float2 _e17 = texel_turn(corner, size_2);
     const float2 _e18 = texel_turn(right, size_2);
-    float2 above_1 = lerp(_e17, _e18, share_1.x);
+    float2 above_1 = lerp(_e17, _e18, share.x);
     float2 under = float2(0.0, 1.0);
     const float2 _e25 = texel_turn((corner + under), size_2);
     const float2 _e27 = texel_turn((right + under), size_2);
-    float2 below_1 = lerp(_e25, _e27, share_1.x);
-    float2 turn_1 = lerp(above_1, below_1, share_1.y);
-    float squared_5 = dot(turn_1, turn_1);
-    float2 direction_1 = (turn_1 * rsqrt(max(squared_5, 1e-8)));
-    return ((squared_5 > 1e-8) ? direction_1 : float2(1.0, 0.0));
+    float2 below_1 = lerp(_e25, _e27, share.x);
+    float2 turn_1 = lerp(above_1, below_1, share.y);
+    float squared_6 = dot(turn_1, turn_1);
+    float2 direction_1 = (turn_1 * rsqrt(max(squared_6, 1e-8)));
+    return ((squared_6 > 1e-8) ? direction_1 : float2(1.0, 0.0));
 }
 
 float3 in_frame(float3 direction, float3 normal_3, float4 tangent_2, float2 uv_5)

@@ -46,8 +46,8 @@ layout(location = 0) out vec4 _fs2p_location0;
 
 float fresnel_ratio(float cos_half) {
     float one_minus = (1.0 - cos_half);
-    float squared_1 = (one_minus * one_minus);
-    return (1.0 + (((23.999998 * squared_1) * squared_1) * one_minus));
+    float squared_2 = (one_minus * one_minus);
+    return (1.0 + (((23.999998 * squared_2) * squared_2) * one_minus));
 }
 
 float shadowing(vec3 wi, vec3 wr) {
@@ -68,10 +68,10 @@ float gain(vec3 wi_1, vec3 wr_1) {
         return 0.0;
     }
     vec3 half_vector_1 = normalize((wi_1 + wr_1));
-    float w = (wi_1.z + wr_1.z);
+    float w_1 = (wi_1.z + wr_1.z);
     float aligned = (1.0 + dot(wi_1, wr_1));
     float _e23 = fresnel_ratio(dot(half_vector_1, wr_1));
-    factor = (((_e23 * aligned) * aligned) / ((w * w) * wr_1.z));
+    factor = (((_e23 * aligned) * aligned) / ((w_1 * w_1) * wr_1.z));
     float _e30 = factor;
     float _e31 = shadowing(wi_1, wr_1);
     factor = (_e30 * _e31);
@@ -98,6 +98,10 @@ float row_at(float squared) {
     return min((ROW_PACE * log((sqrt(stretched) + sqrt((stretched + 1.0))))), 62.0);
 }
 
+float layer_share(float w, float squared_1) {
+    return min(((w * w) / max((4.0 - squared_1), 1e-6)), 1.0);
+}
+
 vec3 texel_at(vec2 place_1, int layer) {
     vec2 last = vec2(567.0, 61.0);
     vec2 first = min(floor(place_1), last);
@@ -115,18 +119,18 @@ vec3 texel_at(vec2 place_1, int layer) {
 }
 
 vec3 colour_between(vec3 path) {
-    float squared_2 = dot(path.xy, path.xy);
+    float squared_3 = dot(path.xy, path.xy);
     float _e5 = column_at(path.xy);
     float page = min(floor((_e5 / 568.0)), 0.0);
-    float _e11 = row_at(squared_2);
+    float _e11 = row_at(squared_3);
     vec2 place_2 = vec2((_e5 - (page * 568.0)), _e11);
-    float share = min(((path.z * path.z) / max((4.0 - squared_2), 1e-6)), 1.0);
-    float level = (share * 6.0);
+    float _e17 = layer_share(path.z, squared_3);
+    float level = (_e17 * 6.0);
     float below = min(floor(level), 5.0);
     int layer_1 = ((int(page) * LEVEL_COUNT) + int(below));
-    vec3 _e36 = texel_at(place_2, layer_1);
-    vec3 _e39 = texel_at(place_2, (layer_1 + 1));
-    return mix(_e36, _e39, (level - below));
+    vec3 _e28 = texel_at(place_2, layer_1);
+    vec3 _e31 = texel_at(place_2, (layer_1 + 1));
+    return mix(_e28, _e31, (level - below));
 }
 
 vec3 tristimulus(vec3 wi_3, vec3 wr_3) {
@@ -150,11 +154,11 @@ vec3 diffraction(vec3 wi_4, vec3 wr_4) {
 }
 
 vec3 unit(vec3 vector, float least) {
-    float squared_3 = dot(vector, vector);
-    if (!((squared_3 > least))) {
+    float squared_4 = dot(vector, vector);
+    if (!((squared_4 > least))) {
         return vec3(0.0);
     }
-    return (vector * inversesqrt(squared_3));
+    return (vector * inversesqrt(squared_4));
 }
 
 vec2 texel_turn(vec2 texel, vec2 size) {
@@ -168,19 +172,19 @@ vec2 orientation(vec2 uv_2) {
     vec2 size_2 = vec2(uvec2(textureSize(_group_0_binding_9_fs, 0).xy));
     vec2 place_3 = (((uv_2 - floor(uv_2)) * size_2) - vec2(0.5));
     vec2 corner = floor(place_3);
-    vec2 share_1 = (place_3 - corner);
+    vec2 share = (place_3 - corner);
     vec2 right = (corner + vec2(1.0, 0.0));
     vec2 _e17 = texel_turn(corner, size_2);
     vec2 _e18 = texel_turn(right, size_2);
-    vec2 above = mix(_e17, _e18, share_1.x);
+    vec2 above = mix(_e17, _e18, share.x);
     vec2 under = vec2(0.0, 1.0);
     vec2 _e25 = texel_turn((corner + under), size_2);
     vec2 _e27 = texel_turn((right + under), size_2);
-    vec2 below_1 = mix(_e25, _e27, share_1.x);
-    vec2 turn = mix(above, below_1, share_1.y);
-    float squared_4 = dot(turn, turn);
-    vec2 direction_1 = (turn * inversesqrt(max(squared_4, 1e-8)));
-    return ((squared_4 > 1e-8) ? direction_1 : vec2(1.0, 0.0));
+    vec2 below_1 = mix(_e25, _e27, share.x);
+    vec2 turn = mix(above, below_1, share.y);
+    float squared_5 = dot(turn, turn);
+    vec2 direction_1 = (turn * inversesqrt(max(squared_5, 1e-8)));
+    return ((squared_5 > 1e-8) ? direction_1 : vec2(1.0, 0.0));
 }
 
 vec3 in_frame(vec3 direction, vec3 normal_1, vec4 tangent_1, vec2 uv_3) {

@@ -58,8 +58,8 @@ float fresnel_ratio(
     float cos_half
 ) {
     float one_minus = 1.0 - cos_half;
-    float squared_1 = one_minus * one_minus;
-    return 1.0 + (((23.999998 * squared_1) * squared_1) * one_minus);
+    float squared_2 = one_minus * one_minus;
+    return 1.0 + (((23.999998 * squared_2) * squared_2) * one_minus);
 }
 
 float shadowing(
@@ -86,10 +86,10 @@ float gain(
         return 0.0;
     }
     metal::float3 half_vector_1 = metal::normalize(wi_1 + wr_1);
-    float w = wi_1.z + wr_1.z;
+    float w_1 = wi_1.z + wr_1.z;
     float aligned = 1.0 + metal::dot(wi_1, wr_1);
     float _e23 = fresnel_ratio(metal::dot(half_vector_1, wr_1));
-    factor = ((_e23 * aligned) * aligned) / ((w * w) * wr_1.z);
+    factor = ((_e23 * aligned) * aligned) / ((w_1 * w_1) * wr_1.z);
     float _e30 = factor;
     float _e31 = shadowing(wi_1, wr_1);
     factor = _e30 * _e31;
@@ -121,6 +121,13 @@ float row_at(
 ) {
     float stretched = 144.0 * squared;
     return metal::min(ROW_PACE * metal::log(metal::sqrt(stretched) + metal::sqrt(stretched + 1.0)), 62.0);
+}
+
+float layer_share(
+    float w,
+    float squared_1
+) {
+    return metal::min((w * w) / metal::max(4.0 - squared_1, 0.000001), 1.0);
 }
 
 metal::int2 naga_f2i32(metal::float2 value) {
@@ -155,18 +162,18 @@ metal::float3 colour_between(
     metal::float3 path,
     metal::texture2d_array<float, metal::access::sample> colours
 ) {
-    float squared_2 = metal::dot(path.xy, path.xy);
+    float squared_3 = metal::dot(path.xy, path.xy);
     float _e5 = column_at(path.xy);
     float page = metal::min(metal::floor(_e5 / 568.0), 0.0);
-    float _e11 = row_at(squared_2);
+    float _e11 = row_at(squared_3);
     metal::float2 place_5 = metal::float2(_e5 - (page * 568.0), _e11);
-    float share = metal::min((path.z * path.z) / metal::max(4.0 - squared_2, 0.000001), 1.0);
-    float level_2 = share * 6.0;
+    float _e17 = layer_share(path.z, squared_3);
+    float level_2 = _e17 * 6.0;
     float below = metal::min(metal::floor(level_2), 5.0);
     int layer_1 = as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(naga_f2i32(page)) * as_type<uint>(LEVEL_COUNT))) + as_type<uint>(naga_f2i32(below)));
-    metal::float3 _e36 = texel_at(place_5, layer_1, colours);
-    metal::float3 _e39 = texel_at(place_5, as_type<int>(as_type<uint>(layer_1) + as_type<uint>(1)), colours);
-    return metal::mix(_e36, _e39, level_2 - below);
+    metal::float3 _e28 = texel_at(place_5, layer_1, colours);
+    metal::float3 _e31 = texel_at(place_5, as_type<int>(as_type<uint>(layer_1) + as_type<uint>(1)), colours);
+    return metal::mix(_e28, _e31, level_2 - below);
 }
 
 metal::float3 tristimulus(
@@ -362,19 +369,19 @@ metal::float3 view_direction(
 ) {
     metal::float4 _e3 = params.size;
     metal::float2 centre = (((2.0 * pixel) + metal::float2(1.0)) / _e3.xy) - metal::float2(1.0);
-    float squared_3 = metal::dot(centre, centre);
-    return metal::float3(centre, (squared_3 < 1.0) ? metal::sqrt(metal::max(0.0, 1.0 - squared_3)) : -1.0);
+    float squared_4 = metal::dot(centre, centre);
+    return metal::float3(centre, (squared_4 < 1.0) ? metal::sqrt(metal::max(0.0, 1.0 - squared_4)) : -1.0);
 }
 
 metal::float3 unit(
     metal::float3 vector,
     float least
 ) {
-    float squared_4 = metal::dot(vector, vector);
-    if (!((squared_4 > least))) {
+    float squared_5 = metal::dot(vector, vector);
+    if (!((squared_5 > least))) {
         return metal::float3(0.0);
     }
-    return vector * metal::rsqrt(squared_4);
+    return vector * metal::rsqrt(squared_5);
 }
 
 float model_volume(
@@ -420,19 +427,19 @@ metal::float2 orientation(
     metal::float2 size_2 = static_cast<metal::float2>(metal::uint2(orientation_map.get_width(0), orientation_map.get_height(0)));
     metal::float2 place_8 = ((uv_4 - metal::floor(uv_4)) * size_2) - metal::float2(0.5);
     metal::float2 corner = metal::floor(place_8);
-    metal::float2 share_1 = place_8 - corner;
+    metal::float2 share = place_8 - corner;
     metal::float2 right = corner + metal::float2(1.0, 0.0);
     metal::float2 _e17 = texel_turn(corner, size_2, orientation_map);
     metal::float2 _e18 = texel_turn(right, size_2, orientation_map);
-    metal::float2 above_1 = metal::mix(_e17, _e18, share_1.x);
+    metal::float2 above_1 = metal::mix(_e17, _e18, share.x);
     metal::float2 under = metal::float2(0.0, 1.0);
     metal::float2 _e25 = texel_turn(corner + under, size_2, orientation_map);
     metal::float2 _e27 = texel_turn(right + under, size_2, orientation_map);
-    metal::float2 below_1 = metal::mix(_e25, _e27, share_1.x);
-    metal::float2 turn_1 = metal::mix(above_1, below_1, share_1.y);
-    float squared_5 = metal::dot(turn_1, turn_1);
-    metal::float2 direction_1 = turn_1 * metal::rsqrt(metal::max(squared_5, 0.00000001));
-    return (squared_5 > 0.00000001) ? direction_1 : metal::float2(1.0, 0.0);
+    metal::float2 below_1 = metal::mix(_e25, _e27, share.x);
+    metal::float2 turn_1 = metal::mix(above_1, below_1, share.y);
+    float squared_6 = metal::dot(turn_1, turn_1);
+    metal::float2 direction_1 = turn_1 * metal::rsqrt(metal::max(squared_6, 0.00000001));
+    return (squared_6 > 0.00000001) ? direction_1 : metal::float2(1.0, 0.0);
 }
 
 metal::float3 in_frame(
