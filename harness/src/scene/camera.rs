@@ -9,6 +9,9 @@ use super::mesh::Mesh;
 /// Vertical field of view of a camera that shows a whole mesh, degrees.
 const VIEW_DEG: f64 = 30.0;
 
+/// Size of a mesh in pixels at which a camera that recedes stops.
+const FAR_PIXELS: f64 = 10.0;
+
 /// A perspective camera on a sphere around a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orbit {
@@ -49,6 +52,23 @@ impl Orbit {
         let slope = (0.5 * VIEW_DEG.to_radians()).tan();
         let distance = across + 1.05 * half.y.max(across / shape) / slope;
         Orbit { distance, ..Orbit::around(mesh, shape) }
+    }
+
+    /// The same camera `count` times, from here away until the mesh is [`FAR_PIXELS`] wide or high, whichever is more. Distances
+    /// grow by equal factors. It is an error if the mesh is smaller from the beginning.
+    pub fn receding(&self, mesh: &Mesh, [_, height]: [u32; 2], count: u32) -> Result<Vec<Orbit>> {
+        let (_, half) = mesh.bounds();
+        let slope = (0.5 * self.view_deg.to_radians()).tan();
+        let pixels = f64::from(height) * half.x.max(half.y) / (slope * self.distance);
+        let last = FAR_PIXELS / pixels;
+        if last >= self.zoom {
+            let cause =
+                format!("the body is less than {FAR_PIXELS} pixels wide at zoom {}", self.zoom);
+            return Err(Error::new("camera", cause).remedy("raise --zoom or --size"));
+        }
+        let steps = f64::from(count.max(2) - 1);
+        let zoom = |i: u32| self.zoom * (last / self.zoom).powf(f64::from(i) / steps);
+        Ok((0..count).map(|i| Orbit { zoom: zoom(i), ..*self }).collect())
     }
 
     /// Position of the camera.
@@ -95,5 +115,29 @@ impl Orbit {
             light_direction: light,
             eye,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::sphere::sphere;
+
+    #[test]
+    fn a_receding_camera_ends_where_the_body_is_ten_pixels_wide() {
+        let mesh = sphere(32);
+        let orbit = Orbit { zoom: 2.0, ..Orbit::around(&mesh, 1.0) };
+        let all = orbit.receding(&mesh, [300, 300], 5).expect("recedes");
+        assert_eq!((all.len(), all[0]), (5, orbit));
+        let ratio = all[1].zoom / all[0].zoom;
+        assert!((all[4].zoom / all[3].zoom - ratio).abs() < 1e-12);
+        let [centre, side] = [DVec3::ZERO, DVec3::X].map(|place| {
+            let params = all[4].params(&mesh, [300, 300], DVec3::Z).expect("valid");
+            let clip = params.projection * params.view * (mesh.bounds().0 + place).extend(1.0);
+            150.0 * clip.x / clip.w
+        });
+        let width = 2.0 * (side - centre).abs() * mesh.bounds().1.x;
+        assert!((width - 10.0).abs() < 0.2, "{width}");
+        assert!(orbit.receding(&mesh, [9, 9], 5).is_err());
     }
 }

@@ -129,7 +129,7 @@ pub(crate) struct Args {
     /// Draw several pictures that differ in one setting: side by side with a row for each surface, or animated.
     #[arg(long, value_enum)]
     pub(crate) sweep: Option<Sweep>,
-    /// Number of pictures of a turntable.
+    /// Number of pictures of an animation.
     #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u32).range(2..=360))]
     pub(crate) frames: u32,
     /// Use the first adapter whose name contains this text. Default: graphics cards before software drivers.
@@ -174,6 +174,8 @@ pub(crate) enum Sweep {
     Orientation,
     /// Once around the body, as an animated PNG.
     Turntable,
+    /// From --zoom away from the body until it is 10 pixels wide, each picture smaller by the same factor, as an animated PNG.
+    Recede,
     /// Three frames, the camera a third of a pixel further each time. Prints as JSON, for the filters none and footprint and for a
     /// lobe of GGX with as much light: bright_pixels, within the black body, above 0.5 of the displayed luminance in any frame;
     /// flicker, the share of them that changes by more than 0.25; light, that of the picture relative to the mean of 64 points per

@@ -127,7 +127,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let is_exr = out.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
     let bytes = match (&rows[0][..], args.sweep) {
         ([one], _) if is_exr => exr(one.width, one.height, &one.pixels)?,
-        (_, Some(Sweep::Turntable)) => {
+        (_, Some(Sweep::Turntable | Sweep::Recede)) => {
             animation(&rows.iter().flatten().map(shown).collect::<Vec<Picture>>(), FRAME_MS)?
         }
         _ => {
@@ -168,6 +168,11 @@ fn sweep(
         Some(Sweep::Orientation) => {
             [0.0, 30.0, 60.0, 90.0].map(|turned| at(orbit, &lights, turned)).to_vec()
         }
+        Some(Sweep::Recede) => orbit
+            .receding(mesh, args.size.0, args.frames)?
+            .into_iter()
+            .map(|orbit| at(orbit, &lights, 0.0))
+            .collect(),
         Some(Sweep::Turntable) => (0..args.frames)
             .map(|frame| {
                 let turned = 360.0 * f64::from(frame) / f64::from(args.frames);
