@@ -432,7 +432,7 @@ pub const CONTROLS: [Control; 10] = [
         name: "baked for one w",
         mode: Mode::Baked,
         spoil: |p, _| {
-            let share = "min(path.z * path.z / max(4.0 - squared, 1e-6), 1.0)";
+            let share = "min(w * w / max(4.0 - squared, 1e-6), 1.0)";
             replace(p, "baked", share, "0.5");
         },
         ..PLAIN
