@@ -3,7 +3,6 @@
 use crate::error::{Error, Result};
 use crate::field::comparison_directions::pool;
 use crate::field::reference::{Directions, Reference};
-use crate::optics::colour_difference::{LIT, auto_exposure};
 use crate::plan::{Coherence, CoherenceScaling, Optics};
 use crate::surface::HeightField;
 use crate::tables::lobe_sigma;
@@ -61,8 +60,8 @@ impl Function for Spread {
         PROBES
     }
 
-    /// Lit directions of the comparison's pool, each third of it in turn, at equal steps through all of them: the first ones are close
-    /// to the mirror direction, where a wrong frame hardly shows. Time: an exact field for each spread.
+    /// For each spread the brightest directions of each kind of the comparison's pool. Near the mirror direction alone a wrong frame
+    /// hardly shows. Time: an exact field for each spread.
     fn probes(
         &self,
         height: &HeightField,
@@ -70,23 +69,18 @@ impl Function for Spread {
         optics: &Optics,
     ) -> Result<Vec<ExactProbe>> {
         let kinds = pool(height, optics, rotate_deg);
-        let each = kinds.iter().map(Vec::len).min().unwrap_or(0);
-        let mixed = (0..each).flat_map(|i| kinds.each_ref().map(|kind| kind[i]));
-        let directions: Vec<Directions> = mixed.take(CANDIDATES).collect();
         let mut found = Vec::with_capacity(PROBES);
         for width in SPREADS {
             let spread = f64::from((width * lobe_sigma(optics.into())) as f32);
-            let xyz = widened(height, rotate_deg, optics, spread, &directions)?;
-            let exposure = auto_exposure(&xyz).unwrap_or(1.0);
-            let lit = directions.iter().zip(xyz).filter(|(_, xyz)| exposure * xyz[1] > LIT);
-            let lit: Vec<_> = lit.collect();
-            let each = PROBES / SPREADS.len();
-            let chosen = (0..each).filter_map(|i| lit.get((2 * i + 1) * lit.len() / (2 * each)));
-            let probe = |(directions, xyz): &(&Directions, [f64; 3])| ExactProbe {
-                arguments: Arguments::Spread { directions: **directions, spread },
-                xyz: *xyz,
-            };
-            found.extend(chosen.map(probe));
+            for (kind, count) in kinds.iter().zip(OF_EACH) {
+                let xyz = widened(height, rotate_deg, optics, spread, kind)?;
+                let mut all: Vec<_> = kind.iter().zip(xyz).collect();
+                all.sort_by(|(_, a), (_, b)| b[1].total_cmp(&a[1]));
+                found.extend(all.into_iter().take(count).map(|(directions, xyz)| ExactProbe {
+                    arguments: Arguments::Spread { directions: *directions, spread },
+                    xyz,
+                }));
+            }
         }
         if found.len() < PROBES {
             let cause = format!("only {} of {PROBES} probes are lit", found.len());
@@ -96,8 +90,8 @@ impl Function for Spread {
     }
 }
 
-/// Directions that probes are chosen from.
-const CANDIDATES: usize = 6 * PROBES;
+/// Probes of a spread: near the mirror direction, on strong orders, anywhere.
+const OF_EACH: [usize; 3] = [1, 2, 1];
 
 /// Exact colours of lobes that are wider by a standard deviation in direction cosines.
 ///
