@@ -1,5 +1,7 @@
 //! `diffraction_spread(wi, wr, spread)`: light from one direction, with wider lobes.
 
+use glam::DVec3;
+
 use crate::error::{Error, Result};
 use crate::field::comparison_directions::pool;
 use crate::field::reference::{Directions, Reference};
@@ -60,8 +62,8 @@ impl Function for Spread {
         PROBES
     }
 
-    /// For each spread the brightest directions of each kind of the comparison's pool. Near the mirror direction alone a wrong frame
-    /// hardly shows. Time: an exact field for each spread.
+    /// For each spread those directions of each kind of the comparison's pool where a flipped bitangent shows most. Time: an exact field
+    /// for each spread and kind.
     fn probes(
         &self,
         height: &HeightField,
@@ -74,9 +76,14 @@ impl Function for Spread {
             let spread = f64::from((width * lobe_sigma(optics.into())) as f32);
             for (kind, count) in kinds.iter().zip(OF_EACH) {
                 let xyz = widened(height, rotate_deg, optics, spread, kind)?;
-                let mut all: Vec<_> = kind.iter().zip(xyz).collect();
-                all.sort_by(|(_, a), (_, b)| b[1].total_cmp(&a[1]));
-                found.extend(all.into_iter().take(count).map(|(directions, xyz)| ExactProbe {
+                let flipped: Vec<Directions> = kind.iter().map(flipped).collect();
+                let wrong = widened(height, rotate_deg, optics, spread, &flipped)?;
+                let mut all: Vec<_> = kind.iter().zip(xyz).zip(wrong).collect();
+                // most different first; near the mirror direction nothing differs
+                let key = |xyz: &[f64; 3], wrong: &[f64; 3]| (xyz[1] - wrong[1]).abs();
+                all.sort_by(|((_, a), x), ((_, b), y)| key(b, y).total_cmp(&key(a, x)));
+                let all = all.into_iter().map(|(right, _)| right);
+                found.extend(all.take(count).map(|(directions, xyz)| ExactProbe {
                     arguments: Arguments::Spread { directions: *directions, spread },
                     xyz,
                 }));
@@ -88,6 +95,12 @@ impl Function for Spread {
         }
         Ok(found)
     }
+}
+
+/// The same directions in a frame whose bitangent is flipped.
+fn flipped(Directions { wi, wr }: &Directions) -> Directions {
+    let flip = DVec3::new(1.0, -1.0, 1.0);
+    Directions { wi: flip * *wi, wr: flip * *wr }
 }
 
 /// Probes of a spread: near the mirror direction, on strong orders, anywhere.
