@@ -37,7 +37,7 @@ export const widened = ([vec2, let_], right, down) => `
     ${let_("steps")} = dot(path_x, path_x) + dot(path_y, path_y);
     ${let_("area")} = path_x.x * path_y.y - path_x.y * path_y.x;
     ${let_("variance")} = 2.25 * 0.5 * (steps + sqrt(max(0.0, steps * steps - 4.0 * area * area)));
-    ${let_("wide")} = sqrt(variance + 0.25 * sin(radius) * sin(radius) * max(cosine, 0.0));`;
+    ${let_("size_seen")} = sqrt(variance + 0.25 * sin(radius) * sin(radius) * max(cosine, 0.0));`;
 
 /** The function with the same arguments that returns XYZ. */
 export const tristimulus = (name) => name.replace("diffraction", "tristimulus");

@@ -73,7 +73,7 @@ const WIDENED = `
 const shade = (calls) => (parameters, tables) => `fn shade(place: vec3f, normal: vec3f, tangent: vec4f, body: vec3f, eye: vec3f, light: vec3f, light_a: vec3f, light_b: vec3f, light_c: vec3f, light_d: vec3f, radius: f32, reach: f32, scale: f32, turn: vec3f, exposure: f32, is_map: f32, samples: f32${calls === AROUND ? ", last_level: f32, surroundings: texture_cube<f32>" : ""}${parameters}) -> vec4f {${calls === AROUND ? `
     engine_turn = turn;
     engine_last_level = last_level;` : ""}
-${calls === SPREAD ? WIDENED : "\n    let wide = radius;"}
+${calls === SPREAD ? WIDENED : "\n    let size_seen = radius;"}
     // a lobe may be much narrower than what a pixel sees: places over the pixel, by the plastic number
     let place_x = dpdx(place);
     let place_y = dpdy(place);
@@ -120,7 +120,7 @@ ${calls === SPREAD ? WIDENED : "\n    let wide = radius;"}
         let b = light_b * frame;
         let c = light_c * frame;
         let d = light_d * frame;
-        sum += vec4f(scale * ${calls}(${CALLS[calls].replace("radius", "wide")}${tables(calls)}), 0.0);
+        sum += vec4f(scale * ${calls}(${CALLS[calls].replace("radius", "size_seen")}${tables(calls)}), 0.0);
         if (is_map < 0.5) {
             let cos_half = dot(normalize(wi + wr), wr);
             let reflected = 0.04 + 0.96 * pow(1.0 - cos_half, 5.0);
