@@ -550,9 +550,9 @@ fn disc(theta_deg: f64, phi_deg: f64, radius_deg: f64) -> Light {
     Light::Disc { cap: Cap { axis, radius_rad }, irradiance: 1.0 }
 }
 
-/// The lights of controls of wider lobes: discs between two tables, the first and later ones.
+/// The lights of controls of wider lobes: discs whose lobes are between two tables of wider ones.
 fn discs() -> Lights {
-    Lights { all: vec![disc(LIGHT[0], LIGHT[1], 1.0), disc(40.0, 200.0, 3.0)], notes: Vec::new() }
+    Lights { all: vec![disc(LIGHT[0], LIGHT[1], 8.0), disc(40.0, 200.0, 20.0)], notes: Vec::new() }
 }
 
 /// The lights of controls: the sun, a wide lamp, a softbox; the sun and the softbox once more, elsewhere and in colours.
