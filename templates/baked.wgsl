@@ -154,7 +154,8 @@ fn tristimulus_disc(axis: vec3f, radius: f32, wr: vec3f) -> vec3f {
 
 // Mean over a disc of the narrowest lobe with the peak 1 about a direction, as if it were narrower: with a sharp edge.
 fn disc_share(axis: vec3f, radius: f32, direction: vec3f) -> f32 {
-    let beyond = acos(clamp(dot(direction, axis), -1.0, 1.0)) - radius;
+    // the cosine of a small angle does not know it well
+    let beyond = atan2(length(cross(axis, direction)), dot(direction, axis)) - radius;
     // some drivers give no number for a large tanh
     let edge = clamp(6.0 / LOBE_SIGMA * beyond * sqrt(direction.z), -9.0, 9.0);
     let inside = 0.5 - 0.5 * tanh(edge);
