@@ -22,10 +22,10 @@ pub use computation::{Computation, Ground};
 pub use cost::Cost;
 pub use forms::*;
 pub use functions::{
-    Arguments, Around, CELLS, CellSum, Coloured, DIRECTIONAL, DISC, DISC_COLOURED, Directional,
-    Disc, ENVIRONMENT, Environment, ExactProbe, FUNCTIONS, Function, FunctionKind, HOSTS, PATH,
-    Paths, RECTANGLE, RECTANGLE_COLOURED, Rectangle, SOFT_DISC, SPREAD, SoftDisc, Spread,
-    StatedError, define_surroundings, functions_of, mirrored, skies, widened,
+    Arguments, Around, Coloured, DIRECTIONAL, DISC, DISC_COLOURED, Directional, Disc, ENVIRONMENT,
+    Environment, ExactProbe, FUNCTIONS, Function, FunctionKind, HOSTS, PATH, Paths, RECTANGLE,
+    RECTANGLE_COLOURED, Rectangle, SOFT_DISC, SPREAD, SoftDisc, Spread, StatedError,
+    define_surroundings, functions_of, mirrored, skies, widened,
 };
 pub use judge::{MAX_PHASE_ERROR, is_whole_light};
 pub use prefilter::{GRID_ERROR, NODE_ERROR, grid_error, node_level};

@@ -126,7 +126,7 @@ fn tristimulus_disc(axis: vec3f, radius: f32, wr: vec3f) -> vec3f {
     let own = disc * max(axis.z, 0.01);
     let is_narrow = own <= narrowest;
     let count = select(DISC_LOBES, 1, is_narrow);
-    // what the lobes are narrower than the disc comes from the rings
+    // the rings add the width that the lobes lack
     let rest = max(own - max(DISC_SHARE * own, narrowest), 0.0);
     let size = radius * sqrt(rest / (DISC_RING_VARIANCE * own));
     // two directions across the axis
@@ -154,7 +154,7 @@ fn tristimulus_disc(axis: vec3f, radius: f32, wr: vec3f) -> vec3f {
 
 // Mean over a disc of the narrowest lobe with the peak 1 about a direction, as if it were narrower: with a sharp edge.
 fn disc_share(axis: vec3f, radius: f32, direction: vec3f) -> f32 {
-    // the cosine of a small angle does not know it well
+    // the arc cosine is inexact for small angles
     let beyond = atan2(length(cross(axis, direction)), dot(direction, axis)) - radius;
     // some drivers give no number for a large tanh
     let edge = clamp(6.0 / LOBE_SIGMA * beyond * sqrt(direction.z), -9.0, 9.0);

@@ -12,11 +12,13 @@ fn tristimulus_environment(wr: vec3f) -> vec3f {
     if (!(wr.z > 1e-6)) {
         return vec3f(0.0);
     }
+#ifdef ROTATED
+    let turn = textureLoad(spectrum, vec2i(0, 1), 0);
+#endif
     var xyz = vec3f(0.0);
     for (var cell = 0; cell < CELL_COUNT; cell++) {
         let place = textureLoad(cells, vec2i(cell, 0), 0);
 #ifdef ROTATED
-        let turn = textureLoad(spectrum, vec2i(0, 1), 0);
         let plane = -wr.xy - vec2f(turn.x * place.x - turn.y * place.y, turn.x * place.y + turn.y * place.x);
 #else
         let plane = -wr.xy - place.xy;

@@ -27,17 +27,19 @@ export const drawnBy = (name, variant) =>
   ["diffraction", "diffraction_disc"].includes(LIGHTS[name].calls) && variant.signature(SPREAD) ? SPREAD : LIGHTS[name].calls;
 
 /**
- * In both languages, the spread of a pixel's footprint and of a disc, from `path`, (u, v), and from `radius` and `cosine` of the disc. As
- * in `footprint_spread` of whole shaders: 1.5 times the longest step of (u, v) between pixels. A disc is a lobe with the variance
- * sin² a cos θ/4.
+ * In both languages, the spread of a pixel's footprint and of a disc, from `path`, (u, v), `viewer`, and `radius` and `cosine` of the disc. As in
+ * `footprint_spread` of whole shaders: 1.5 times the longest step of (u, v) between pixels, at most half of the lower height of light and
+ * viewer. A disc is a lobe with the variance sin² a cos θ/4.
  */
 export const widened = ([vec2, let_], right, down) => `
     ${let_("path_x", vec2)} = ${right}(path);
     ${let_("path_y", vec2)} = ${down}(path);
     ${let_("steps")} = dot(path_x, path_x) + dot(path_y, path_y);
     ${let_("area")} = path_x.x * path_y.y - path_x.y * path_y.x;
-    ${let_("variance")} = 2.25 * 0.5 * (steps + sqrt(max(0.0, steps * steps - 4.0 * area * area)));
-    ${let_("size_seen")} = sqrt(variance + 0.25 * sin(radius) * sin(radius) * max(cosine, 0.0));`;
+    ${let_("height")} = max(min(cosine, sqrt(max(1.0 - dot(viewer, viewer), 0.0))), 0.0);
+    ${let_("steps_squared")} = 0.5 * (steps + sqrt(max(0.0, steps * steps - 4.0 * area * area)));
+    ${let_("variance")} = min(2.25 * steps_squared, 0.25 * height * height);
+    ${let_("lobe_size")} = sqrt(variance + 0.25 * sin(radius) * sin(radius) * max(cosine, 0.0));`;
 
 /** The function with the same arguments that returns XYZ. */
 export const tristimulus = (name) => name.replace("diffraction", "tristimulus");

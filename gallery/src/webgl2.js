@@ -86,8 +86,9 @@ const WIDENED = `void widen() {
     vec3 t = normalize(v_tangent.xyz - n * dot(n, v_tangent.xyz));
     mat3 frame = is_map ? mat3(1.0) : mat3(t, cross(n, t) * v_tangent.w, n);
     float cosine = (light * frame).z;
-    vec2 path = (light * frame).xy + (is_map ? v_place.xy : (normalize(eye - v_place) * frame).xy);${widened(["vec2", (name, type = "float") => `${type} ${name}`], "dFdx", "dFdy")}
-    wide_radius = size_seen;
+    vec2 viewer = is_map ? v_place.xy : (normalize(eye - v_place) * frame).xy;
+    vec2 path = (light * frame).xy + viewer;${widened(["vec2", (name, type = "float") => `${type} ${name}`], "dFdx", "dFdy")}
+    wide_radius = lobe_size;
 }`;
 
 // world space is the bodies' own; the same in WGSL is in webgpu.js

@@ -67,13 +67,14 @@ const WIDENED = `
     let t_here = normalize(tangent.xyz - n_here * dot(n_here, tangent.xyz));
     let own = mat3x3f(t_here, cross(n_here, t_here) * tangent.w, n_here);
     let cosine = select((light * own).z, light.z, is_map > 0.5);
-    let path = select((light * own).xy + (normalize(eye - place) * own).xy, light.xy + place.xy, is_map > 0.5);${widened(["vec2f", (name) => `let ${name}`], "dpdx", "dpdy")}`;
+    let viewer = select((normalize(eye - place) * own).xy, place.xy, is_map > 0.5);
+    let path = select((light * own).xy, light.xy, is_map > 0.5) + viewer;${widened(["vec2f", (name) => `let ${name}`], "dpdx", "dpdy")}`;
 
 // world space is the bodies' own; the same in GLSL is in webgl2.js
 const shade = (calls) => (parameters, tables) => `fn shade(place: vec3f, normal: vec3f, tangent: vec4f, body: vec3f, eye: vec3f, light: vec3f, light_a: vec3f, light_b: vec3f, light_c: vec3f, light_d: vec3f, radius: f32, reach: f32, scale: f32, turn: vec3f, exposure: f32, is_map: f32, samples: f32${calls === AROUND ? ", last_level: f32, surroundings: texture_cube<f32>" : ""}${parameters}) -> vec4f {${calls === AROUND ? `
     engine_turn = turn;
     engine_last_level = last_level;` : ""}
-${calls === SPREAD ? WIDENED : "\n    let size_seen = radius;"}
+${calls === SPREAD ? WIDENED : "\n    let lobe_size = radius;"}
     // a lobe may be much narrower than what a pixel sees: places over the pixel, by the plastic number
     let place_x = dpdx(place);
     let place_y = dpdy(place);
@@ -120,7 +121,7 @@ ${calls === SPREAD ? WIDENED : "\n    let size_seen = radius;"}
         let b = light_b * frame;
         let c = light_c * frame;
         let d = light_d * frame;
-        sum += vec4f(scale * ${calls}(${CALLS[calls].replace("radius", "size_seen")}${tables(calls)}), 0.0);
+        sum += vec4f(scale * ${calls}(${CALLS[calls].replace("radius", "lobe_size")}${tables(calls)}), 0.0);
         if (is_map < 0.5) {
             let cos_half = dot(normalize(wi + wr), wr);
             let reflected = 0.04 + 0.96 * pow(1.0 - cos_half, 5.0);

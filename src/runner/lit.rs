@@ -79,7 +79,7 @@ pub fn missing(name: &str, form: &Form, light: &Light) -> Option<Error> {
             "use a variant with mode = \"orders\" and this kind in its lights, or --runner exact"
         }
         Light::Sky { .. } | Light::Environment(_) => {
-            "use a variant with mode = \"orders\" and \"environment\" in its lights, or --runner exact"
+            "use a variant with mode = \"orders\", or mode = \"baked\" with spread_levels, and \"environment\" in its lights, or --runner exact"
         }
         _ => "use --runner exact",
     };

@@ -572,7 +572,8 @@ impl TableSpec {
                 let sizes = [texels, table];
                 let light = spec.colours.light(&range);
                 // the colours under two lights are kept
-                let kept = 24 * u64::from(axes.columns * axes.rows * axes.levels);
+                let kept =
+                    24 * u64::from(axes.columns) * u64::from(axes.rows) * u64::from(axes.levels);
                 kept + bake::working_bytes(height, light, axes, sizes, threads)
             }
             TableSpec::Wide(spec) => {

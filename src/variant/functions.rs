@@ -2,7 +2,6 @@
 //! probes and cost follow from that.
 
 mod arguments;
-mod cells;
 mod coloured;
 mod directional;
 mod disc;
@@ -23,7 +22,6 @@ use crate::surface::HeightField;
 use super::{Cost, Form};
 
 pub use arguments::{Arguments, Around};
-pub use cells::{CELLS, CellSum};
 pub use coloured::{Coloured, DISC_COLOURED, RECTANGLE_COLOURED};
 pub use directional::{DIRECTIONAL, Directional};
 pub use disc::{DISC, Disc};

@@ -103,7 +103,9 @@ impl<'a> Twin<'a> {
             {
                 Some(baked::tristimulus_spread(self, form, directions, spread))
             }
-            (Arguments::Disc { axis, radius_rad, colour: None, wr }, Form::Baked(form)) => {
+            (Arguments::Disc { axis, radius_rad, colour: None, wr }, Form::Baked(form))
+                if form.wide.as_ref().is_some_and(|wide| wide.has_disc) =>
+            {
                 Some(baked::tristimulus_disc(self, form, axis, radius_rad, wr))
             }
             (Arguments::Disc { axis, radius_rad, colour, wr }, Form::Orders(form)) => {
@@ -132,7 +134,7 @@ impl<'a> Twin<'a> {
                     Form::Orders(form) => {
                         Some(environment::tristimulus_environment(self, form, around, wr))
                     }
-                    Form::Baked(form) => {
+                    Form::Baked(form) if form.cells.is_some() => {
                         Some(cells::tristimulus_environment(self, form, around, wr))
                     }
                     _ => None,

@@ -214,8 +214,8 @@ fn section(heading: &str, large: Large, first: Vec<String>, rest: Vec<String>) -
     let filters = lines.iter().any(|line| line.contains("\"filter\""));
     let surrounds = lines.iter().any(|line| line.starts_with("environment_error"));
     let has = |key: &str| lines.iter().any(|line| line.starts_with(key));
-    let spreads = has("spread_step") || has("cells");
     let has_cells = has("cells");
+    let spreads = has("spread_step") || has_cells;
     for (is_needed, key, value) in [
         (large.prefiltered, "reconstruction", "\"prefiltered\""),
         (large.baked, "mode", "\"baked\""),

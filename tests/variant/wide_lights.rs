@@ -9,7 +9,9 @@ use diffraction_shaders::light::{
 };
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::random::SplitMix64;
-use diffraction_shaders::variant::{Arguments, Around, CELLS, Function, SOFT_DISC, Twin, skies};
+use diffraction_shaders::variant::{
+    Arguments, Around, ENVIRONMENT, Function, SOFT_DISC, Twin, skies,
+};
 use glam::{DVec2, DVec3};
 
 use crate::spread::{FINGERS, Shader, p95};
@@ -136,7 +138,7 @@ fn cells_are_lit_by_the_surroundings() {
             |name: &str, emitter: &dyn Emitter, around: &dyn Surroundings, turns: bool| {
                 let exact = orders.radiance_all_with(&[emitter], &views, &|_| ());
                 for (shader, count) in shaders.iter().zip(counts) {
-                    let stated = CELLS.errors(&shader.form)[0].de2000_p95;
+                    let stated = ENVIRONMENT.errors(&shader.form)[0].de2000_p95;
                     let found = p95(&exact, &among(shader, around, &views));
                     let wrong = p95(&exact, &among(shader, &Turned(around), &views));
                     println!("{name}, {count} cells: {found:.2} of {stated:.1}, turned {wrong:.1}");

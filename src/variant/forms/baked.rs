@@ -15,7 +15,7 @@ use crate::tables::{
 use crate::variant::judge::Light;
 use crate::variant::tolerance::{Promise, is_visible};
 use crate::variant::{
-    CELLS, Coat, Computation, Cost, DIRECTIONAL, Function, Ground, PATH, SOFT_DISC, SPREAD,
+    Coat, Computation, Cost, DIRECTIONAL, ENVIRONMENT, Function, Ground, PATH, SOFT_DISC, SPREAD,
     StatedError, define_surroundings, lay,
 };
 
@@ -290,7 +290,11 @@ impl Wide {
             into.count("DISC_INNER", DISC_INNER, "number of them on the inner ring");
             let ring = "radius of the inner ring, relative to that of the disc";
             into.number("DISC_INNER_RING", DISC_RINGS[0], ring);
-            into.number("DISC_OUTER_RING", DISC_RINGS[1], "the same of the outer ring");
+            into.number(
+                "DISC_OUTER_RING",
+                DISC_RINGS[1],
+                "radius of the outer ring, relative to that of the disc",
+            );
             let light = "share of the light in the inner ring";
             into.number("DISC_INNER_SHARE", DISC_INNER_SHARE, light);
             let share = "variance of a lobe, relative to that of the disc";
@@ -424,7 +428,7 @@ impl Computation for Baked {
             None => vec![&DIRECTIONAL],
         };
         if self.cells.is_some() {
-            all.push(&CELLS);
+            all.push(&ENVIRONMENT);
         }
         if self.has_paths {
             all.push(&PATH);

@@ -82,7 +82,7 @@ impl Function for Environment {
 
     fn host(&self) -> Option<&'static str> {
         Some(
-            "environment_radiance(direction: vec3f, spread: f32) -> vec3f: radiance of the surroundings, linear sRGB, from a unit direction in the tangent frame, blurred to a standard deviation of `spread` radians on each axis; it is called with spread 0 once, and with one up to about 0.5 for each wavelength of each order",
+            "environment_radiance(direction: vec3f, spread: f32) -> vec3f: radiance of the surroundings, linear sRGB, from a unit direction in the tangent frame, blurred to a standard deviation of `spread` radians on each axis: 0, or up to about 0.5, more at grazing angles",
         )
     }
 
@@ -94,20 +94,34 @@ impl Function for Environment {
         "radiance, in the unit of environment_radiance; a white is as bright as its surroundings"
     }
 
-    /// A look-up of the surroundings counts as the evaluation; beside it there is one of the efficiencies and three of the
-    /// streaks.
+    /// A look-up of the surroundings counts as the evaluation. Beside it there is one of the efficiencies and three of the streaks;
+    /// or a cell, with three colours on two layers. All cells count, though about half are below the horizon.
     fn cost(&self, form: &Form) -> Cost {
-        let Form::Orders(orders) = form else { return Cost::default() };
-        let (mean, worst) = mean_and_worst_views(|wr| 1 + orders.streak_lookups(wr));
-        Cost::of_evaluations((mean, worst), 2, 3, form.cost().table_bytes)
+        let bytes = form.cost().table_bytes;
+        match form {
+            Form::Orders(orders) => {
+                let (mean, worst) = mean_and_worst_views(|wr| 1 + orders.streak_lookups(wr));
+                Cost::of_evaluations((mean, worst), 2, 3, bytes)
+            }
+            Form::Baked(baked) => {
+                let count = baked.cells.map_or(0, |cells| u64::from(cells.count));
+                Cost::of_evaluations((count as f64, count), 0, 7, bytes)
+            }
+            _ => Cost::default(),
+        }
     }
 
     fn errors(&self, form: &Form) -> Vec<StatedError> {
-        let Form::Orders(orders) = form else { return Vec::new() };
-        vec![StatedError {
+        let error = match form {
+            Form::Orders(orders) => Some(environment_error(orders.nodes)),
+            Form::Baked(baked) => baked.sky_error(),
+            _ => None,
+        };
+        let stated = |de2000_p95| StatedError {
             under: "surroundings without lamps narrower than 5°, which are discs".to_owned(),
-            de2000_p95: environment_error(orders.nodes),
-        }]
+            de2000_p95,
+        };
+        error.map(stated).into_iter().collect()
     }
 
     fn probe_count(&self) -> usize {
@@ -120,42 +134,33 @@ impl Function for Environment {
         rotate_deg: f64,
         optics: &Optics,
     ) -> Result<Vec<ExactProbe>> {
-        probes(height, rotate_deg, optics)
-    }
-}
-
-/// Skies and viewers that see light.
-pub(super) fn probes(
-    height: &HeightField,
-    rotate_deg: f64,
-    optics: &Optics,
-) -> Result<Vec<ExactProbe>> {
-    let normal = Matter::new(optics)?.normal_reflectance();
-    let orders = OrderSum::new(height, rotate_deg, optics)?;
-    let mut found = Vec::with_capacity(PROBES);
-    for i in 0..CANDIDATES {
-        let sky = skies()[i % 4];
-        let [lobe, _] = sky.lobes;
-        let wr = if lobe.sigma_rad < NARROW_RAD {
-            // where an order shows the lobe, so that its blur counts
-            viewer(height, rotate_deg, i, lobe.axis, 2.0 * lobe.sigma_rad)
-        } else {
-            let plane = 0.98 * part(i, 1).sqrt() * DVec2::from_angle(TAU * part(i, 2));
-            plane.extend((1.0 - plane.length_squared()).sqrt())
-        };
-        // at grazing angles a rounded direction is another one
-        if wr.z <= 0.1 {
-            continue;
-        }
-        let arguments = Arguments::Environment { around: Around::Sky(sky), wr }.rounded();
-        let xyz = orders.radiance(&sky, arguments.wr());
-        if xyz[1] > 1e-3 * normal * sky.brightest() {
-            found.push(ExactProbe { arguments, xyz });
-            if found.len() == PROBES {
-                return Ok(found);
+        let normal = Matter::new(optics)?.normal_reflectance();
+        let orders = OrderSum::new(height, rotate_deg, optics)?;
+        let mut found = Vec::with_capacity(PROBES);
+        for i in 0..CANDIDATES {
+            let sky = skies()[i % 4];
+            let [lobe, _] = sky.lobes;
+            let wr = if lobe.sigma_rad < NARROW_RAD {
+                // where an order shows the lobe, so that its blur counts
+                viewer(height, rotate_deg, i, lobe.axis, 2.0 * lobe.sigma_rad)
+            } else {
+                let plane = 0.98 * part(i, 1).sqrt() * DVec2::from_angle(TAU * part(i, 2));
+                plane.extend((1.0 - plane.length_squared()).sqrt())
+            };
+            // at grazing angles a rounded direction is another one
+            if wr.z <= 0.1 {
+                continue;
+            }
+            let arguments = Arguments::Environment { around: Around::Sky(sky), wr }.rounded();
+            let xyz = orders.radiance(&sky, arguments.wr());
+            if xyz[1] > 1e-3 * normal * sky.brightest() {
+                found.push(ExactProbe { arguments, xyz });
+                if found.len() == PROBES {
+                    return Ok(found);
+                }
             }
         }
+        let cause = format!("only {} of {PROBES} probes are lit", found.len());
+        Err(Error::new("probe.json", cause))
     }
-    let cause = format!("only {} of {PROBES} probes are lit", found.len());
-    Err(Error::new("probe.json", cause))
 }

@@ -63,7 +63,7 @@ impl Function for Spread {
     }
 
     /// For each spread those directions of each kind of the comparison's pool where a flipped bitangent shows most. Time: an exact field
-    /// for each spread and kind.
+    /// for each spread.
     fn probes(
         &self,
         height: &HeightField,
@@ -71,26 +71,28 @@ impl Function for Spread {
         optics: &Optics,
     ) -> Result<Vec<ExactProbe>> {
         let kinds = pool(height, optics, rotate_deg);
+        let all = kinds.concat();
+        let both: Vec<Directions> = all.iter().copied().chain(all.iter().map(flipped)).collect();
         let mut found = Vec::with_capacity(PROBES);
         for width in SPREADS {
             let spread = f64::from((width * lobe_sigma(optics.into())) as f32);
+            let colours = widened(height, rotate_deg, optics, spread, &both)?;
+            let (right, wrong) = colours.split_at(all.len());
+            let mut first = 0;
             for (kind, count) in kinds.iter().zip(OF_EACH) {
-                let xyz = widened(height, rotate_deg, optics, spread, kind)?;
-                let flipped: Vec<Directions> = kind.iter().map(flipped).collect();
-                let wrong = widened(height, rotate_deg, optics, spread, &flipped)?;
-                let mut all: Vec<_> = kind.iter().zip(xyz).zip(wrong).collect();
+                let mut own: Vec<usize> = (first..first + kind.len()).collect();
                 // most different first; near the mirror direction nothing differs
-                let key = |xyz: &[f64; 3], wrong: &[f64; 3]| (xyz[1] - wrong[1]).abs();
-                all.sort_by(|((_, a), x), ((_, b), y)| key(b, y).total_cmp(&key(a, x)));
-                let all = all.into_iter().map(|(right, _)| right);
-                found.extend(all.take(count).map(|(directions, xyz)| ExactProbe {
-                    arguments: Arguments::Spread { directions: *directions, spread },
-                    xyz,
+                let difference = |i: usize| (right[i][1] - wrong[i][1]).abs();
+                own.sort_by(|a, b| difference(*b).total_cmp(&difference(*a)));
+                found.extend(own.into_iter().take(count).map(|i| ExactProbe {
+                    arguments: Arguments::Spread { directions: all[i], spread },
+                    xyz: right[i],
                 }));
+                first += kind.len();
             }
         }
         if found.len() < PROBES {
-            let cause = format!("only {} of {PROBES} probes are lit", found.len());
+            let cause = format!("only {} of {PROBES} directions to choose from", found.len());
             return Err(Error::new("probe.json", cause));
         }
         Ok(found)
