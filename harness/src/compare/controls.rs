@@ -16,8 +16,8 @@ use diffraction_shaders::optics::brdf_map::view_directions;
 use diffraction_shaders::optics::colour_difference::{auto_exposure, colour_difference};
 use diffraction_shaders::optics::direction;
 use diffraction_shaders::plan::{
-    Auto, Basis, Coherence, CoherenceScaling, Grating, Material, Medium, Mode, Optics, Packing,
-    Reconstruction, Sampling, TableFormat, Variant,
+    Auto, Basis, Coherence, CoherenceScaling, Grating, LightFunction, Material, Medium, Mode,
+    Optics, Packing, Reconstruction, Sampling, TableFormat, Variant,
 };
 use diffraction_shaders::runner::{Placement, TwinRunner, rounded};
 use diffraction_shaders::surface::HeightField;
@@ -75,20 +75,22 @@ const PLAIN: Control = Control {
 
 impl Control {
     /// Compares the spoilt shader by a route with the twin of the right one.
-    fn record(
+    fn record<'a>(
         &self,
-        placement: Placement<'_>,
+        placement: Placement<'a>,
         route: &dyn Route,
-        rights: &mut BTreeMap<Kind, Right>,
+        rights: &mut BTreeMap<Kind, Right<'a>>,
     ) -> Result<results::Control> {
-        let mut prepared = Prepared::new(placement)?;
         let under = [self.around, self.spread];
         let right = match rights.entry((self.mode, self.filtered, self.matter, under)) {
             Entry::Occupied(known) => known.into_mut(),
-            Entry::Vacant(place) => place.insert(Right::new(&prepared, route, under)?),
+            Entry::Vacant(place) => {
+                place.insert(Right::new(Prepared::new(placement)?, route, under)?)
+            }
         };
+        let mut prepared = right.prepared.clone();
         (self.spoil)(&mut prepared, right.mean());
-        let Right { truth, allowed, max_abs } = right;
+        let Right { truth, allowed, max_abs, .. } = right;
         let wrong = truth.ask(route.runner(prepared).as_ref(), 1.0, SIZE)?;
         let wrong = colour_difference(self.name, &truth.colours, &wrong, Some(truth.exposure))?;
         let inside = |max_abs| allowed.contains(max_abs, [0.0; 2]);
@@ -455,18 +457,19 @@ pub(super) fn run(
     sink: &mut dyn Sink,
 ) -> Result<u32> {
     let height = surface()?;
-    let mut rights: BTreeMap<Kind, Right> = BTreeMap::new();
+    let mut rights: BTreeMap<Kind, Right<'_>> = BTreeMap::new();
     let mut failures = 0;
     let lamps = if with_lamps { &LAMP_CONTROLS[..] } else { &[] };
     let spread = if with_lamps { &SPREAD_CONTROLS[..] } else { &[] };
     let matter = if with_matter { &MATTER_CONTROLS[..] } else { &[] };
     let around = if with_around { &AROUND_CONTROLS[..] } else { &[] };
-    for control in CONTROLS.iter().chain(lamps).chain(spread).chain(matter).chain(around) {
+    let controls = CONTROLS.iter().chain(lamps).chain(spread).chain(matter).chain(around);
+    let controls: Vec<(&Control, Variant)> = controls.map(|c| (c, variant(c))).collect();
+    for (control, variant) in &controls {
         if failures == PATIENCE || sink.has_control(&route.name(), control.name) {
             continue;
         }
-        let variant = variant(control);
-        let placement = Placement { height: &height, rotate_deg: 0.0, variant: &variant };
+        let placement = Placement { height: &height, rotate_deg: 0.0, variant };
         enter(Place {
             route: route.name(),
             surface: Some(SURFACE.to_owned()),
@@ -485,19 +488,20 @@ pub(super) fn run(
     Ok(failures)
 }
 
-/// The right shader: its colours, its tolerance, and its measured difference.
-struct Right {
+/// The right shader: its tables, its colours, its tolerance, and its measured difference.
+struct Right<'a> {
+    prepared: Prepared<'a>,
     truth: Truth,
     allowed: Tolerance,
     max_abs: f64,
 }
 
-impl Right {
+impl<'a> Right<'a> {
     fn new(
-        prepared: &Prepared<'_>,
+        prepared: Prepared<'a>,
         route: &dyn Route,
         [around, spread]: [bool; 2],
-    ) -> Result<Right> {
+    ) -> Result<Right<'a>> {
         let Placement { height, variant, .. } = prepared.placement;
         let map = view_directions(SIZE);
         let count = map.len();
@@ -534,7 +538,7 @@ impl Right {
         let found = truth.ask(route.runner(prepared.clone()).as_ref(), 1.0, SIZE)?;
         let max_abs =
             colour_difference("right", &truth.colours, &found, Some(truth.exposure))?.max_abs;
-        Ok(Right { truth, allowed, max_abs })
+        Ok(Right { prepared, truth, allowed, max_abs })
     }
 
     /// Mean colour of the map.
@@ -585,7 +589,7 @@ fn surface() -> Result<HeightField> {
 }
 
 /// The right variant of a mode. A filtered one has a narrow window, which keeps its table small.
-fn variant(&Control { mode, filtered, matter, spread, .. }: &Control) -> Variant {
+fn variant(&Control { mode, filtered, matter, around, spread, .. }: &Control) -> Variant {
     let coherence_um = if filtered { 10.0 } else { Optics::standard().coherence_um };
     let mut standard = Optics { coherence_um, ..Optics::standard() };
     if matter {
@@ -624,6 +628,12 @@ fn variant(&Control { mode, filtered, matter, spread, .. }: &Control) -> Variant
         // small, since it is computed for every route
         bake_mib: 2.0,
         spread_levels: Auto::Value(if spread { 4 } else { 0 }),
+        lights: match (spread, around) {
+            (false, _) => texts.lights,
+            // a function less is a table less
+            (true, false) => vec![LightFunction::Direction, LightFunction::Disc],
+            (true, true) => vec![LightFunction::Direction, LightFunction::Environment],
+        },
         hoist: true,
         ..texts
     }
