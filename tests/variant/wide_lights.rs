@@ -148,7 +148,8 @@ fn cells_are_lit_by_the_surroundings() {
                 }
             };
         for (i, sky) in skies().iter().enumerate() {
-            check(&format!("sky {i}"), sky, sky, i > 0);
+            // Turned, the even sky 0 is itself, and sky 2 has a lamp too small to be told by its share.
+            check(&format!("sky {i}"), sky, sky, i % 2 == 1);
         }
         for map in studios.iter().filter(|_| with_studios) {
             let light = Light::Environment(map.clone());
