@@ -76,6 +76,7 @@ fn lights_that_cannot_be_shown_are_refused_with_a_remedy() {
         (SUN, of("orders", " --light 0,0,1"), "cannot be used with"),
         (SUN, of("orders", " --light-diameter-deg 1"), "cannot be used with"),
         (SUN, of("orders", " --filter footprint"), "orders: has no function for wider lobes"),
+        (SUN, of("orders", " --filter both"), "orders: has no function for wider lobes"),
         (SUN, of("orders", " --sweep lights"), "has lights of its own"),
         ("", "--variant orders --sweep zoom".to_owned(), "its pictures need --out"),
         ("", of("orders", ""), "has no light"),

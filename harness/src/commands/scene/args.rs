@@ -161,6 +161,18 @@ pub(crate) enum Filter {
     Footprint,
     /// Shade 16 points per pixel.
     Supersample,
+    /// Shade 16 points per pixel, each widened by its own smaller footprint: for bodies with details below the size of a pixel.
+    Both,
+}
+
+impl Filter {
+    pub(crate) fn widens(self) -> bool {
+        matches!(self, Filter::Footprint | Filter::Both)
+    }
+
+    pub(crate) fn supersamples(self) -> bool {
+        matches!(self, Filter::Supersample | Filter::Both)
+    }
 }
 
 /// The setting that changes from picture to picture.

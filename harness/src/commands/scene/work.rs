@@ -17,7 +17,7 @@ use diffraction_shaders::surface;
 use diffraction_shaders::variant::Form;
 use glam::DVec3;
 
-use super::args::{Args, Filter, Sweep};
+use super::args::{Args, Sweep};
 use super::flicker::measured;
 use super::lights::{Lamps, has_disc};
 use super::skin::{Skin, orbit};
@@ -63,7 +63,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     for name in &args.surface {
         let spec = plan.surface(name)?.clone();
         let mut variant = plan.on(&spec).variant(args.variant.as_deref())?;
-        let widens = args.filter == Filter::Footprint || args.sweep == Some(Sweep::Flicker);
+        let widens = args.filter.widens() || args.sweep == Some(Sweep::Flicker);
         if widens && can_widen(&variant) {
             variant.spread_levels = Auto::Auto;
         }
@@ -185,10 +185,7 @@ fn sweep(
     if !args.unchecked {
         check(&prepared, gpu)?;
     }
-    let lobes = match args.filter {
-        Filter::Footprint => Lobes::Footprint,
-        Filter::None | Filter::Supersample => Lobes::Points,
-    };
+    let lobes = if args.filter.widens() { Lobes::Footprint } else { Lobes::Points };
     let around = filtered(&lights);
     let bar = progress::bar(shots.len(), &format!("drawing {}", skin.spec.name));
     let (mut pictures, mut times) = (Vec::new(), Vec::new());
@@ -207,7 +204,7 @@ fn sweep(
         }
         let look = lamps.look(lights, args);
         let picture = |times: &mut Vec<f64>| -> Result<Hdr> {
-            let factor = if args.filter == Filter::Supersample { SUPER } else { 1 };
+            let factor = if args.filter.supersamples() { SUPER } else { 1 };
             let size = args.size.0.map(|side| side * factor);
             let light = middle(&look.lights[0]);
             let params = orbit.params(drawing.mesh(), size, light)?;
