@@ -9,6 +9,7 @@ mod forms;
 mod functions;
 mod judge;
 mod lay;
+mod pattern;
 mod prefilter;
 mod tolerance;
 mod twin;
@@ -25,9 +26,10 @@ pub use functions::{
     Arguments, Around, Coloured, DIRECTIONAL, DISC, DISC_COLOURED, Directional, Disc, ENVIRONMENT,
     Environment, ExactProbe, FUNCTIONS, Function, FunctionKind, HOSTS, PATH, Paths, RECTANGLE,
     RECTANGLE_COLOURED, Rectangle, SOFT_DISC, SPREAD, SoftDisc, Spread, StatedError,
-    define_surroundings, functions_of, mirrored, skies, widened,
+    define_surroundings, functions_of, mirrored, probes_of, skies, widened,
 };
 pub use judge::{MAX_PHASE_ERROR, is_whole_light};
+pub use pattern::Pattern;
 pub use prefilter::{GRID_ERROR, NODE_ERROR, grid_error, node_level};
 pub use tolerance::{
     ACROSS, CENTRED, MAX_PROBE_ERROR, Part, Tolerance, light_tolerance, probe_error,

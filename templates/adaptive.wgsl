@@ -38,7 +38,11 @@ fn corridor(path: vec3f, facing: vec2f) -> vec3f {
 fn corridor(path: vec3f) -> vec3f {
 #endif
     let steep = abs(path.y) > abs(path.x);
+#ifdef PATTERN
+    let patch_um = pattern.z * vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM);
+#else
     let patch_um = vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM);
+#endif
     let uv = select(path.xy, path.yx, steep);
     let size_um = select(patch_um, patch_um.yx, steep);
     let range = wavenumbers();

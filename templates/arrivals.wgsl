@@ -6,8 +6,8 @@
 
 // Direction in the frame of the surface.
 fn in_surface(direction: vec3f) -> vec3f {
-#ifdef ROTATED
-    let turn = textureLoad(spectrum, vec2i(0, 1), 0);
+#ifdef TURNED
+    let turn = turn_of_surface();
     let x = turn.x * direction.x + turn.y * direction.y;
     return vec3f(x, turn.x * direction.y - turn.y * direction.x, direction.z);
 #else
@@ -18,8 +18,8 @@ fn in_surface(direction: vec3f) -> vec3f {
 #ifdef OUTWARD
 // Direction in the tangent frame, from one in the frame of the surface.
 fn from_surface(direction: vec3f) -> vec3f {
-#ifdef ROTATED
-    let turn = textureLoad(spectrum, vec2i(0, 1), 0);
+#ifdef TURNED
+    let turn = turn_of_surface();
     let x = turn.x * direction.x - turn.y * direction.y;
     return vec3f(x, turn.x * direction.y + turn.y * direction.x, direction.z);
 #else
@@ -40,7 +40,11 @@ fn normal_reflectance() -> f32 {
 
 // Frequency of an order, cycles per µm.
 fn order_frequency(order: vec2i) -> vec2f {
+#ifdef PATTERN
+    return vec2f(order) / (pattern.z * vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM));
+#else
     return vec2f(order) / vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM);
+#endif
 }
 
 // Length and direction of a frequency. For the order that mirrors, the direction is zero.

@@ -12,11 +12,16 @@ fn efficiency(order: vec2i, turns: f32) -> f32 {
     if (any(abs(order) > reach)) {
         return 0.0;
     }
+#ifdef PATTERN
+    let share = clamp(-0.5 * PHASE_MIN_UM * pattern.w * turns, 0.0, 1.0);
+    let place = share * f32(EFFICIENCY_COLUMNS);
+#else
 #ifdef COVER
     let share = clamp(-0.5 * PHASE_MIN_UM * turns, 0.0, 1.0);
     let place = share * f32(EFFICIENCY_COLUMNS);
 #else
     let place = clamp(-0.5 * WAVELENGTH_MIN_UM * turns, 0.0, 1.0) * f32(EFFICIENCY_COLUMNS);
+#endif
 #endif
     let column = min(i32(place), EFFICIENCY_COLUMNS - 1);
     let row = (order.y + reach.y) * (2 * reach.x + 1) + order.x + reach.x;

@@ -159,10 +159,26 @@ fn path_difference(wi: vec3f, wr: vec3f) -> vec3f {
 #else
     let path = -wi - wr;
 #endif
-#ifdef ROTATED
-    let turn = textureLoad(spectrum, vec2i(0, 1), 0);
+#ifdef TURNED
+    let turn = turn_of_surface();
     return vec3f(turn.x * path.x + turn.y * path.y, turn.x * path.y - turn.y * path.x, path.z);
 #else
     return path;
 #endif
 }
+#ifdef TURNED
+
+// Cosine and sine of the angle of the relief.
+fn turn_of_surface() -> vec2f {
+#ifdef PATTERN
+#ifdef ROTATED
+    let own = textureLoad(spectrum, vec2i(0, 1), 0);
+    return vec2f(own.x * pattern.x - own.y * pattern.y, own.x * pattern.y + own.y * pattern.x);
+#else
+    return pattern.xy;
+#endif
+#else
+    return textureLoad(spectrum, vec2i(0, 1), 0).xy;
+#endif
+}
+#endif

@@ -36,7 +36,11 @@ fn edge_normal(start: vec3f, end: vec3f, side: f32, centre: vec3f) -> vec3f {
 // direction cosines of light and viewer.
 fn order_rows(offset: vec2f, reach: f32) -> vec2i {
     let ends = vec2f(WAVELENGTH_MIN_UM, WAVELENGTH_MAX_UM);
+#ifdef PATTERN
+    return orders_between(offset.y, reach, ends, pattern.z * PATCH_HEIGHT_UM, ORDER_REACH_Y);
+#else
     return orders_between(offset.y, reach, ends, PATCH_HEIGHT_UM, ORDER_REACH_Y);
+#endif
 }
 
 // The same for the orders of a row.
@@ -44,14 +48,23 @@ fn order_columns(row: i32, offset: vec2f, reach: f32) -> vec2i {
     var ends = vec2f(WAVELENGTH_MIN_UM, WAVELENGTH_MAX_UM);
     if (row != 0) {
         // wavelengths at which the row passes the light
+#ifdef PATTERN
+        let height_um = pattern.z * PATCH_HEIGHT_UM;
+        let sides = height_um / f32(row) * (vec2f(-reach, reach) - offset.y);
+#else
         let sides = PATCH_HEIGHT_UM / f32(row) * (vec2f(-reach, reach) - offset.y);
+#endif
         ends.x = max(ends.x, min(sides.x, sides.y));
         ends.y = min(ends.y, max(sides.x, sides.y));
     }
     if (ends.x > ends.y) {
         return vec2i(0, -1);
     }
+#ifdef PATTERN
+    return orders_between(offset.x, reach, ends, pattern.z * PATCH_WIDTH_UM, ORDER_REACH_X);
+#else
     return orders_between(offset.x, reach, ends, PATCH_WIDTH_UM, ORDER_REACH_X);
+#endif
 }
 
 // First and last order along one axis that passes within `reach` between two wavelengths.
@@ -118,10 +131,17 @@ fn panel_count(frequency: vec2f, from_um: f32, to_um: f32, wr: vec3f) -> i32 {
     // the phase changes fastest in the half of the shorter wavelengths
 #ifdef COVER
     let turns = 2.0 * abs(depth(first, wr) / from_um - depth(middle, wr) / middle_um);
-    let columns = 0.5 * PHASE_MIN_UM * f32(EFFICIENCY_COLUMNS) * turns;
 #else
     let turns = 2.0 * abs((first.z + wr.z) / from_um - (middle.z + wr.z) / middle_um);
+#endif
+#ifdef PATTERN
+    let columns = 0.5 * PHASE_MIN_UM * pattern.w * f32(EFFICIENCY_COLUMNS) * turns;
+#else
+#ifdef COVER
+    let columns = 0.5 * PHASE_MIN_UM * f32(EFFICIENCY_COLUMNS) * turns;
+#else
     let columns = 0.5 * WAVELENGTH_MIN_UM * f32(EFFICIENCY_COLUMNS) * turns;
+#endif
 #endif
 #ifdef MATERIAL
     let coloured = PANEL_PACE * abs(1.0 / from_um - 1.0 / to_um);

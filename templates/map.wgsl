@@ -3,10 +3,17 @@
 // A full-screen picture of the hemisphere of viewing directions under one light.
 
 struct Params {
+#ifdef PATTERN
+    // xyz: direction to the light, a unit vector; w: angle of the pattern, radians
+    light: vec4f,
+    // xy: size of the picture in pixels; z: period of the pattern, relative to that of the surface; w: its depth
+    size: vec4f,
+#else
     // xyz: direction to the light, a unit vector; w: unused
     light: vec4f,
     // xy: size of the picture in pixels; zw: unused
     size: vec4f,
+#endif
 }
 @group(0) @binding(0) var<uniform> params: Params;
 
@@ -41,5 +48,8 @@ fn map(@location(0) place: vec2f) -> @location(0) vec4f {
     if (wr.z < 0.0) {
         return vec4f(0.0);
     }
+#ifdef PATTERN
+    let pattern = vec4f(cos(params.light.w), sin(params.light.w), params.size.zw);
+#endif
     return vec4f(diffraction(params.light.xyz, wr), 1.0);
 }

@@ -17,8 +17,13 @@ struct MeshParams {
     eye: vec4f,
 }
 @group(0) @binding(8) var<uniform> mesh_params: MeshParams;
+#ifdef PATTERN
+// The pattern. x: its angle in radians, from the tangent towards the bitangent, added to the vertex's angle; y: its period
+// relative to that of the surface; z: its depth; w: share of the texel that is covered by the relief. The map repeats.
+#else
 // x: angle of the orientation field in radians, from the tangent towards the bitangent, added to the vertex's angle.
 // The map repeats. It is one texel of 0 where only the vertices have angles.
+#endif
 @group(0) @binding(9) var orientation_map: texture_2d<f32>;
 
 struct MeshVertex {
@@ -69,11 +74,20 @@ fn mesh(
     if (!(wi.z > 0.0 && wr.z > 0.0)) {
         return vec4f(0.0, 0.0, 0.0, 1.0);
     }
-#ifdef SPREAD
-    return vec4f(diffraction_spread(wi, wr, spread), 1.0);
-#else
-    return vec4f(diffraction(wi, wr), 1.0);
+#ifdef PATTERN
+    // the frame has the angle of the map
+    let ratios = pattern_ratios(uv);
+    let pattern = vec4f(1.0, 0.0, ratios.xy);
 #endif
+#ifdef SPREAD
+    var colour = diffraction_spread(wi, wr, spread);
+#else
+    var colour = diffraction(wi, wr);
+#endif
+#ifdef PATTERN
+    colour *= ratios.z;
+#endif
+    return vec4f(colour, 1.0);
 }
 
 #ifdef SPREAD
@@ -122,6 +136,27 @@ fn orientation(uv: vec2f) -> vec2f {
     return select(vec2f(1.0, 0.0), direction, squared > 1e-8);
 }
 
+#ifdef PATTERN
+// Period, depth and covered share of the map, bilinear.
+fn pattern_ratios(uv: vec2f) -> vec3f {
+    let size = vec2f(textureDimensions(orientation_map, 0));
+    let place = (uv - floor(uv)) * size - 0.5;
+    let corner = floor(place);
+    let share = place - corner;
+    let right = corner + vec2f(1.0, 0.0);
+    let above = mix(texel_ratios(corner, size), texel_ratios(right, size), share.x);
+    let under = vec2f(0.0, 1.0);
+    let below = mix(texel_ratios(corner + under, size), texel_ratios(right + under, size), share.x);
+    return mix(above, below, share.y);
+}
+
+// Period, depth and covered share of one texel of the map, which repeats.
+fn texel_ratios(texel: vec2f, size: vec2f) -> vec3f {
+    let repeated = texel - size * floor((texel + 0.5) / size);
+    return textureLoad(orientation_map, vec2i(clamp(repeated, vec2f(0.0), size - 1.0)), 0).yzw;
+}
+
+#endif
 // Cosine and sine of the angle of one texel of the map, which repeats.
 fn texel_turn(texel: vec2f, size: vec2f) -> vec2f {
     let repeated = texel - size * floor((texel + 0.5) / size);

@@ -3,12 +3,12 @@
 // Tristimulus values for listed directions, to compare a driver's results with probe.json.
 
 #ifdef SIZED
-// Arguments of a function, in rows 5k to 5k+4 for row k of the picture, counted from the top. w of the first chooses the
+// Arguments of a function, in ARGUMENT_ROWS rows for row k of the picture, counted from the top. w of the first chooses the
 // function. 0: one direction to the light, then to the viewer. 1: a disc: its axis, then to the viewer, with the radius in
 // w. 2: a quadrilateral: a corner, then to the viewer, then the other corners. 3: the surroundings: any vector, then to
 // the viewer. 4 and 5: a disc and a quadrilateral of a colour, which is in w of the last three rows. 8: a path of light from
 // a sky: its constant radiance, the viewer with the deviation of a lobe in w, the lobe's axis, its radiance, three random
-// numbers. 9: as 0, with the spread in w of the viewer. xyz of the others: unit vectors.
+// numbers. 9: as 0, with the spread in w of the viewer. xyz of the others: unit vectors. A pattern is in a sixth row.
 #else
 // xyz: unit vectors. Row 2k holds the directions to the light, row 2k+1 the directions to the viewer, for row k of the
 // picture, counted from the top.
@@ -22,8 +22,11 @@ fn probe(@location(0) place: vec2f) -> @location(0) vec4f {
     let column = i32(pixel.x);
     let row = i32(params.size.y - 1.0 - pixel.y);
 #ifdef SIZED
-    let first = textureLoad(directions, vec2i(column, 5 * row), 0);
-    let viewer = textureLoad(directions, vec2i(column, 5 * row + 1), 0);
+#ifdef PATTERN
+    let pattern = textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row + 5), 0);
+#endif
+    let first = textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row), 0);
+    let viewer = textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row + 1), 0);
 #ifdef DISC
     if (first.w == 1.0) {
         return vec4f(tristimulus_disc(first.xyz, viewer.w, viewer.xyz), 1.0);
@@ -37,9 +40,9 @@ fn probe(@location(0) place: vec2f) -> @location(0) vec4f {
 #endif
 #ifdef RECTANGLE
     if (first.w == 2.0 || first.w == 5.0) {
-        let second = textureLoad(directions, vec2i(column, 5 * row + 2), 0).xyz;
-        let third = textureLoad(directions, vec2i(column, 5 * row + 3), 0).xyz;
-        let fourth = textureLoad(directions, vec2i(column, 5 * row + 4), 0).xyz;
+        let second = textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row + 2), 0).xyz;
+        let third = textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row + 3), 0).xyz;
+        let fourth = textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row + 4), 0).xyz;
         if (first.w == 2.0) {
             return vec4f(tristimulus_rectangle(first.xyz, second, third, fourth, viewer.xyz), 1.0);
         }
@@ -50,9 +53,9 @@ fn probe(@location(0) place: vec2f) -> @location(0) vec4f {
 #endif
 #ifdef PATH
     if (first.w == 8.0) {
-        let axis = textureLoad(directions, vec2i(column, 5 * row + 2), 0).xyz;
-        let radiance = textureLoad(directions, vec2i(column, 5 * row + 3), 0).xyz;
-        let random = textureLoad(directions, vec2i(column, 5 * row + 4), 0).xyz;
+        let axis = textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row + 2), 0).xyz;
+        let radiance = textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row + 3), 0).xyz;
+        let random = textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row + 4), 0).xyz;
         let path = diffraction_path(viewer.xyz, random);
         let away = 0.5 * dot(path.xyz - axis, path.xyz - axis);
         let light = first.xyz + exp(-away / (viewer.w * viewer.w)) * radiance;
@@ -86,9 +89,9 @@ fn probe(@location(0) place: vec2f) -> @location(0) vec4f {
 // Colour of the lamp of a call.
 fn probe_colour(column: i32, row: i32) -> vec3f {
     return vec3f(
-        textureLoad(directions, vec2i(column, 5 * row + 2), 0).w,
-        textureLoad(directions, vec2i(column, 5 * row + 3), 0).w,
-        textureLoad(directions, vec2i(column, 5 * row + 4), 0).w,
+        textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row + 2), 0).w,
+        textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row + 3), 0).w,
+        textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row + 4), 0).w,
     );
 }
 #endif

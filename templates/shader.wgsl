@@ -15,6 +15,11 @@
 // below the horizon.
 #endif
 #endif
+#ifdef PATTERN
+// Every function has a last argument `pattern` for the texel: cosine and sine of the angle by which the relief is turned,
+// from the tangent towards the bitangent; its period and its depth relative to those of the surface.
+#argument pattern: vec4f
+#endif
 // Tolerance and expected values: probe.json. Bindings, tables and units: manifest.json.
 //- The writers of the other languages repeat this comment, up to the first other line, so that it is in ASCII.
 

@@ -6,6 +6,7 @@ use std::str::FromStr;
 use anyhow::Result;
 use diffraction_shaders::input;
 use diffraction_shaders::plan::Plan;
+use diffraction_shaders::variant::Pattern;
 
 use crate::console::{Console, Errors};
 
@@ -56,6 +57,27 @@ pub struct RunnerArgs {
     /// Do not compare some of the driver's colours with the twin before the first result.
     #[arg(long)]
     pub unchecked: bool,
+    /// Evaluate a texel of a pattern: the relief turned by an angle in degrees, with its period and its depth multiplied. Runners other
+    /// than exact need a variant with pattern = true, and ratios within its period_ratio and depth_ratio.
+    #[arg(long, value_name = "ANGLE_DEG,PERIOD,DEPTH", value_parser = pattern, allow_hyphen_values = true)]
+    pub pattern: Option<Pattern>,
+}
+
+fn pattern(text: &str) -> Result<Pattern, String> {
+    let numbers: Vec<f64> =
+        text.split(',').map_while(|part| part.trim().parse().ok()).collect();
+    let is_ratio = |ratio: f64| (0.1..=10.0).contains(&ratio);
+    match numbers[..] {
+        [angle_deg, period_ratio, depth_ratio]
+            if text.split(',').count() == 3
+                && angle_deg.is_finite()
+                && is_ratio(period_ratio)
+                && is_ratio(depth_ratio) =>
+        {
+            Ok(Pattern { angle_deg, period_ratio, depth_ratio })
+        }
+        _ => Err("expected an angle in degrees and two ratios from 0.1 to 10, such as 30,1.2,1".to_owned()),
+    }
 }
 
 /// What computes the colours.

@@ -20,6 +20,7 @@ const EXAMPLE: &str = "Examples:
   cargo xtask eval --plan plan.toml --surface blazed --directions directions.csv
   cargo xtask eval --surface blazed --variant ensemble --runner twin --wavelength-nm 550 --directions directions.csv
   cargo xtask eval --surface blazed --lights lights.toml --views views.csv
+  cargo xtask eval --surface blazed --variant foil --runner twin --pattern 30,1.2,1 --lights lights.toml --views views.csv
 
 FILE.csv holds angles in degrees. Theta is the angle from the surface normal, phi the angle about it, counted from the
 tangent. theta_i, phi_i point towards the light, theta_r, phi_r towards the viewer:

@@ -11,6 +11,7 @@ use diffraction_shaders::runner::{
     Exact, Placement, Progress, Runner, TwinRunner, check_scaling, radiance_with, variant_scale,
 };
 use diffraction_shaders::surface::{self, Surface};
+use diffraction_shaders::variant::Pattern;
 use glam::DVec3;
 
 use crate::args::{Runner as Kind, RunnerArgs, SurfaceArgs};
@@ -55,7 +56,7 @@ impl Job {
         console: &Console,
     ) -> Result<Job> {
         let plan: Plan = surface.plan.read(console)?;
-        let spec = plan.surface(&surface.surface)?.clone();
+        let mut spec = plan.surface(&surface.surface)?.clone();
         let plan = plan.on(&spec);
         let (variant, min_nm) = match runner.runner {
             // the reference always integrates the whole visible range
@@ -69,8 +70,16 @@ impl Job {
                 (variant, min_nm)
             }
         };
-        let surface = input::load_surface(&spec)?;
+        let mut surface = input::load_surface(&spec)?;
         surface.notes.iter().for_each(|note| console.note(note));
+        match (&runner.pattern, runner.runner) {
+            (Some(pattern), Kind::Exact) => {
+                surface.field = pattern.scaled(&surface.field)?;
+                spec.rotate_deg += pattern.angle_deg;
+            }
+            (Some(pattern), _) => pattern.check(&variant)?,
+            (None, _) => {}
+        }
         surface.field.check_pitch(&surface::subject(&spec), min_nm)?;
         let needed = match runner.runner {
             Kind::Exact => {
@@ -161,7 +170,11 @@ impl Job {
         }
         Ok(match args.runner {
             Kind::Exact => Box::new(Exact(placement)),
-            Kind::Twin => Box::new(TwinRunner::new(placement, !args.unpacked)?),
+            Kind::Twin => {
+                let twin = TwinRunner::new(placement, !args.unpacked)?;
+                let pattern = args.pattern.unwrap_or(Pattern::NONE);
+                Box::new(twin.patterned(&pattern))
+            }
             _ => drivers(placement, args)?,
         })
     }

@@ -17,7 +17,7 @@ pub mod routes;
 pub use browser::BrowserRunner;
 pub use check::check;
 pub use colour_map::ColourMap;
-pub use driver::{BoundTable, Driver, DriverRunner, Prepared, Rows, dark, params};
+pub use driver::{BoundTable, Driver, DriverRunner, Prepared, Rows, dark, params, patterned};
 pub use egl::EglRunner;
 pub use passthrough::PassthroughRunner;
 pub use shader::{ShaderRunner, texture as table_texture};

@@ -100,6 +100,20 @@ pub struct Core {
     pub diffuser_scale: Option<f64>,
     /// Signature of the function that returns tristimulus values instead.
     pub tristimulus_function: String,
+    /// The last argument of all functions. `None` without patterns.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pattern: Option<PatternEntry>,
+}
+
+/// The argument `pattern`, and what it may be.
+#[derive(Clone, Debug, Serialize)]
+pub struct PatternEntry {
+    /// Meaning of its four numbers.
+    pub argument: &'static str,
+    /// Least and greatest period ratio that the tables reach.
+    pub period_ratio: [f64; 2],
+    /// The same of the depth ratio.
+    pub depth_ratio: [f64; 2],
 }
 
 /// The contract of a function of lights with a size. Frame and colour space are those of the core function.
@@ -341,12 +355,13 @@ fn light_entries(form: &Form) -> Vec<LightEntry> {
     let lights = functions.into_iter().filter(|f| f.kind() != FunctionKind::Direction);
     let entry = |function: &dyn Function| LightEntry {
         name: function.name(),
-        function: declared(function.name(), function.signature()),
+        function: declared(form, function.name(), function.signature()),
         tristimulus_function: declared(
+            form,
             function.tristimulus_name(),
             function.tristimulus_signature(),
         ),
-        further: function.further(Some(form)).iter().map(|(n, s)| declared(n, s)).collect(),
+        further: function.further(Some(form)).iter().map(|(n, s)| declared(form, n, s)).collect(),
         arguments: function.arguments(),
         unit: function.unit(form),
         clamped: false,
@@ -357,15 +372,24 @@ fn light_entries(form: &Form) -> Vec<LightEntry> {
     lights.map(entry).collect()
 }
 
+/// The function that has no pattern.
+const LIGHT_OF_A_COLOUR: &str = "diffraction_light";
+
 /// The WGSL declaration of a function.
-fn declared(name: &str, signature: &str) -> String {
-    format!("fn {name}{signature}")
+fn declared(form: &Form, name: &str, signature: &str) -> String {
+    match signature.split_once(") ->") {
+        // light of a colour is the same on all texels
+        Some((arguments, result)) if form.has_pattern() && name != LIGHT_OF_A_COLOUR => {
+            format!("fn {name}{arguments}, pattern: vec4f) ->{result}")
+        }
+        _ => format!("fn {name}{signature}"),
+    }
 }
 
 fn core(function: &dyn Function, variant: &Variant, form: &Form) -> Core {
     let optics = &variant.optics;
     Core {
-        function: declared(function.name(), function.signature()),
+        function: declared(form, function.name(), function.signature()),
         frame: "tangent frame: x along the tangent, y along the bitangent, z along the normal; right-handed",
         directions: function.arguments(),
         colour_space: form.colour_space(optics.colour),
@@ -373,9 +397,15 @@ fn core(function: &dyn Function, variant: &Variant, form: &Form) -> Core {
         clamped: false,
         diffuser_scale: form.diffuser_scale(optics),
         tristimulus_function: declared(
+            form,
             function.tristimulus_name(),
             function.tristimulus_signature(),
         ),
+        pattern: variant.pattern.then(|| PatternEntry {
+            argument: "cosine and sine of the angle by which the relief is turned, from the tangent towards the bitangent; its period and its depth relative to those of the surface",
+            period_ratio: variant.period_ratio,
+            depth_ratio: variant.depth_ratio,
+        }),
     }
 }
 

@@ -17,7 +17,7 @@ use crate::package::manifest::SCHEMA_VERSION;
 use crate::plan::{Colour, Variant};
 use crate::shader::template::GENERATED;
 use crate::variant::{
-    Arguments, Around, ExactProbe, Form, Function, Twin, light_tolerance, probe_tolerances,
+    Arguments, Around, ExactProbe, Form, Function, Pattern, Twin, light_tolerance, probe_tolerances,
 };
 
 /// Relative tolerance of the numbers in a `probe.json` between processors.
@@ -56,20 +56,28 @@ pub fn to_numbers(probes: &[ExactProbe]) -> Vec<f64> {
     probes.iter().flat_map(numbers).collect()
 }
 
-/// The inverse of [`to_numbers`].
-pub fn from_numbers(function: &dyn Function, numbers: &[f64]) -> Vec<ExactProbe> {
-    let probe = |numbers: &[f64]| {
+/// The inverse of [`to_numbers`] for a variant, whose patterns follow from its place.
+pub fn from_numbers(
+    function: &dyn Function,
+    variant: &Variant,
+    numbers: &[f64],
+) -> Vec<ExactProbe> {
+    let patterns = variant.pattern.then(|| Pattern::probes(variant));
+    let probe = |(i, numbers): (usize, &[f64])| {
+        let pattern = patterns.map_or(Pattern::NONE, |patterns| patterns[i % patterns.len()]);
         let (arguments, xyz) = numbers.split_at(numbers.len() - 3);
         let arguments = Arguments::from_numbers(function.kind(), arguments)?;
-        Some(ExactProbe { arguments, xyz: *xyz.first_chunk()? })
+        Some(ExactProbe { arguments, pattern, xyz: *xyz.first_chunk()? })
     };
-    numbers.chunks_exact(width(function)).filter_map(probe).collect()
+    numbers.chunks_exact(width(function)).enumerate().filter_map(probe).collect()
 }
 
 /// Results of a variant's algorithm in f64, computed on all cores.
 pub fn expected(twin: &Twin<'_>, probes: &[ExactProbe]) -> Vec<[f64; 3]> {
     // a form has all functions that it lists
-    let result = |probe: &ExactProbe| twin.evaluate(probe.arguments).unwrap_or([f64::NAN; 3]);
+    let result = |probe: &ExactProbe| {
+        twin.evaluate_on(&probe.pattern, probe.arguments).unwrap_or([f64::NAN; 3])
+    };
     probes.par_iter().map(result).collect()
 }
 
@@ -83,10 +91,12 @@ pub fn json(surface: &str, variant: &Variant, form: &Form, probed: &[Probed]) ->
         let tolerances = probe_tolerances(form, &colours, expected);
         for ((probe, &xyz), tolerance) in exact.iter().zip(expected).zip(tolerances) {
             let (exact, expected) = (Xyz { xyz: probe.xyz }, Expected::new(xyz, colour));
+            let pattern = variant.pattern.then(|| probe.pattern.argument().to_array());
             match probe.arguments {
                 Arguments::Direction(Directions { wi, wr }) => {
                     let (wi, wr) = (wi.to_array(), wr.to_array());
-                    probes.push(json_line(&place, &Probe { wi, wr, exact, expected, tolerance })?);
+                    let probe = Probe { wi, wr, pattern, exact, expected, tolerance };
+                    probes.push(json_line(&place, &probe)?);
                 }
                 arguments => {
                     let (mut axis, mut radius, mut corners, mut sky) = (None, None, None, None);
@@ -126,6 +136,7 @@ pub fn json(surface: &str, variant: &Variant, form: &Form, probed: &[Probed]) ->
                         sky,
                         random,
                         wr,
+                        pattern,
                         exact,
                         expected,
                         tolerance,
@@ -170,6 +181,8 @@ impl Expected {
 struct Probe {
     wi: [f64; 3],
     wr: [f64; 3],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pattern: Option<[f64; 4]>,
     exact: Xyz,
     expected: Expected,
     tolerance: f64,
@@ -196,6 +209,8 @@ struct OfLight {
     #[serde(skip_serializing_if = "Option::is_none")]
     random: Option<[f64; 3]>,
     wr: [f64; 3],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pattern: Option<[f64; 4]>,
     exact: Xyz,
     expected: Expected,
     tolerance: f64,

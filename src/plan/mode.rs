@@ -60,6 +60,8 @@ pub(super) enum When {
     AcceptsError,
     /// It has a function for surroundings.
     HasSurroundings,
+    /// Its functions have an argument for a pattern.
+    HasPattern,
     /// It has functions for path tracers.
     HasPaths,
     /// The number of wavelengths under surroundings is left to the tool.
@@ -97,6 +99,13 @@ const MATTER: &[(&str, When)] = &[
     ("cover_index", When::HasMatter),
     ("films", When::HasMatter),
     ("obliquity", When::HasMatter),
+];
+
+/// The entries of a pattern.
+const PATTERN: &[(&str, When)] = &[
+    ("pattern", When::HasPattern),
+    ("period_ratio", When::HasPattern),
+    ("depth_ratio", When::HasPattern),
 ];
 
 const FULL: Declared = Declared {
@@ -168,6 +177,7 @@ const ORDERS: Declared = Declared {
     sometimes: &[
         MATTER,
         &[("nodes", When::HasSurroundings), ("environment_error", When::ChoosesNodes)],
+        PATTERN,
     ],
     refused: &[],
 };

@@ -13,6 +13,7 @@ impl When {
             When::CountsReplicas => variant.periods.is_none(),
             When::AcceptsError => variant.accept_error,
             When::HasSurroundings => variant.lights.contains(&LightFunction::Environment),
+            When::HasPattern => variant.pattern,
             When::HasPaths => variant.lights.contains(&LightFunction::Path),
             When::ChoosesNodes => {
                 When::HasSurroundings.holds(variant) && variant.nodes == Auto::Auto

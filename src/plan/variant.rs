@@ -66,6 +66,12 @@ pub struct Variant {
     pub nodes: Auto<u32>,
     /// Error that `nodes = "auto"` must keep, as the 95th percentile of CIEDE2000.
     pub environment_error: f64,
+    /// Whether functions have an argument for the angle, period and depth of a texel. Read by `orders`.
+    pub pattern: bool,
+    /// Least and greatest period of a texel, relative to that of the surface. Read by variants with [`Variant::pattern`].
+    pub period_ratio: [f64; 2],
+    /// The same for the depth.
+    pub depth_ratio: [f64; 2],
     /// Light and material.
     pub optics: Optics,
 }
@@ -105,6 +111,9 @@ impl Variant {
                 .collect(),
             nodes: Auto::Value(8),
             environment_error: 2.5,
+            pattern: false,
+            period_ratio: [0.5, 2.0],
+            depth_ratio: [1.0, 1.0],
             optics: optics.clone(),
         }
     }
@@ -130,7 +139,7 @@ pub(super) fn axes() -> impl Iterator<Item = &'static Axis> {
 }
 
 /// Keys of `[variants]` and of presets, other than those of the optics.
-pub(super) static AXES: [Axis; 21] = [
+pub(super) static AXES: [Axis; 24] = [
     worded!("mode", mode, MODES, "method, see above", Part::Always(|v| v.mode.as_str().to_owned())),
     worded!(
         "basis",
@@ -323,7 +332,41 @@ pub(super) static AXES: [Axis; 21] = [
         "error under surroundings for `nodes = \"auto\"`: 95th percentile of CIEDE2000",
         Part::Changed(|v| format!("s{}", number(v.environment_error)))
     ),
+    valued!(
+        "pattern",
+        pattern,
+        Item::boolean,
+        "`true`, `false`",
+        "`true`: functions have an argument for the angle, period and depth of a texel",
+        Part::Changed(|_| "pattern".to_owned())
+    ),
+    Axis {
+        is_one: Some(is_range),
+        ..valued!(
+            "period_ratio",
+            period_ratio,
+            ratios,
+            "`[least, greatest]`, 0.1 to 10 each",
+            "periods of texels relative to that of the surface, for `pattern`",
+            Part::Changed(|v| ratio_part("pr", v.period_ratio))
+        )
+    },
+    Axis {
+        is_one: Some(is_range),
+        ..valued!(
+            "depth_ratio",
+            depth_ratio,
+            ratios,
+            "`[least, greatest]`, 0.1 to 10 each",
+            "depths of texels relative to that of the surface, for `pattern`",
+            Part::Changed(|v| ratio_part("dr", v.depth_ratio))
+        )
+    },
 ];
+
+fn ratio_part(name: &str, [least, greatest]: [f64; 2]) -> String {
+    format!("{name}{}x{}", number(least), number(greatest))
+}
 
 /// Keys of `wavelengths`.
 pub(super) const WAVELENGTHS: [&str; 3] = [MIN_NM, MAX_NM, STEP_NM];
@@ -337,6 +380,28 @@ const MAX_SAMPLES: f64 = 4000.0;
 fn is_pair(item: &Item) -> bool {
     item.elements("numbers")
         .is_some_and(|items| items.len() == 2 && items.iter().all(Item::is_integer))
+}
+
+fn is_range(item: &Item) -> bool {
+    let is_number = |item: &Item| !item.is_array();
+    item.elements("numbers").is_some_and(|items| items.len() == 2 && items.iter().all(is_number))
+}
+
+/// Two numbers, the lesser first.
+fn ratios(item: &Item) -> Option<[f64; 2]> {
+    let items = item.elements("two numbers")?;
+    let what = "the least and the greatest ratio that texels may have";
+    let [least, greatest] = &items[..] else {
+        item.fail("must have two numbers", what);
+        return None;
+    };
+    let ratio = |item: &Item| item.number("from 0.1 to 10", what, |x| (0.1..=10.0).contains(&x));
+    let (least, greatest) = (ratio(least)?, ratio(greatest)?);
+    if least > greatest {
+        item.fail(format!("begins with {least}, which is above {greatest}"), what);
+        return None;
+    }
+    Some([least, greatest])
 }
 
 fn is_of_words(item: &Item) -> bool {

@@ -9,7 +9,7 @@ use crate::field::reference::{Directions, Reference, evaluate_all};
 use crate::light::Light;
 use crate::shader::specialise;
 use crate::tables::Table;
-use crate::variant::{Arguments, Form, Twin};
+use crate::variant::{Arguments, Form, Pattern, Twin};
 
 use super::{Placement, Progress, Runner, has_wavelengths, lit_by};
 
@@ -75,6 +75,8 @@ pub struct TwinRunner<'a> {
     placement: Placement<'a>,
     form: Form,
     tables: Vec<Table>,
+    /// Angle of the pattern.
+    angle_deg: f64,
 }
 
 impl<'a> TwinRunner<'a> {
@@ -85,11 +87,18 @@ impl<'a> TwinRunner<'a> {
         let round = |table: Table| if packed { table.rounded() } else { table };
         let tables = specialise::tables(&form, height, rotate_deg)?;
         let tables = tables.into_iter().map(round).collect();
-        Ok(TwinRunner { placement, form, tables })
+        Ok(TwinRunner { placement, form, tables, angle_deg: 0.0 })
+    }
+
+    /// The same for a texel of a pattern.
+    #[must_use]
+    pub fn patterned(self, pattern: &Pattern) -> TwinRunner<'a> {
+        let (form, angle_deg) = (self.form.patterned(pattern), pattern.angle_deg);
+        TwinRunner { form, angle_deg, ..self }
     }
 
     fn twin(&self) -> Twin<'_> {
-        Twin::new(&self.form, &self.tables, self.placement.rotate_deg)
+        Twin::new(&self.form, &self.tables, self.placement.rotate_deg + self.angle_deg)
     }
 }
 
@@ -127,7 +136,7 @@ impl Runner for TwinRunner<'_> {
         has_wavelengths(&self.placement.variant.name, &self.form)?;
         let twin = self.twin();
         let response = |d: Directions, (): &mut ()| {
-            let path = self.form.matter().path(d.wi, d.wr, self.placement.rotate_deg);
+            let path = self.form.matter().path(d.wi, d.wr, twin.rotate_deg);
             [twin.response(path, lambda_nm * 1e-3).unwrap_or(0.0), 0.0, 0.0]
         };
         Ok(evaluate_all(directions, &|_| (), response).into_iter().map(|r| r[0]).collect())

@@ -14,7 +14,7 @@ use crate::variant::{Form, Ground};
 pub const ROOT: &str = "shader";
 
 /// Flags that forms may set.
-const FLAGS: [&str; 19] = [
+const FLAGS: [&str; 20] = [
     "COHERENCE_SCALES",
     "DISC",
     "ENSEMBLE",
@@ -28,6 +28,7 @@ const FLAGS: [&str; 19] = [
     "PREFILTERED",
     "OUTWARD",
     "PATH",
+    "PATTERN",
     "RECTANGLE",
     "SIZED",
     "SPECTRAL",
@@ -64,6 +65,9 @@ pub fn defines(variant: &Variant, form: &Form, rotate_deg: f64, wavelengths: usi
     form.matter().define(&mut defines);
     defines.flag("LONG_LOOPS", texels_per_step(form) > 1);
     form.define(wavelengths, &mut defines);
+    defines.flag("TURNED", rotate_deg != 0.0 || variant.pattern);
+    let rows = "rows of the table of arguments for a row of the picture";
+    defines.count("ARGUMENT_ROWS", if variant.pattern { 6 } else { 5 }, rows);
     defines
 }
 

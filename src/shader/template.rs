@@ -4,6 +4,8 @@
 //!
 //! - `#import name`: inserts the text of template `name`, only the first time;
 //! - `#ifdef FLAG`, `#ifndef FLAG`, `#else`, `#endif`: keep or drop lines; every flag must be declared;
+//! - `#argument name: type`: functions that read `name`, or call one that has it, have it as their last argument; those that
+//!   declare it with `let` or `var` hand it on;
 //! - `#constants`: inserts the generated `const` declarations; once, in the root template, outside blocks.
 //!
 //! A directive may be followed by a `//` comment. There are no expressions, no text substitution and no defaults.
@@ -14,6 +16,7 @@
 //! dropped. A note must be on a line of its own and outside block comments. Anywhere else it is an error, so that no
 //! code is dropped with it.
 
+mod argument;
 mod check;
 mod expand;
 mod words;

@@ -34,7 +34,7 @@ pub struct EfficiencyAxes {
     pub columns: u32,
     /// Shortest wavelength, µm.
     pub min_um: f64,
-    /// Under a cover: wavelength in air whose greatest phase per height is the greatest here, µm.
+    /// Under a cover or with deeper texels: wavelength in air whose greatest phase per height is the greatest here, µm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub covered_um: Option<f64>,
 }
@@ -42,13 +42,25 @@ pub struct EfficiencyAxes {
 impl EfficiencyAxes {
     /// The orders of a cell that can propagate at the wavelengths of a range, and as many columns as its height range
     /// needs.
-    pub fn new(height: &HeightField, range_nm: [f64; 2], matter: &Matter) -> EfficiencyAxes {
+    /// `most`: the greatest period and depth of a texel, relative to those of the surface.
+    pub fn new(
+        height: &HeightField,
+        range_nm: [f64; 2],
+        matter: &Matter,
+        most: [f64; 2],
+    ) -> EfficiencyAxes {
         let min_um = range_nm[0] * 1e-3;
-        let covered_um = matter.is_covered().then(|| matter.phase_min_nm(range_nm) * 1e-3);
+        let own_um = matter.is_covered().then(|| matter.phase_min_nm(range_nm) * 1e-3);
+        let covered_um = match most[1] == 1.0 {
+            true => own_um,
+            false => Some(own_um.unwrap_or(min_um) / most[1]),
+        };
+        let [width_um, height_um] =
+            [height.size_x_um(), height.size_y_um()].map(|um| um * most[0]);
         let (low_um, high_um) = height.range_um();
         let phase = 2.0 * TAU / covered_um.unwrap_or(min_um) * (high_um - low_um);
         EfficiencyAxes {
-            bins: Bins::reachable(height.size_x_um(), height.size_y_um(), 2.0 / min_um, 0),
+            bins: Bins::reachable(width_um, height_um, 2.0 / min_um, 0),
             columns: (phase / COLUMN_PHASE).ceil().clamp(1.0, f64::from(u32::MAX)) as u32,
             min_um,
             covered_um,

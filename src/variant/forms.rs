@@ -20,7 +20,7 @@ use crate::plan::{
 use crate::surface::HeightField;
 use crate::tables::{CoefficientsSpec, NodesSpec, Series, SettingsSpec, TableSpec, TermsSpec};
 
-use super::{Coat, Computation, Ground};
+use super::{Coat, Computation, Ground, Pattern};
 
 pub use baked::{
     Baked, DISC_INNER, DISC_INNER_SHARE, DISC_LOBES, DISC_RING_VARIANCE, DISC_RINGS, DISC_SHARE,
@@ -75,6 +75,20 @@ impl Form {
             (Mode::Gems, _) => Form::Gems(Gems::new(variant, height)?),
             (Mode::Orders, _) => Form::Orders(Orders::new(variant, height)?),
         })
+    }
+
+    /// The form of a texel of a pattern, without its angle. Forms without patterns are as they are.
+    #[must_use]
+    pub fn patterned(&self, pattern: &Pattern) -> Form {
+        match self {
+            Form::Orders(form) if *pattern != Pattern::NONE => Form::Orders(form.patterned(pattern)),
+            other => other.clone(),
+        }
+    }
+
+    /// Whether its functions have an argument for a pattern.
+    pub fn has_pattern(&self) -> bool {
+        matches!(self, Form::Orders(form) if form.has_pattern)
     }
 
     /// The form behind its interface.

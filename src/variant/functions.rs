@@ -16,10 +16,10 @@ use serde::Serialize;
 
 use crate::error::Result;
 use crate::optics::Matter;
-use crate::plan::{LightFunction, Optics};
+use crate::plan::{LightFunction, Optics, Variant};
 use crate::surface::HeightField;
 
-use super::{Cost, Form};
+use super::{Cost, Form, Pattern};
 
 pub use arguments::{Arguments, Around};
 pub use coloured::{Coloured, DISC_COLOURED, RECTANGLE_COLOURED};
@@ -105,8 +105,33 @@ pub struct StatedError {
 pub struct ExactProbe {
     /// With components that are exact in 32-bit floats.
     pub arguments: Arguments,
+    /// The texel.
+    pub pattern: Pattern,
     /// Tristimulus values in the unit of the function.
     pub xyz: [f64; 3],
+}
+
+/// Probes of a function of a variant. With patterns, each has one of the patterns of [`Pattern::probes`], in turn.
+pub fn probes_of(
+    function: &dyn Function,
+    variant: &Variant,
+    height: &HeightField,
+    rotate_deg: f64,
+) -> Result<Vec<ExactProbe>> {
+    let optics = &variant.optics;
+    if !variant.pattern {
+        return function.probes(height, rotate_deg, optics);
+    }
+    let patterns = Pattern::probes(variant);
+    let sets = patterns.map(|pattern| {
+        function.probes(&pattern.scaled(height)?, rotate_deg + pattern.angle_deg, optics)
+    });
+    let sets = sets.into_iter().collect::<Result<Vec<_>>>()?;
+    let probe = |i: usize| {
+        let of = i % patterns.len();
+        ExactProbe { pattern: patterns[of], ..sets[of][i] }
+    };
+    Ok((0..function.probe_count()).map(probe).collect())
 }
 
 /// Functions that functions call and the host defines. Whole shaders define them over textures.

@@ -35,7 +35,7 @@ use crate::tables::{
     COEFFICIENTS, PATHS, SPECTRUM, STREAKS, Settings, TERMS, Table, single_wavelength,
 };
 
-use super::{Arguments, Around, Form, FullPrefiltered, FullWindow, Pq};
+use super::{Arguments, Around, Form, FullPrefiltered, FullWindow, Pattern, Pq};
 
 /// Everything that a pixel of a variant reads, and the variant's algorithm.
 #[derive(Clone, Copy)]
@@ -92,6 +92,16 @@ impl<'a> Twin<'a> {
                 adaptive::tristimulus(self, &form.sum, bins, directions)
             }
         }
+    }
+
+    /// Result of a call for a texel of a pattern, see [`Twin::evaluate`].
+    pub fn evaluate_on(&self, pattern: &Pattern, arguments: Arguments) -> Option<[f64; 3]> {
+        if *pattern == Pattern::NONE {
+            return self.evaluate(arguments);
+        }
+        let form = self.form.patterned(pattern);
+        let rotate_deg = self.rotate_deg + pattern.angle_deg;
+        Twin { form: &form, rotate_deg, ..*self }.evaluate(arguments)
     }
 
     /// Result of a call: tristimulus values in the unit of the function. `None` if the form does not have the function.

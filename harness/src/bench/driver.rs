@@ -18,7 +18,7 @@ use super::result::{Timed, settings};
 use super::rounds::{self, Drawn, Executor, Rules, Samples, Timing};
 use super::yardstick::{self, Yardstick};
 use crate::drivers::gpu::{Gpu, Pipeline};
-use crate::drivers::{Prepared, check, params};
+use crate::drivers::{Prepared, check, params, patterned};
 
 /// Width and height in pixels of the first draw, which makes the driver compile.
 const FIRST_DRAW: u32 = 8;
@@ -258,7 +258,7 @@ fn compile(
     let begun = clock.wall();
     let pipeline = prepared.map_pipeline_in(gpu, around)?;
     let lit = |pixels: [u32; 2]| {
-        let mut params = params(light, pixels);
+        let mut params = patterned(params(light, pixels), prepared);
         params[3] = radius_rad as f32;
         params
     };

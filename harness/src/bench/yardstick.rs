@@ -6,7 +6,7 @@ use diffraction_shaders::runner::Placement;
 use diffraction_shaders::shader::template::Sources;
 use diffraction_shaders::surface::HeightField;
 use diffraction_shaders::tables::{SPECTRUM, Table, TexelFormat};
-use diffraction_shaders::variant::{Form, Gems};
+use diffraction_shaders::variant::{Form, Gems, Pattern};
 
 use crate::drivers::Prepared;
 
@@ -129,6 +129,7 @@ pub fn prepared<'a>(
             Yardstick::Ggx => base_colour(),
         },
         coefficients: Table::ABSENT,
+        pattern: Pattern::NONE,
     })
 }
 

@@ -3,6 +3,7 @@
 use anyhow::Result;
 use diffraction_cli::args::{Runner as Kind, RunnerArgs};
 use diffraction_shaders::runner::{Placement, Runner};
+use diffraction_shaders::variant::Pattern;
 
 use clap::ValueEnum;
 
@@ -58,6 +59,8 @@ fn runner<'a, D: Driver + 'a>(
     driver: D,
     args: &RunnerArgs,
 ) -> Result<Box<dyn Runner + 'a>> {
-    let runner = DriverRunner::with(Prepared::new(placement)?, driver);
+    let mut prepared = Prepared::new(placement)?;
+    prepared.pattern = args.pattern.unwrap_or(Pattern::NONE);
+    let runner = DriverRunner::with(prepared, driver);
     Ok(Box::new(if args.unchecked { runner } else { runner.checked()? }))
 }

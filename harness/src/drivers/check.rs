@@ -7,11 +7,11 @@ use diffraction_shaders::light::{Filtered, Sky};
 use diffraction_shaders::runner::Placement;
 use diffraction_shaders::tables::Table;
 use diffraction_shaders::variant::{
-    Arguments, Around, FunctionKind, Twin, light_tolerance, probe_tolerances,
+    Arguments, Around, FunctionKind, Pattern, Twin, light_tolerance, probe_tolerances, probes_of,
 };
 use glam::DVec3;
 
-use super::driver::{Driver, DriverRunner, Prepared, probe_calls};
+use super::driver::{Call, Driver, DriverRunner, Prepared, probe_calls};
 use super::limits;
 
 /// Directions of each kind (near the mirror direction, on strong orders, elsewhere) that are compared.
@@ -51,7 +51,7 @@ pub fn check<D: Driver>(prepared: &Prepared<'_>, driver: &D) -> Result<()> {
     let count = (0..distances.len()).filter(wrong).count();
     let Some(first) = (0..distances.len()).find(wrong) else { return Ok(()) };
     let Placement { variant, .. } = prepared.placement;
-    let (light, wr) = (place(&calls[first]), calls[first].wr());
+    let (light, wr) = (place(&calls[first].0), calls[first].0.wr());
     let cause = format!(
         "gives wrong colours for {}: {count} of {} probes are outside their tolerance; with the {light} and the \
          viewer at {wr:.4} it gives XYZ {:.6?}, right is {:.6?}",
@@ -101,7 +101,7 @@ fn place(call: &Arguments) -> String {
 /// Calls that have the same surroundings, or none.
 struct Group {
     around: Option<Filtered>,
-    calls: Vec<Arguments>,
+    calls: Vec<Call>,
     /// Results of the twin.
     expected: Vec<[f64; 3]>,
     tolerances: Vec<f64>,
@@ -111,16 +111,18 @@ struct Group {
 fn lit(prepared: &Prepared<'_>) -> Result<Vec<Group>> {
     let Placement { height, rotate_deg, variant } = prepared.placement;
     let functions = prepared.form.functions();
-    let sized = functions.into_iter().filter(|f| f.kind() != FunctionKind::Direction);
-    let mut skies: Vec<(Option<Sky>, Vec<Arguments>)> = vec![(None, Vec::new())];
+    let is_probed = |kind| kind != FunctionKind::Direction || prepared.form.has_pattern();
+    let sized = functions.into_iter().filter(|f| is_probed(f.kind()));
+    let mut skies: Vec<(Option<Sky>, Vec<Call>)> = vec![(None, Vec::new())];
     for function in sized {
-        for probe in function.probes(height, rotate_deg, &variant.optics)? {
+        for probe in probes_of(function, variant, height, rotate_deg)? {
             let (sky, call) = match probe.arguments {
                 Arguments::Environment { around: Around::Sky(sky), wr } => {
                     (Some(sky), Arguments::Environment { around: Around::Host, wr })
                 }
                 call => (None, call),
             };
+            let call = (call, probe.pattern);
             match skies.iter_mut().find(|(known, _)| *known == sky) {
                 Some((_, calls)) => calls.push(call),
                 None => skies.push((sky, vec![call])),
@@ -129,13 +131,15 @@ fn lit(prepared: &Prepared<'_>) -> Result<Vec<Group>> {
     }
     // its tables are of 32-bit floats
     let twin = twin(prepared, &prepared.terms);
-    let group = |(sky, calls): (Option<Sky>, Vec<Arguments>)| {
+    let group = |(sky, calls): (Option<Sky>, Vec<Call>)| {
         // the levels that the shader reads, so that their own error does not count
         let around = sky.as_ref().map(|sky| Filtered::of(sky));
         let twin = Twin { surroundings: around.as_ref().map(|around| around as _), ..twin };
-        let result = |call: &Arguments| twin.evaluate(*call).unwrap_or([f64::NAN; 3]);
+        let result = |(call, pattern): &Call| {
+            twin.evaluate_on(pattern, *call).unwrap_or([f64::NAN; 3])
+        };
         let expected: Vec<[f64; 3]> = calls.iter().map(result).collect();
-        let allowed = |(call, expected): (&Arguments, &[f64; 3])| {
+        let allowed = |((call, _), expected): (&Call, &[f64; 3])| {
             let call = match sky {
                 Some(sky) => Arguments::Environment { around: Around::Sky(sky), wr: call.wr() },
                 None => *call,
@@ -164,7 +168,7 @@ fn twin<'a>(prepared: &'a Prepared<'_>, terms: &'a Table) -> Twin<'a> {
 }
 
 /// The brightest directions of each kind, with the twin's colours.
-fn handful(prepared: &Prepared<'_>) -> (Vec<Arguments>, Vec<[f64; 3]>) {
+fn handful(prepared: &Prepared<'_>) -> (Vec<Call>, Vec<[f64; 3]>) {
     let Placement { height, rotate_deg, variant } = prepared.placement;
     // what the shader reads: a table of 32-bit floats is within its tolerance as it is, and may be too large to copy
     let is_exact = prepared.terms.format.is_single();
@@ -176,7 +180,8 @@ fn handful(prepared: &Prepared<'_>) -> (Vec<Arguments>, Vec<[f64; 3]>) {
             kind.into_iter().map(|d| (d, twin.tristimulus(d))).collect();
         colours.sort_by(|a, b| b.1[1].total_cmp(&a.1[1]));
         let brightest = colours.into_iter().take(OF_EACH_KIND);
-        chosen.extend(brightest.map(|(d, xyz)| (Arguments::Direction(d), xyz)));
+        let call = |d| (Arguments::Direction(d), Pattern::NONE);
+        chosen.extend(brightest.map(|(d, xyz)| (call(d), xyz)));
     }
     chosen.into_iter().unzip()
 }

@@ -17,8 +17,8 @@ use diffraction_shaders::tables::{
     COEFFICIENTS, DIRECTIONS, ENVIRONMENT, PATHS, SPECTRUM, STREAKS, Settings, TERMS, Table,
     TermScale, TexelFormat, environment_table, single_wavelength,
 };
-use diffraction_shaders::variant::{Arguments, Form};
-use glam::DVec3;
+use diffraction_shaders::variant::{Arguments, Form, Pattern};
+use glam::{DVec3, DVec4};
 
 /// Rows of a picture that are drawn at once.
 const BAND_ROWS: u32 = 16;
@@ -91,6 +91,8 @@ pub struct Prepared<'a> {
     pub streaks: Table,
     /// The table of paths; empty if the variant has no function for them.
     pub paths: Table,
+    /// The texel that is evaluated; [`Pattern::NONE`] for variants without patterns.
+    pub pattern: Pattern,
 }
 
 impl<'a> Prepared<'a> {
@@ -106,7 +108,17 @@ impl<'a> Prepared<'a> {
         let [terms, spectrum, coefficients, streaks, paths] =
             [TERMS, SPECTRUM, COEFFICIENTS, STREAKS, PATHS].map(&mut take);
         let sources = Sources::builtin();
-        Ok(Prepared { placement, sources, form, terms, spectrum, coefficients, streaks, paths })
+        Ok(Prepared {
+            placement,
+            sources,
+            form,
+            terms,
+            spectrum,
+            coefficients,
+            streaks,
+            paths,
+            pattern: Pattern::NONE,
+        })
     }
 
     /// The shader for a spectrum table of `wavelengths` wavelengths.
@@ -133,7 +145,11 @@ impl<'a> Prepared<'a> {
 
     /// Rows of arguments of each pixel of the entry point `probe`.
     fn argument_rows(&self) -> usize {
-        if self.form.functions().len() > 1 { 5 } else { 2 }
+        match self.form.functions().len() {
+            _ if self.form.has_pattern() => 6,
+            1 => 2,
+            _ => 5,
+        }
     }
 
     /// Its tables, without the spectrum.
@@ -196,16 +212,20 @@ pub(super) fn probe<D: Driver>(
     directions: &[Directions],
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>> {
-    let calls: Vec<Arguments> = directions.iter().map(|d| Arguments::Direction(*d)).collect();
+    let call = |d: &Directions| (Arguments::Direction(*d), prepared.pattern);
+    let calls: Vec<Call> = directions.iter().map(call).collect();
     probe_calls(prepared, driver, spectrum, &calls, None, progress)
 }
+
+/// Arguments of a function, and the texel.
+pub(super) type Call = (Arguments, Pattern);
 
 /// The same for calls of any functions.
 pub(super) fn probe_calls<D: Driver>(
     prepared: &Prepared<'_>,
     driver: &D,
     spectrum: &Table,
-    calls: &[Arguments],
+    calls: &[Call],
     around: Option<&Filtered>,
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>> {
@@ -221,7 +241,7 @@ pub(super) fn probe_calls<D: Driver>(
         let size = [PROBE_WIDTH as u32, (table.height / rows) as u32];
         let picture = driver.draw(&pipeline, size, &params(DVec3::Z, size), progress)?;
         let factor = surroundings.as_ref().map_or(1.0, |(_, factor)| *factor);
-        out.extend(picture.iter().zip(block).map(|(c, call)| {
+        out.extend(picture.iter().zip(block).map(|(c, (call, _))| {
             let is_scaled = matches!(call, Arguments::Environment { .. });
             [c[0], c[1], c[2]].map(|c| f64::from(c) * if is_scaled { factor } else { 1.0 })
         }));
@@ -255,8 +275,10 @@ impl<D: Driver> Runner for DriverRunner<'_, D> {
         let around = if self.prepared.streaks.width > 0 { light.filtered() } else { None };
         lit_by(&placement.variant.name, form, light, views, &|calls| {
             let around = around.as_ref();
+            let calls: Vec<Call> =
+                calls.iter().map(|call| (*call, self.prepared.pattern)).collect();
             let colours =
-                probe_calls(&self.prepared, &self.driver, spectrum, calls, around, progress)?;
+                probe_calls(&self.prepared, &self.driver, spectrum, &calls, around, progress)?;
             self.finite(&colours)?;
             Ok(colours)
         })
@@ -289,7 +311,8 @@ impl<D: Driver> Runner for DriverRunner<'_, D> {
             None => self.prepared.map_pipeline(&self.driver)?,
         };
         let pixels = [size as u32; 2];
-        let picture = self.driver.draw(&pipeline, pixels, &params(light, pixels), progress);
+        let block = patterned(params(light, pixels), &self.prepared);
+        let picture = self.driver.draw(&pipeline, pixels, &block, progress);
         *cached = Some(pipeline);
         let colour = self.prepared.placement.variant.optics.colour;
         let xyz = |(i, c): (usize, &[f32; 4])| {
@@ -314,10 +337,10 @@ pub fn dark() -> (Table, f64) {
 
 /// The arguments of each pixel in `rows` rows, as the template `probe` reads them. Unused texels hold directions below the
 /// horizon, which give black.
-fn directions_table(calls: &[Arguments], rows: usize) -> Table {
+fn directions_table(calls: &[Call], rows: usize) -> Table {
     let lines = calls.len().div_ceil(PROBE_WIDTH);
     let mut texels = vec![0.0; rows * lines * PROBE_WIDTH * 4];
-    for (i, call) in calls.iter().enumerate() {
+    for (i, (call, pattern)) in calls.iter().enumerate() {
         let arguments: &[(DVec3, f64)] = match *call {
             Arguments::Direction(Directions { wi, wr }) => &[(wi, 0.0), (wr, 0.0)],
             Arguments::Spread { directions: Directions { wi, wr }, spread } => {
@@ -343,10 +366,16 @@ fn directions_table(calls: &[Arguments], rows: usize) -> Table {
                 (random, 0.0),
             ],
         };
-        for (line, (vector, number)) in arguments.iter().enumerate() {
+        let mut set = |line: usize, texel: DVec4| {
             let row = rows * (i / PROBE_WIDTH) + line;
             let at = (row * PROBE_WIDTH + i % PROBE_WIDTH) * 4;
-            texels[at..at + 4].copy_from_slice(&vector.extend(*number).to_array());
+            texels[at..at + 4].copy_from_slice(&texel.to_array());
+        };
+        for (line, (vector, number)) in arguments.iter().enumerate() {
+            set(line, vector.extend(*number));
+        }
+        if rows == 6 {
+            set(5, pattern.argument());
         }
     }
     Table {
@@ -368,6 +397,16 @@ pub(super) const PARAMS: u32 = 0;
 pub fn params(light: DVec3, [width, height]: [u32; 2]) -> [f32; 8] {
     let light = light.as_vec3();
     [light.x, light.y, light.z, 0.0, width as f32, height as f32, 0.0, 0.0]
+}
+
+/// The same with the pattern of a variant that has one.
+pub fn patterned(mut params: [f32; 8], prepared: &Prepared<'_>) -> [f32; 8] {
+    if prepared.form.has_pattern() {
+        let Pattern { angle_deg, period_ratio, depth_ratio } = prepared.pattern;
+        let numbers = [angle_deg.to_radians(), period_ratio, depth_ratio].map(|n| n as f32);
+        [params[3], params[6], params[7]] = numbers;
+    }
+    params
 }
 
 /// The first diagnostic of a shader that does not compile. `generate` shows all of them with their places.

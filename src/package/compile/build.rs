@@ -18,7 +18,7 @@ use crate::shader::specialise;
 use crate::tables::container::encode;
 use crate::tables::{TERMS, Table, TableSpec, TexelFormat};
 use crate::variant::{
-    Form, Function, FunctionKind, MAX_PROBE_ERROR, Twin, is_whole_light, probe_error,
+    Form, Function, FunctionKind, MAX_PROBE_ERROR, Twin, is_whole_light, probe_error, probes_of,
 };
 
 use super::identity;
@@ -208,18 +208,18 @@ impl Built<'_> {
     ) -> Result<Probed, Error> {
         let Built { surface, variant, form, .. } = self;
         let cache = work.cache;
-        let (optics, rotate_deg) = (&variant.optics, surface.rotate_deg());
-        let id = identity::exact_id(function, surface.input.identity(), optics);
+        let rotate_deg = surface.rotate_deg();
+        let id = identity::exact_id(function, surface.input.identity(), variant);
         let mut known = surface.exact.lock().unwrap_or_else(PoisonError::into_inner);
         let exact = match known.get(&id) {
             Some(exact) => exact.clone(),
             None => {
                 let count = probe::width(function) * function.probe_count();
                 let numbers = cache.numbers(&id, count, || {
-                    let exact = function.probes(surface.field, rotate_deg, optics)?;
+                    let exact = probes_of(function, variant, surface.field, rotate_deg)?;
                     Ok(probe::to_numbers(&exact))
                 })?;
-                let exact = probe::from_numbers(function, &numbers);
+                let exact = probe::from_numbers(function, variant, &numbers);
                 known.insert(id, exact.clone());
                 exact
             }

@@ -8,14 +8,18 @@ use crate::plan::{Optics, Variant};
 use crate::variant::Function;
 
 /// Identity of a function's probes and their exact colours on a surface.
-pub(super) fn exact_id(function: &dyn Function, surface: &str, optics: &Optics) -> String {
-    let inputs = json!([TOOL_VERSION, function.probed(), surface, optics.identity()]);
-    format!("exact-{}", of_value(&inputs))
+pub(super) fn exact_id(function: &dyn Function, surface: &str, variant: &Variant) -> String {
+    let optics = variant.optics.identity();
+    let mut inputs = vec![json!(TOOL_VERSION), json!(function.probed()), json!(surface), optics];
+    if variant.pattern {
+        inputs.push(json!([variant.period_ratio, variant.depth_ratio]));
+    }
+    format!("exact-{}", of_value(&Value::Array(inputs)))
 }
 
 /// Identity of the expected colours of a function's probes.
 pub(super) fn expected_id(function: &dyn Function, surface: &str, variant: &Variant) -> String {
-    let exact = exact_id(function, surface, &variant.optics);
+    let exact = exact_id(function, surface, variant);
     format!("expected-{}", of_value(&json!([exact, variant.hash()])))
 }
 

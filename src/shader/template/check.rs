@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnostic::Diagnostic;
 
+use super::argument::Argument;
 use super::{Defines, Sources, Words};
 
 /// Beginning of a note to the developers of the templates.
@@ -21,6 +22,7 @@ pub enum Line<'a> {
     Else,
     Endif,
     Constants,
+    Argument(Argument<'a>),
 }
 
 /// Templates by name, line by line.
@@ -130,24 +132,28 @@ impl<'a> Check<'a, '_> {
             (text[..offset].chars().count() as u32 + 1, token)
         });
         let (column, directive) = tokens.next()?;
-        let operands = usize::from(matches!(directive, "#import" | "#ifdef" | "#ifndef"));
-        if !matches!(
-            directive,
-            "#import" | "#ifdef" | "#ifndef" | "#else" | "#endif" | "#constants"
-        ) {
-            let known = ["#import", "#ifdef", "#ifndef", "#else", "#endif", "#constants"];
+        let operands =
+            usize::from(matches!(directive, "#import" | "#ifdef" | "#ifndef" | "#argument"));
+        let known =
+            ["#import", "#ifdef", "#ifndef", "#else", "#endif", "#constants", "#argument"];
+        if !known.contains(&directive) {
             let error = Diagnostic::error(format!("unknown directive `{directive}`"))
                 .at(self.sources.place(file, number, column));
             self.errors.push(with_nearest(error, directive, known));
             return None;
         }
         let operand = if operands == 1 { tokens.next() } else { None };
+        let of_type = if directive == "#argument" { tokens.next() } else { None };
         if let Some((column, extra)) = tokens.next() {
             let message = format!("unexpected `{extra}` after `{directive}`");
             self.error(file, number, column, message);
         }
         if operands == 1 && operand.is_none() {
-            let what = if directive == "#import" { "template" } else { "flag" };
+            let what = match directive {
+                "#import" => "template",
+                "#argument" => "argument",
+                _ => "flag",
+            };
             self.error(file, number, column, format!("`{directive}` without the name of a {what}"));
         }
         match directive {
@@ -176,6 +182,14 @@ impl<'a> Check<'a, '_> {
                     self.error(file, number, column, "`#endif` outside a block");
                 }
                 Some(Line::Endif)
+            }
+            "#argument" => {
+                let (column, name) = operand?;
+                let Some((name, (_, of_type))) = name.strip_suffix(':').zip(of_type) else {
+                    self.error(file, number, column, "`#argument` needs `name: type`");
+                    return None;
+                };
+                Some(Line::Argument(Argument { name, of_type }))
             }
             "#import" => {
                 let (column, import) = operand?;

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::{
     Defines, GENERATED, Origin, Specialised, Words,
+    argument::{Argument, hand_on},
     check::{Line, Templates},
 };
 
@@ -16,10 +17,12 @@ pub fn expand(templates: &Templates, root: &str, defines: &Defines) -> Specialis
         words: Words::default(),
         used: BTreeSet::new(),
         constants_at: None,
+        arguments: Vec::new(),
         lines: vec![(format!("// {GENERATED}"), Origin { file: root.to_owned(), line: 1 })],
     };
     expansion.template(root);
     expansion.constants();
+    let arguments = std::mem::take(&mut expansion.arguments);
     let mut text = String::new();
     let mut origins = Vec::with_capacity(expansion.lines.len());
     for (line, origin) in expansion.lines {
@@ -34,6 +37,9 @@ pub fn expand(templates: &Templates, root: &str, defines: &Defines) -> Specialis
         text.pop();
         origins.pop();
     }
+    for argument in arguments {
+        text = hand_on(&text, argument);
+    }
     Specialised { text, origins }
 }
 
@@ -46,6 +52,7 @@ struct Expansion<'a> {
     used: BTreeSet<&'a str>,
     /// Index in `lines` and origin of the generated declarations.
     constants_at: Option<(usize, Origin)>,
+    arguments: Vec<Argument<'a>>,
     lines: Vec<(String, Origin)>,
 }
 
@@ -77,6 +84,7 @@ impl<'a> Expansion<'a> {
                     let origin = Origin { file: (*name).to_owned(), line: number };
                     self.constants_at = Some((self.lines.len(), origin));
                 }
+                Line::Argument(argument) => self.arguments.push(*argument),
                 Line::Note => {}
                 Line::Text(text) => {
                     let words = self.words.of(text).into_iter().map(|(_, word)| word);

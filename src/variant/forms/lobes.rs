@@ -32,13 +32,20 @@ pub struct LobeSum {
 }
 
 impl LobeSum {
-    /// It is an error if neighbouring lobes overlap and interfere.
-    pub(super) fn new(variant: &Variant, height: &HeightField, coat: Coat) -> Result<LobeSum> {
+    /// It is an error if neighbouring lobes overlap and interfere. `most`: the greatest period and depth of a texel, relative to those
+    /// of the surface, for which loops are bounded.
+    pub(super) fn new(
+        variant: &Variant,
+        height: &HeightField,
+        coat: Coat,
+        most: [f64; 2],
+    ) -> Result<LobeSum> {
         let window = Window::from(&variant.optics);
         let patch_um = lay::patch_um(height);
-        let geometry = LobeGeometry::new(window, &variant.wavelengths, patch_um);
+        let widest_um = patch_um.map(|um| um * most[0]);
+        let geometry = LobeGeometry::new(window, &variant.wavelengths, widest_um);
         check_isolated(variant, &geometry)?;
-        let detail_um = coat.matter.detail_um(lay::height_range_um(height));
+        let detail_um = coat.matter.detail_um(lay::height_range_um(height) * most[1]);
         let mut corridor = geometry.corridor(detail_um);
         if corridor.nodes > 1 {
             // the rows about the matter have the same columns
@@ -137,7 +144,7 @@ pub struct Lobes {
 
 impl Lobes {
     pub(in crate::variant) fn new(variant: &Variant, height: &HeightField) -> Result<Lobes> {
-        let sum = LobeSum::new(variant, height, Coat::new(variant)?)?;
+        let sum = LobeSum::new(variant, height, Coat::new(variant)?, [1.0; 2])?;
         let expansion = lay::expansion(variant, height, &sum.coat.matter)?;
         let (patch_um, window, range_nm) = (sum.patch_um, sum.window, sum.range_nm);
         let Window { coherence_um, coherence_scaling, .. } = window;

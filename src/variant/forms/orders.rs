@@ -18,7 +18,7 @@ use crate::variant::judge::Light;
 use crate::variant::tolerance::{Promise, is_visible};
 use crate::variant::twin::arrivals;
 use crate::variant::{
-    Coat, Computation, Cost, Function, Ground, LobeBounds, functions_of, lay, nodes_for,
+    Coat, Computation, Cost, Function, Ground, LobeBounds, Pattern, functions_of, lay, nodes_for,
 };
 
 use super::LobeSum;
@@ -44,6 +44,10 @@ pub struct Orders {
     /// The orders, and sizes of their table.
     pub axes: EfficiencyAxes,
     functions: Vec<LightFunction>,
+    /// Whether functions have an argument for a pattern.
+    pub has_pattern: bool,
+    /// Least and greatest depth of a texel, relative to that of the surface.
+    depth_ratio: [f64; 2],
     /// Number of cubics per 1/µm of wavenumber that the reflectance needs; 0 where it does not depend on the wavelength.
     pub panel_pace: f64,
     /// Number of cells of wavelengths of an order under surroundings; 0 without the function for them.
@@ -57,14 +61,19 @@ impl Orders {
     pub(in crate::variant) fn new(variant: &Variant, height: &HeightField) -> Result<Orders> {
         Light::new(variant)?;
         let coat = Coat::new(variant)?;
-        let axes = EfficiencyAxes::new(height, lay::range_nm(variant), &coat.matter);
+        let [most_period, most_depth] = match variant.pattern {
+            true => [variant.period_ratio[1], variant.depth_ratio[1]],
+            false => [1.0; 2],
+        };
+        let most = [most_period, most_depth];
+        let axes = EfficiencyAxes::new(height, lay::range_nm(variant), &coat.matter, most);
         let fail = |cause: String| Err(Error::new(&variant.name, cause));
         let (orders, columns) = (axes.bins.len(), axes.columns);
         if orders > MAX_ORDERS {
             let cause = format!(
                 "{orders} orders of the cell of {:.3} × {:.3} µm can propagate, above {MAX_ORDERS}",
-                height.size_x_um(),
-                height.size_y_um()
+                most_period * height.size_x_um(),
+                most_period * height.size_y_um()
             );
             let remedy =
                 "mode = \"orders\" is for gratings and other small cells; use adaptive or baked";
@@ -75,7 +84,7 @@ impl Orders {
                 format!("the heights need {columns} columns of efficiencies, above {MAX_COLUMNS}");
             return fail(cause).map_err(|error| error.remedy("check the unit of the heights"));
         }
-        let sum = LobeSum::new(variant, height, coat)?;
+        let sum = LobeSum::new(variant, height, coat, most)?;
         let functions = variant.lights.clone();
         let sized = functions != [LightFunction::Direction];
         let panel_pace = if sized { sum.coat.panel_pace(variant)? } else { 0.0 };
@@ -102,7 +111,21 @@ impl Orders {
             }
         };
         let cost = Cost::default();
-        let mut form = Orders { sum, axes, functions, panel_pace, nodes, edges_um, cost };
+        let (has_pattern, depth_ratio) = match variant.pattern {
+            true => (true, variant.depth_ratio),
+            false => (false, [1.0; 2]),
+        };
+        let mut form = Orders {
+            sum,
+            axes,
+            functions,
+            has_pattern,
+            depth_ratio,
+            panel_pace,
+            nodes,
+            edges_um,
+            cost,
+        };
         let moments = if form.has_lamps() { MOMENT_HEIGHT * form.moment_columns() } else { 0 };
         let streaks = 3 * form.edges_um.len();
         let paths = match form.has(LightFunction::Path) {
@@ -172,10 +195,19 @@ impl Orders {
         OrderPaths {
             bins: self.axes.bins,
             range_nm: self.sum.range_nm,
-            steepness: [least, most],
+            steepness: [least * self.depth_ratio[0], most * self.depth_ratio[1]],
             floor: FLOOR,
             averaged: [16, 8],
         }
+    }
+
+    /// The form of a texel: its orders and its phases. The angle is the caller's.
+    #[must_use]
+    pub fn patterned(&self, pattern: &Pattern) -> Orders {
+        let mut form = self.clone();
+        form.sum.patch_um = self.sum.patch_um.map(|um| um * pattern.period_ratio);
+        form.axes.covered_um = Some(self.axes.phase_min_um() * pattern.depth_ratio);
+        form
     }
 
     fn has(&self, light: LightFunction) -> bool {
@@ -199,7 +231,8 @@ impl Computation for Orders {
         let path = self.has(LightFunction::Path);
         into.flag("PATH", path);
         into.flag("OUTWARD", environment || path);
-        into.flag("SIZED", self.has_lamps() || environment || path);
+        into.flag("PATTERN", self.has_pattern);
+        into.flag("SIZED", self.has_lamps() || environment || path || self.has_pattern);
         let edges = "number of cells of wavelengths in the table of paths";
         into.count("PATH_CELLS", wavelength_cells(self.sum.range_nm), edges);
         let long =

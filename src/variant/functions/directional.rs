@@ -9,7 +9,7 @@ use crate::field::reference::{Directions, Reference};
 use crate::optics::colour_difference::{LIT, auto_exposure};
 use crate::plan::Optics;
 use crate::surface::HeightField;
-use crate::variant::{Cost, Form};
+use crate::variant::{Cost, Form, Pattern};
 
 use super::{Arguments, ExactProbe, Function, FunctionKind};
 
@@ -74,7 +74,8 @@ fn exact(height: &HeightField, rotate_deg: f64, optics: &Optics) -> Result<Vec<E
     let reference = Reference::new(height, rotate_deg, optics, visible, all.iter().copied())?;
     let colour = |scratch: &mut Scratch, &directions: &Directions| {
         let xyz = reference.tristimulus(directions, scratch);
-        ExactProbe { arguments: Arguments::Direction(directions), xyz }
+        let arguments = Arguments::Direction(directions);
+        ExactProbe { arguments, pattern: Pattern::NONE, xyz }
     };
     let colours: Vec<ExactProbe> = all.par_iter().map_init(Scratch::default, colour).collect();
     let mut rest = colours.as_slice();

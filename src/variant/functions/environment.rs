@@ -14,7 +14,7 @@ use crate::plan::Optics;
 use crate::surface::HeightField;
 use crate::variant::bound::environment_error;
 use crate::variant::cost::mean_and_worst_views;
-use crate::variant::{Cost, Form};
+use crate::variant::{Cost, Form, Pattern};
 
 use super::lamps::{CANDIDATES, PROBES, part, viewer};
 use super::{Arguments, Around, ExactProbe, Function, FunctionKind, StatedError};
@@ -154,7 +154,7 @@ impl Function for Environment {
             let arguments = Arguments::Environment { around: Around::Sky(sky), wr }.rounded();
             let xyz = orders.radiance(&sky, arguments.wr());
             if xyz[1] > 1e-3 * normal * sky.brightest() {
-                found.push(ExactProbe { arguments, xyz });
+                found.push(ExactProbe { arguments, pattern: Pattern::NONE, xyz });
                 if found.len() == PROBES {
                     return Ok(found);
                 }

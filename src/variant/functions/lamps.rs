@@ -11,7 +11,7 @@ use crate::plan::Optics;
 use crate::surface::HeightField;
 use crate::variant::cost::mean_and_worst_views;
 use crate::variant::twin::lamps::{Caps, panel_count};
-use crate::variant::{Cost, Form};
+use crate::variant::{Cost, Form, Pattern};
 
 use super::{Arguments, Around, ExactProbe};
 
@@ -54,7 +54,7 @@ pub(super) fn probes(
         let Some(emitter) = lamp.emitter() else { continue };
         let xyz = orders.radiance(&*emitter, arguments.wr());
         if xyz[1] > LIT * mirrored(&arguments, &matter) {
-            found.push(ExactProbe { arguments, xyz });
+            found.push(ExactProbe { arguments, pattern: Pattern::NONE, xyz });
             if found.len() == PROBES {
                 return Ok(found);
             }

@@ -10,7 +10,7 @@ use crate::light::{Lobe, Sky};
 use crate::plan::Optics;
 use crate::surface::HeightField;
 use crate::tables::paths::{PATH_LEVELS, wavelength_cells};
-use crate::variant::{Cost, Form};
+use crate::variant::{Cost, Form, Pattern};
 
 use super::environment::skies;
 use super::lamps::{PROBES, part};
@@ -120,7 +120,7 @@ impl Function for Paths {
                 (None, Arguments::Path { sky, wr, .. }) => orders.radiance(&sky, wr),
                 (known, _) => known.map_or([0.0; 3], |last| last.xyz),
             };
-            found.push(ExactProbe { arguments, xyz });
+            found.push(ExactProbe { arguments, pattern: Pattern::NONE, xyz });
         }
         Ok(found)
     }

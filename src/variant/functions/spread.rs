@@ -8,7 +8,7 @@ use crate::field::reference::{Directions, Reference};
 use crate::plan::{Coherence, CoherenceScaling, Optics};
 use crate::surface::HeightField;
 use crate::tables::lobe_sigma;
-use crate::variant::{Cost, Form};
+use crate::variant::{Cost, Form, Pattern};
 
 use super::lamps::PROBES;
 use super::{Arguments, ExactProbe, Function, FunctionKind, StatedError};
@@ -86,6 +86,7 @@ impl Function for Spread {
                 own.sort_by(|a, b| difference(*b).total_cmp(&difference(*a)));
                 found.extend(own.into_iter().take(count).map(|i| ExactProbe {
                     arguments: Arguments::Spread { directions: all[i], spread },
+                    pattern: Pattern::NONE,
                     xyz: right[i],
                 }));
                 first += kind.len();

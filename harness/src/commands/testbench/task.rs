@@ -86,7 +86,14 @@ fn not_applicable(variant: &Variant, asked: Wavelengths) -> Option<String> {
 fn runner(args: &Args, runner: Runner) -> RunnerArgs {
     let unpacked = args.unpacked && runner != Runner::Exact;
     let unchecked = args.unchecked;
-    RunnerArgs { variant: None, runner, unpacked, adapter: args.adapter.clone(), unchecked }
+    RunnerArgs {
+        variant: None,
+        runner,
+        unpacked,
+        adapter: args.adapter.clone(),
+        unchecked,
+        pattern: None,
+    }
 }
 
 /// Whether the patch tiles without a seam along x and y. Synthetic patches do.

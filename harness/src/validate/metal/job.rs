@@ -147,10 +147,23 @@ impl Job {
                 .map_err(|error| format!("{}: {error}", place("data").display()))?;
             texture(number, channels, size, binding, &data);
         }
-        // two rows, directions to the light and to the viewer; five with functions of lights with a size
+        // two rows, directions to the light and to the viewer; five with functions of lights with a size; six with a pattern
         let count = probes.len() as u64;
-        let height = if manifest["functions"].is_array() { 5 } else { 2 };
-        let columns: Vec<Vec<[f64; 4]>> = probes.iter().map(|probe| arguments(probe)).collect();
+        let has_pattern = probes.iter().any(|probe| probe["pattern"].is_array());
+        let height = match manifest["functions"].is_array() {
+            _ if has_pattern => 6,
+            true => 5,
+            false => 2,
+        };
+        let column = |probe: &&Value| {
+            let mut column = arguments(probe);
+            if has_pattern {
+                column.resize(5, [0.0; 4]);
+                column.push([0, 1, 2, 3].map(|i| probe["pattern"][i].as_f64().unwrap_or_default()));
+            }
+            column
+        };
+        let columns: Vec<Vec<[f64; 4]>> = probes.iter().map(column).collect();
         let texel =
             |row: usize, column: &Vec<[f64; 4]>| column.get(row).copied().unwrap_or_default();
         let rows = (0..height).flat_map(|row| columns.iter().map(move |column| texel(row, column)));
