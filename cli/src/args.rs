@@ -64,8 +64,7 @@ pub struct RunnerArgs {
 }
 
 fn pattern(text: &str) -> Result<Pattern, String> {
-    let numbers: Vec<f64> =
-        text.split(',').map_while(|part| part.trim().parse().ok()).collect();
+    let numbers: Vec<f64> = text.split(',').map_while(|part| part.trim().parse().ok()).collect();
     let is_ratio = |ratio: f64| (0.1..=10.0).contains(&ratio);
     match numbers[..] {
         [angle_deg, period_ratio, depth_ratio]
@@ -76,7 +75,8 @@ fn pattern(text: &str) -> Result<Pattern, String> {
         {
             Ok(Pattern { angle_deg, period_ratio, depth_ratio })
         }
-        _ => Err("expected an angle in degrees and two ratios from 0.1 to 10, such as 30,1.2,1".to_owned()),
+        _ => Err("expected an angle in degrees and two ratios from 0.1 to 10, such as 30,1.2,1"
+            .to_owned()),
     }
 }
 

@@ -97,18 +97,28 @@ pub fn on_orders(
     count: usize,
     seed: u64,
 ) -> Vec<Directions> {
-    let orders = strongest(height, light);
+    // the light in the frame of the surface
+    let turned = DVec2::from_angle(-rotate_deg.to_radians()).rotate(light.truncate());
+    let orders = strongest(height, turned.extend(light.z));
     let mut random = SplitMix64::new(seed);
     let mut out = Vec::with_capacity(count);
+    // no viewer sees the mirror image of a light at the horizon, and some lights have no order that is seen
+    let is_mirrored = light.truncate().length_squared() < SEEN;
+    if !is_mirrored && orders.is_empty() {
+        return out;
+    }
     while out.len() < count {
         let order = match out.len() % 4 {
-            0 => DVec2::ZERO,
+            0 if is_mirrored => DVec2::ZERO,
             _ => orders[(random.share() * orders.len() as f64) as usize],
         };
         out.extend(near(order, optics, rotate_deg, light, &mut random));
     }
     out
 }
+
+/// Maximum square of the plane part of an order's direction that counts as seen: below the limit of [`near`].
+const SEEN: f64 = 0.98;
 
 /// A viewing direction within 2σf of an order; `None` if it is evanescent, or nearly so.
 fn near(
@@ -208,7 +218,7 @@ fn strongest(height: &HeightField, light: DVec3) -> Vec<DVec2> {
             (c.norm_sqr(), DVec2::new(r / x_um, s / y_um))
         })
         // an order that no viewer sees would be retried for ever
-        .filter(|(_, f)| (light.truncate() + 0.4 * *f).length_squared() < 0.98)
+        .filter(|(_, f)| (light.truncate() + 0.4 * *f).length_squared() < SEEN)
         .collect();
     let largest = ranked.iter().map(|r| r.0).fold(0.0, f64::max);
     // equally strong orders stay in the order of their bins, whatever their last digits
@@ -238,6 +248,20 @@ mod tests {
         }
         for d in &kinds[0] {
             assert!((d.wi + d.wr).truncate().length() < 0.02, "{d:?}");
+        }
+    }
+
+    #[test]
+    fn lights_at_the_horizon_have_viewers_or_none() {
+        let heights_um = (0..40).map(|i| 0.005 * f64::from(i)).collect();
+        let height = HeightField::new(40, 1, 0.05, 0.05, heights_um).expect("valid");
+        let optics = Optics { coherence_um: 107.0, ..Optics::standard() };
+        for (phi, rotate_deg) in [(0.0, 0.0), (0.0, 180.0), (90.0, 0.0), (90.0, 90.0)] {
+            let light = optics::direction(89.0, phi);
+            let drawn = on_orders(&height, &optics, rotate_deg, light, 50, 7);
+            // across the grooves an order comes back, along them none does
+            let across = (phi - rotate_deg).to_radians().cos().abs() > 0.5;
+            assert_eq!(drawn.len(), if across { 50 } else { 0 }, "{phi} {rotate_deg}");
         }
     }
 

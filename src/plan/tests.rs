@@ -21,7 +21,7 @@ use crate::tables::TableSpec;
 use crate::variant::{Form, Ground};
 
 /// One variant of every form, small enough to be computed many times.
-const FORMS: [&str; 25] = [
+const FORMS: [&str; 26] = [
     "terms = 5\ncoherence_um = 9",
     "terms = \"auto\"\nwindow_radius = \"auto\"\ncoherence_um = 9",
     "terms = 5\nwavelengths = { min_nm = 550, max_nm = 550 }",
@@ -39,6 +39,7 @@ const FORMS: [&str; 25] = [
     "mode = \"orders\"\nlights = \"direction\"\ncoherence = \"ensemble\"",
     "mode = \"orders\"\ncoherence = \"ensemble\"\ncoherence_scaling = \"wavelength\"",
     "mode = \"orders\"\ncoherence = \"ensemble\"\ncoherence_scaling = \"wavelength\"\nnodes = \"auto\"",
+    "mode = \"orders\"\ncoherence = \"ensemble\"\ncoherence_scaling = \"wavelength\"\npattern = true\ndepth_ratio = [0.5, 1.5]",
     // metals, covers and films
     "terms = 11\ncoherence_um = 9\nmaterial = \"copper\"\ncover_index = 1.4",
     "mode = \"pq\"\nterms = \"auto\"\nbasis = \"optimal\"\ncover_index = \"polycarbonate\"",
@@ -73,6 +74,9 @@ fn others(key: &str) -> &'static [&'static str] {
         "lights" => &["[\"direction\", \"disc\"]"],
         "nodes" => &["11"],
         "environment_error" => &["0.7"],
+        "pattern" => &["true"],
+        "period_ratio" => &["[0.7, 1.3]"],
+        "depth_ratio" => &["[0.7, 1.3]"],
         "coherence_um" => &["4"],
         "source_diameter_deg" => &["5"],
         "refractive_index" => &["1.7"],

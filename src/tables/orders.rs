@@ -55,8 +55,7 @@ impl EfficiencyAxes {
             true => own_um,
             false => Some(own_um.unwrap_or(min_um) / most[1]),
         };
-        let [width_um, height_um] =
-            [height.size_x_um(), height.size_y_um()].map(|um| um * most[0]);
+        let [width_um, height_um] = [height.size_x_um(), height.size_y_um()].map(|um| um * most[0]);
         let (low_um, high_um) = height.range_um();
         let phase = 2.0 * TAU / covered_um.unwrap_or(min_um) * (high_um - low_um);
         EfficiencyAxes {

@@ -81,7 +81,9 @@ impl Form {
     #[must_use]
     pub fn patterned(&self, pattern: &Pattern) -> Form {
         match self {
-            Form::Orders(form) if *pattern != Pattern::NONE => Form::Orders(form.patterned(pattern)),
+            Form::Orders(form) if *pattern != Pattern::NONE => {
+                Form::Orders(form.patterned(pattern))
+            }
             other => other.clone(),
         }
     }

@@ -67,7 +67,8 @@ impl Pattern {
         ];
         for (key, ratio, [least, greatest]) in all {
             if !(least..=greatest).contains(&ratio) {
-                let cause = format!("{key} is {ratio}, but its tables reach from {least} to {greatest}");
+                let cause =
+                    format!("{key} is {ratio}, but its tables reach from {least} to {greatest}");
                 return Err(Error::new(&variant.name, cause)
                     .remedy(format!("widen {key} in the plan, or change the pattern")));
             }

@@ -199,7 +199,7 @@ const FAULTS: [Fault; 10] = [
 ];
 
 /// Numbers that a key refuses, by the last part of its name.
-const BAD_NUMBERS: [(&str, &[&str]); 33] = [
+const BAD_NUMBERS: [(&str, &[&str]); 36] = [
     ("schema", &["0", "2", "-1", "1.0"]),
     ("period_um", &["0", "-1.0", "nan", "inf"]),
     ("height_um", &["0.0", "-0.1", "-inf", "nan"]),
@@ -224,6 +224,12 @@ const BAD_NUMBERS: [(&str, &[&str]); 33] = [
     ("lights", &["0", "[1, 2]", "[]"]),
     ("nodes", &["1", "65", "2.5", "[0]"]),
     ("environment_error", &["0.4", "21", "nan"]),
+    ("pattern", &["1", "\"yes\"", "[]"]),
+    (
+        "period_ratio",
+        &["1", "[]", "[1]", "[1, 2, 3]", "[0.05, 1]", "[2, 1]", "[1, nan]", "[1, 11]"],
+    ),
+    ("depth_ratio", &["0.5", "[0, 1]", "[-1, 1]", "[1, inf]", "[\"a\", 1]"]),
     ("rotate_deg", &["nan", "inf", "-inf"]),
     ("size_um", &["0", "-1.0", "nan"]),
     ("pixel_um", &["0.0", "inf"]),

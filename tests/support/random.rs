@@ -228,6 +228,8 @@ fn section(heading: &str, large: Large, first: Vec<String>, rest: Vec<String>) -
         (spreads, "coherence_scaling", "\"wavelength\""),
         (has_cells, "lights", "[\"environment\"]"),
         (surrounds, "mode", "\"orders\""),
+        (has("period_ratio") || has("depth_ratio"), "pattern", "true"),
+        (has("pattern") || has("period_ratio") || has("depth_ratio"), "mode", "\"orders\""),
         (surrounds, "nodes", "\"auto\""),
         (surrounds, "coherence_scaling", "\"wavelength\""),
     ] {
@@ -280,7 +282,9 @@ fn numbers(name: &str, large: Large) -> Option<BoxedStrategy<String>> {
         "periods" => (1..6u32, 1..6u32).prop_map(|(x, y)| format!("[{x}, {y}]")).boxed(),
         "wavelengths" => waves().boxed(),
         "term_error" => float(1e-4..0.1),
-        "hoist" | "shadowing" | "accept_error" => any::<bool>().prop_map(|x| x.to_string()).boxed(),
+        "hoist" | "shadowing" | "accept_error" | "pattern" => {
+            any::<bool>().prop_map(|x| x.to_string()).boxed()
+        }
         "bake_error" => float(2.0..10.0),
         "bake_mib" => float(0.25..0.5),
         "spread_levels" => (0..4u32).prop_map(|n| n.to_string()).boxed(),
@@ -288,6 +292,9 @@ fn numbers(name: &str, large: Large) -> Option<BoxedStrategy<String>> {
         "cells" => (8..64u32).prop_map(|n| n.to_string()).boxed(),
         "nodes" => (2..17u32).prop_map(|n| n.to_string()).boxed(),
         "environment_error" => float(1.0..20.0),
+        "period_ratio" | "depth_ratio" => (0.5..1.0, 1.0..2.0f64)
+            .prop_map(|(least, greatest)| format!("[{least:?}, {greatest:?}]"))
+            .boxed(),
         "coherence_um" => float(if large.prefiltered { 0.1..4.0 } else { 0.1..200.0 }),
         "refractive_index" => float(1.01..5.0),
         "cover_index" => prop_oneof![6 => float(1.0..1.9), 1 => file()].boxed(),

@@ -15,6 +15,7 @@ mod mesh_frame;
 mod modes;
 mod orders;
 mod path;
+mod pattern;
 mod pq;
 mod prefiltered;
 mod quantised;

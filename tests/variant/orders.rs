@@ -349,7 +349,7 @@ fn the_order_of_corners_does_not_matter() {
 #[test]
 fn the_table_of_efficiencies_is_the_transform() {
     let (height, _) = skewed();
-    let axes = EfficiencyAxes::new(&height, [380.0, 780.0], &Matter::default());
+    let axes = EfficiencyAxes::new(&height, [380.0, 780.0], &Matter::default(), [1.0; 2]);
     let table: Table = efficiencies_table(&height, &axes);
     let Bins { r_max, s_max } = axes.bins;
     let (mut worst, mut linear): (f64, f64) = (0.0, 0.0);

@@ -104,6 +104,9 @@ mode = "orders"
 lights = ["disc", "environment"]
 nodes = "auto"
 environment_error = 3.5
+pattern = true
+period_ratio = [0.6, 1.6]
+depth_ratio = [0.9, 1.1]
 source_diameter_deg = 0.53
 [[preset]]
 name = "soft"

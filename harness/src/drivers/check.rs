@@ -135,9 +135,8 @@ fn lit(prepared: &Prepared<'_>) -> Result<Vec<Group>> {
         // the levels that the shader reads, so that their own error does not count
         let around = sky.as_ref().map(|sky| Filtered::of(sky));
         let twin = Twin { surroundings: around.as_ref().map(|around| around as _), ..twin };
-        let result = |(call, pattern): &Call| {
-            twin.evaluate_on(pattern, *call).unwrap_or([f64::NAN; 3])
-        };
+        let result =
+            |(call, pattern): &Call| twin.evaluate_on(pattern, *call).unwrap_or([f64::NAN; 3]);
         let expected: Vec<[f64; 3]> = calls.iter().map(result).collect();
         let allowed = |((call, _), expected): (&Call, &[f64; 3])| {
             let call = match sky {

@@ -84,11 +84,7 @@ fn functions_of<'a>(text: &'a str, words: &[Word<'a>]) -> Vec<Function<'a>> {
 }
 
 /// Names of the functions that have the argument.
-fn having<'a>(
-    functions: &[Function<'a>],
-    words: &[Word<'a>],
-    argument: &str,
-) -> BTreeSet<&'a str> {
+fn having<'a>(functions: &[Function<'a>], words: &[Word<'a>], argument: &str) -> BTreeSet<&'a str> {
     let is_declared =
         |pair: &[Word<'_>]| matches!(pair[0].1, "let" | "var") && pair[1].1 == argument;
     let mut having = BTreeSet::new();

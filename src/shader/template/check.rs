@@ -134,8 +134,7 @@ impl<'a> Check<'a, '_> {
         let (column, directive) = tokens.next()?;
         let operands =
             usize::from(matches!(directive, "#import" | "#ifdef" | "#ifndef" | "#argument"));
-        let known =
-            ["#import", "#ifdef", "#ifndef", "#else", "#endif", "#constants", "#argument"];
+        let known = ["#import", "#ifdef", "#ifndef", "#else", "#endif", "#constants", "#argument"];
         if !known.contains(&directive) {
             let error = Diagnostic::error(format!("unknown directive `{directive}`"))
                 .at(self.sources.place(file, number, column));

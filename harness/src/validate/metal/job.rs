@@ -33,6 +33,8 @@ struct Expected {
     xyz: DVec3,
     /// `None` for functions of lights with a size, which only the entry point `probe` calls.
     rgb: Option<DVec3>,
+    /// Whether the mesh has the probe's pattern.
+    is_on_mesh: bool,
     tolerance: f64,
 }
 
@@ -47,6 +49,11 @@ fn is_evaluated(probe: &Value) -> bool {
     let sky = &probe["sky"];
     let is_white = sky["constant"] == serde_json::json!([1.0, 1.0, 1.0]);
     probe["function"] != AROUND || is_white && sky["lobes"].as_array().is_some_and(Vec::is_empty)
+}
+
+/// The pattern of a probe; zero without.
+fn pattern(probe: &Value) -> [f64; 4] {
+    [0, 1, 2, 3].map(|i| probe["pattern"][i].as_f64().unwrap_or_default())
 }
 
 /// The arguments of a probe as rows of texels, as the template `probe` reads them.
@@ -115,7 +122,8 @@ impl Job {
         let probe = entry("probe").ok_or("the manifest lists no entry point `probe`")?;
         let mesh = entry("mesh_vert").zip(entry("mesh"));
         let bindings = Bindings(target);
-        let main = main_text(text, probe, mesh, &bindings)?;
+        let has_pattern = probes.iter().any(|probe| probe["pattern"].is_array());
+        let main = main_text(text, probe, mesh, &bindings, has_pattern)?;
 
         let (mut data, mut textures) = (String::new(), 0);
         let mut texture =
@@ -149,7 +157,6 @@ impl Job {
         }
         // two rows, directions to the light and to the viewer; five with functions of lights with a size; six with a pattern
         let count = probes.len() as u64;
-        let has_pattern = probes.iter().any(|probe| probe["pattern"].is_array());
         let height = match manifest["functions"].is_array() {
             _ if has_pattern => 6,
             true => 5,
@@ -159,7 +166,7 @@ impl Job {
             let mut column = arguments(probe);
             if has_pattern {
                 column.resize(5, [0.0; 4]);
-                column.push([0, 1, 2, 3].map(|i| probe["pattern"][i].as_f64().unwrap_or_default()));
+                column.push(pattern(probe));
             }
             column
         };
@@ -179,9 +186,10 @@ impl Job {
         }
         let mesh_block = Block::of(&manifest, "mesh_params");
         if mesh.is_some() {
-            // a map of one texel: the frame is not turned further
+            // a map of one texel: the frame is not turned further, and the pattern is that of the first probe
             let map = folder.join("orientation_map");
-            floats(&map, [0.0; 4])?;
+            let [_, _, period, depth] = pattern(probes[0]);
+            floats(&map, [0.0, period, depth, 1.0])?;
             texture(0, 4, [1, 1, 1], bindings.number("orientation_map")?, &map);
         }
         let mut data = format!("{textures}\n{data}");
@@ -199,6 +207,7 @@ impl Job {
             let frame = Frame::number(index);
             let mut numbers = [wi, wr, frame.normal, frame.tangent].map(|v| v.to_array()).concat();
             numbers.extend([frame.hand, frame.angle]);
+            numbers.extend(pattern(probe));
             if let Some(block) = &mesh_block {
                 numbers.extend(frame.uniforms(block, wi, wr));
             }
@@ -208,6 +217,7 @@ impl Job {
         let expected = probes.iter().map(|probe| Expected {
             xyz: vector(&probe["expected"]["xyz"]),
             rgb: probe["function"].is_null().then(|| vector(&probe["expected"]["rgb"])),
+            is_on_mesh: probe["pattern"] == probes[0]["pattern"],
             tolerance: probe["tolerance"].as_f64().unwrap_or_default(),
         });
         Ok(Job { main, data, probes: expected.collect(), mesh: mesh.is_some() })
@@ -232,7 +242,10 @@ impl Job {
             if let Some(rgb) = probe.rgb {
                 compared.push(("RGB of diffraction()", three(), rgb, RGB));
                 if self.mesh {
-                    compared.push(("RGB of the entry point mesh", three(), rgb, RGB));
+                    let on_mesh = three();
+                    if probe.is_on_mesh {
+                        compared.push(("RGB of the entry point mesh", on_mesh, rgb, RGB));
+                    }
                 }
             }
             for (what, found, expected, factor) in compared {

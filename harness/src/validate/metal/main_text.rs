@@ -10,6 +10,7 @@ pub(super) fn main_text(
     probe: &str,
     mesh: Option<(&str, &str)>,
     bindings: &Bindings<'_>,
+    has_pattern: bool,
 ) -> Result<String, String> {
     // `first` stands for the first parameters, which have no binding
     let call = |kind: &str, name: &str, first: &[String]| -> Result<String, String> {
@@ -21,7 +22,10 @@ pub(super) fn main_text(
     let entry = |stage: &str, name: &str, input: &str| {
         call(&format!("{stage} {name}Output"), name, &[format!("{name}Input{{{input}}}")])
     };
-    let directions = ["at.wi", "at.wr"].map(str::to_owned);
+    let mut directions = vec!["at.wi".to_owned(), "at.wr".to_owned()];
+    if has_pattern {
+        directions.push("at.pattern".to_owned());
+    }
     let mut lines = vec![
         format!("const auto [xyz] = {};", entry("fragment", probe, "at.place")?),
         format!("const auto rgb = {};", call("metal::float3", "diffraction", &directions)?),

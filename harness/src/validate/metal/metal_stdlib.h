@@ -61,6 +61,7 @@ template <class T> struct alignas(4 * sizeof(T)) vec<T, 4> {
     T x, y, z, w;
     vec(T a, T b, T c, T d) : x(a), y(b), z(c), w(d) {}
     vec(vec<T, 2> a, T b, T c) : x(a.x), y(a.y), z(b), w(c) {}
+    vec(T a, T b, vec<T, 2> c) : x(a), y(b), z(c.x), w(c.y) {}
     vec(vec<T, 2> a, vec<T, 2> b) : x(a.x), y(a.y), z(b.x), w(b.y) {}
     vec(vec<T, 3> a, T b) : x(a.x), y(a.y), z(a.z), w(b) {}
     MEMBERS(4)

@@ -18,6 +18,7 @@ struct probe {
     metal::float3 normal;
     metal::float4 tangent;
     float angle;
+    metal::float4 pattern; // zero without patterns
     std::vector<float> mesh; // the uniforms of the mesh's entry points
 };
 inline std::map<int, metal::texels> textures;
@@ -94,6 +95,8 @@ inline void read(const char* path) {
         const metal::float3 tangent = three(in);
         at.tangent = metal::float4(tangent, numbers(in, 1)[0]);
         at.angle = numbers(in, 1)[0];
+        const metal::float3 turn_and_period = three(in);
+        at.pattern = metal::float4(turn_and_period, numbers(in, 1)[0]);
         at.mesh = numbers(in, block);
         probes.push_back(at);
     }
