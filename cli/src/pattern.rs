@@ -61,7 +61,7 @@ pub(crate) struct Args {
     /// Period ratio of circles without --rings, of a logo and of cells with --image; the mean one of flakes. 1 unless given.
     #[arg(long, value_name = "R", value_parser = positive)]
     period: Option<f64>,
-    /// circles: number of rings in which the lowest and the highest ratios take turns.
+    /// circles: number of rings, with ratios at a third and at two thirds of their ranges in turns.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     rings: Option<u32>,
     /// logo: the picture whose shape is filled, a PNG.
@@ -112,7 +112,7 @@ enum KindName {
     Guilloche,
     /// Random flakes that repeat without a seam, each with its own angle and a slightly different period.
     Flakes,
-    /// The period grows from left to right, and the depth from below to above.
+    /// The period goes through its range from left to right, and the depth through its own from below to above.
     Ramp,
     /// Square cells of one grating each, in a regular sequence or from a picture.
     Cells,

@@ -35,10 +35,10 @@ pub struct Groove {
 /// What is drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
-    /// A disc with concentric grooves: the direction is radial. With rings, an even number or an odd one, of equal width, the lowest and
-    /// the highest ratios take turns from the centre.
+    /// A disc with concentric grooves: the direction is radial. Rings of equal width have ratios at a third and at two thirds of the
+    /// ranges in turns, from the centre.
     Circles {
-        /// Number of rings. Without them, all is of [`Drawing::period_ratio`] and the highest depth.
+        /// Number of rings. Without them all has [`Drawing::period_ratio`] and the highest depth.
         rings: Option<u32>,
     },
     /// A picture's shape, centred and as large as fits, with the highest depth. The edge is where [`Stencil`] is 0.5.
@@ -64,8 +64,8 @@ pub enum Kind {
     Cells {
         /// Side of a cell, texels.
         size: u32,
-        /// From a cell to its right and its upper neighbour the angle grows by this, degrees. From a diagonal to the next, the ratios go from the
-        /// lowest to the highest in four steps.
+        /// From a cell to its right and its upper neighbour the angle grows by this, degrees. From a diagonal to the next, ratios go through
+        /// a fifth to four fifths of the ranges.
         step_deg: f64,
         /// A picture instead of that: black cells have [`Drawing::angle_deg`], white ones a quarter turn more, at [`Drawing::period_ratio`]
         /// and the highest depth. Transparent ones have no foil.
@@ -195,10 +195,10 @@ impl Drawing {
     fn circle(&self, from: DVec2, rings: Option<u32>) -> Option<Groove> {
         let radius = from.length();
         let angle = from.y.atan2(from.x);
-        let ring = rings.map(|rings| (radius * f64::from(rings)) as u32 % 2);
-        let groove = match ring.map(f64::from) {
+        let third = rings.map(|rings| 1 + (radius * f64::from(rings)) as u32 % 2);
+        let groove = match third.map(|third| f64::from(third) / 3.0) {
             None => self.groove(angle, self.period_ratio, 1.0),
-            Some(ring) => self.groove(angle, self.period(ring), ring),
+            Some(share) => self.groove(angle, self.period(share), share),
         };
         (radius < 1.0).then_some(groove)
     }
@@ -221,7 +221,7 @@ impl Drawing {
         }
         // counted from the lower left, as angles are
         let up = (self.height as f64 / size).ceil() - 1.0 - cell.y;
-        let share = (cell.x - up).rem_euclid(4.0) / 3.0;
+        let share = ((cell.x - up).rem_euclid(4.0) + 1.0) / 5.0;
         let angle_rad = ((cell.x + up) * step_deg).to_radians();
         Some(self.groove(angle_rad, self.period(share), share))
     }

@@ -230,3 +230,236 @@ fn texts(info: &Info) -> Vec<(String, String)> {
     let wide = wide.map(|c| (c.keyword.clone(), c.get_text().unwrap_or_default()));
     plain.chain(packed).chain(wide).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pattern::{Anisotropy, MAX_ANGLE_SPREAD_RAD};
+    use png::{Encoder, SrgbRenderingIntent};
+
+    const RANGES: Ranges = Ranges { period_ratio: [0.5, 2.0], depth_ratio: [0.8, 1.2] };
+
+    /// A file as another program writes it.
+    fn file(kind: ColorType, depth: BitDepth, size: [u32; 2], data: &[u8]) -> Vec<u8> {
+        with_texts(kind, depth, size, data, &[])
+    }
+
+    fn with_texts(
+        kind: ColorType,
+        depth: BitDepth,
+        size: [u32; 2],
+        data: &[u8],
+        texts: &[(&str, &str)],
+    ) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let mut encoder = Encoder::new(&mut bytes, size[0], size[1]);
+        encoder.set_color(kind);
+        encoder.set_depth(depth);
+        if kind == ColorType::Indexed {
+            encoder.set_palette(vec![0; 6]);
+        }
+        encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+        for (key, text) in texts {
+            encoder.add_itxt_chunk((*key).to_owned(), (*text).to_owned()).unwrap();
+        }
+        let mut writer = encoder.write_header().unwrap();
+        writer.write_image_data(data).unwrap();
+        writer.finish().unwrap();
+        bytes
+    }
+
+    const GIVEN: GivenRanges =
+        GivenRanges { period_ratio: Some([0.5, 2.0]), depth_ratio: Some([0.8, 1.2]) };
+
+    fn rgba(data: &[u8]) -> Vec<u8> {
+        file(ColorType::Rgba, BitDepth::Eight, [data.len() as u32 / 4, 1], data)
+    }
+
+    /// What a user who reads the manual expects of the channels; a colour profile changes nothing.
+    #[test]
+    fn channels_are_as_the_manual_says() {
+        let map = PatternMap::decode(
+            &rgba(&[0, 0, 0, 0, 64, 255, 255, 255, 192, 51, 51, 51]),
+            &GIVEN,
+            "x",
+        );
+        let map = map.unwrap();
+        let [first, second, third] = map.texels().try_into().unwrap();
+        let texel = |angle_rad, period_ratio, depth_ratio, mask| Texel {
+            angle_rad,
+            period_ratio,
+            depth_ratio,
+            mask,
+            ..Texel::default()
+        };
+        assert_eq!(first, texel(0.0, 0.5, 0.8, 0.0));
+        assert_eq!(second, texel(0.25 * TAU, 2.0, 1.2, 1.0));
+        assert_eq!((third.angle_rad, third.mask), (0.75 * TAU, 0.2));
+        // a fifth of the way: 0.5 · 4^0.2 and 0.8 + 0.2 · 0.4
+        assert!((third.period_ratio - 0.5 * 4f64.powf(0.2)).abs() < 1e-12, "{third:?}");
+        assert!((third.depth_ratio - 0.88).abs() < 1e-12, "{third:?}");
+    }
+
+    #[test]
+    fn a_written_map_is_read_back() {
+        for (bits, step) in [(Bits::Eight, 256.0), (Bits::Sixteen, 65536.0)] {
+            let texel = |i: usize| Texel {
+                // the last is nearer to the whole turn than half a step
+                angle_rad: (i as f64 / 20.0 * TAU).min(TAU - 1e-6),
+                period_ratio: 0.5 * 4f64.powf(i as f64 / 20.0),
+                depth_ratio: 0.8 + 0.02 * i as f64,
+                mask: i as f64 / 20.0,
+                ..Texel::default()
+            };
+            let map = PatternMap::new(3, 7, (0..21).map(texel).collect(), "map").unwrap();
+            let bytes = map.png(&RANGES, bits).unwrap();
+            let back = PatternMap::decode(&bytes, &GivenRanges::default(), "map").unwrap();
+            assert_eq!((back.width(), back.height()), (3, 7));
+            let half = 0.51 / (step - 1.0);
+            for (a, b) in map.texels().iter().zip(back.texels()) {
+                let turned = (a.angle_rad - b.angle_rad).rem_euclid(TAU);
+                assert!(turned.min(TAU - turned) < half * TAU, "{a:?} {b:?}");
+                assert!((a.period_ratio / b.period_ratio).ln().abs() < half * 4f64.ln());
+                assert!((a.depth_ratio - b.depth_ratio).abs() < half * 0.4 + 1e-12);
+                assert!((a.mask - b.mask).abs() < half, "{a:?} {b:?}");
+            }
+            assert_eq!(back.texels()[20].angle_rad, 0.0);
+            // what has been rounded once stays
+            assert_eq!(back.png(&RANGES, bits).unwrap(), bytes);
+        }
+    }
+
+    #[test]
+    fn a_range_of_one_number_leaves_its_channel_unread() {
+        let given = GivenRanges { period_ratio: Some([1.5, 1.5]), depth_ratio: Some([0.0, 0.0]) };
+        let map = PatternMap::decode(&rgba(&[0, 17, 99, 255]), &given, "x").unwrap();
+        let texel = map.texels()[0];
+        assert_eq!((texel.period_ratio, texel.depth_ratio), (1.5, 0.0));
+    }
+
+    #[test]
+    fn given_ranges_go_before_those_of_the_file() {
+        let texts = [(PERIOD_KEY, "1 3"), (DEPTH_KEY, " 1\t1 ")];
+        let bytes = with_texts(ColorType::Rgba, BitDepth::Eight, [1, 1], &[0, 255, 0, 255], &texts);
+        let read =
+            |given| PatternMap::decode(&bytes, &given, "x").unwrap().texels()[0].period_ratio;
+        assert_eq!(read(GivenRanges::default()), 3.0);
+        assert_eq!(read(GivenRanges { period_ratio: Some([1.0, 2.0]), depth_ratio: None }), 2.0);
+    }
+
+    #[test]
+    fn a_map_without_a_scale_is_refused() {
+        let one = [0, 0, 0, 255];
+        let read = |texts: &[(&str, &str)]| {
+            let bytes = with_texts(ColorType::Rgba, BitDepth::Eight, [1, 1], &one, texts);
+            PatternMap::decode(&bytes, &GivenRanges::default(), "foil.png").unwrap_err().to_string()
+        };
+        let text = read(&[(DEPTH_KEY, "1 1")]);
+        for part in ["foil.png", PERIOD_KEY, "text chunk", "\"0.5 2\""] {
+            assert!(text.contains(part), "{text}");
+        }
+        assert!(read(&[(PERIOD_KEY, "1 1")]).contains(DEPTH_KEY));
+        for bad in ["", "1", "1 2 3", "a b", "1,2"] {
+            assert!(
+                read(&[(PERIOD_KEY, bad), (DEPTH_KEY, "1 1")]).contains("two numbers"),
+                "{bad}"
+            );
+        }
+        for bad in ["2 1", "NaN 1", "0 1", "1 inf"] {
+            assert!(read(&[(PERIOD_KEY, bad), (DEPTH_KEY, "1 1")]).contains("lower one first"));
+        }
+    }
+
+    #[test]
+    fn other_files_are_refused() {
+        let good = rgba(&[1, 2, 3, 4, 5, 6, 7, 8]);
+        let eight = BitDepth::Eight;
+        let wide = file(ColorType::Grayscale, BitDepth::One, [8193, 1], &[0; 1025]);
+        for (bytes, wanted) in [
+            (file(ColorType::Indexed, eight, [1, 1], &[0]), "has a palette"),
+            (file(ColorType::Grayscale, eight, [1, 1], &[0]), "is grey"),
+            (file(ColorType::GrayscaleAlpha, eight, [1, 1], &[0; 2]), "is grey"),
+            (file(ColorType::Rgb, eight, [1, 1], &[0; 3]), "no alpha channel"),
+            (wide, "8193 × 1 texels; a side may have 1 to 8192"),
+            (good[..good.len() - 13].to_vec(), "cannot be decoded"),
+            (good[..good.len() / 2].to_vec(), "cannot be decoded"),
+            (good[..20].to_vec(), "cannot be decoded"),
+            (Vec::new(), "is not a PNG file"),
+            (b"\xff\xd8\xff\xe0 and so on".to_vec(), "is not a PNG file"),
+        ] {
+            let error = PatternMap::decode(&bytes, &GIVEN, "foil.png").unwrap_err();
+            assert!(error.to_string().contains(wanted), "{wanted}: {error}");
+            assert!(error.subject() == "foil.png" && error.advice().is_some(), "{error}");
+        }
+    }
+
+    #[test]
+    fn what_the_file_cannot_hold_is_not_written() {
+        let one = |texel| PatternMap::new(1, 1, vec![texel], "map").unwrap();
+        let write =
+            |texel| one(texel).png(&RANGES, Bits::Eight).map(drop).map_err(|e| e.to_string());
+        let texel = Texel::default();
+        for (bad, wanted) in [
+            (Texel { period_ratio: 2.1, ..texel }, "period ratio 2.1"),
+            (Texel { depth_ratio: 0.7, ..texel }, "depth ratio 0.7"),
+            (Texel { angle_spread_rad: 0.1, ..texel }, "a spread at column 0, row 0"),
+        ] {
+            assert!(write(bad).unwrap_err().contains(wanted));
+            // without foil it means nothing
+            assert!(write(Texel { mask: 0.0, ..bad }).is_ok());
+        }
+        let reversed = Ranges { period_ratio: [2.0, 0.5], ..RANGES };
+        assert!(one(texel).png(&reversed, Bits::Eight).is_err());
+    }
+
+    fn anisotropy(data: &[u8]) -> Result<PatternMap, String> {
+        let bytes = file(ColorType::Rgb, BitDepth::Eight, [data.len() as u32 / 3, 1], data);
+        PatternMap::from_anisotropy(&bytes, &Anisotropy::default(), "a.png")
+            .map_err(|e| e.to_string())
+    }
+
+    /// Red is the direction along the tangent, green along the bitangent. The default of the extension is (1, 0.5, 1), the tangent.
+    #[test]
+    fn a_texture_of_anisotropy_is_read() {
+        let map = anisotropy(&[255, 128, 255, 128, 255, 255, 0, 128, 255, 218, 218, 230]).unwrap();
+        for (texel, wanted_deg) in map.texels().iter().zip([0.0, 90.0, 180.0, 45.0]) {
+            let off = texel.angle_rad.to_degrees() - wanted_deg;
+            assert!(off.abs() < 0.5, "{texel:?}");
+            assert_eq!((texel.period_ratio, texel.depth_ratio, texel.mask), (1.0, 1.0, 1.0));
+        }
+        let spreads: Vec<f64> =
+            map.texels().iter().map(|t| t.angle_spread_rad.to_degrees()).collect();
+        assert_eq!(spreads[..3], [0.0; 3]);
+        assert!((spreads[3] - 26.0).abs() < 0.5, "{spreads:?}");
+        // all 8-bit unit vectors count as unit vectors
+        for i in 0..720 {
+            let (sin, cos) = (0.5 * f64::from(i)).to_radians().sin_cos();
+            let byte = |v: f64| (127.5 + 127.5 * v).round() as u8;
+            let texel = anisotropy(&[byte(cos), byte(sin), 255]).unwrap().texels()[0];
+            assert_eq!(texel.angle_spread_rad, 0.0, "{i}");
+        }
+        let bytes = file(ColorType::Rgb, BitDepth::Eight, [1, 1], &[255, 128, 255]);
+        let of = Anisotropy { strength: 0.5, rotation_rad: -0.1 };
+        let texel = PatternMap::from_anisotropy(&bytes, &of, "a").unwrap().texels()[0];
+        assert!((texel.angle_rad - (TAU - 0.1)).abs() < 0.01, "{texel:?}");
+        assert!((texel.angle_spread_rad - (2.0 * 2f64.ln()).sqrt()).abs() < 1e-12, "{texel:?}");
+    }
+
+    #[test]
+    fn directions_of_no_length_are_refused() {
+        let text =
+            anisotropy(&[255, 128, 255, 128, 128, 9, 128, 127, 255, 127, 127, 0]).unwrap_err();
+        for part in ["a.png", "2 texels", "column 1, row 0"] {
+            assert!(text.contains(part), "{text}");
+        }
+        // without a strength there is no direction to miss
+        let isotropic = anisotropy(&[127, 128, 0]).unwrap().texels()[0];
+        assert_eq!(isotropic.angle_spread_rad, MAX_ANGLE_SPREAD_RAD);
+        assert!(anisotropy(&[131, 128, 255]).is_ok());
+        let grey = file(ColorType::Grayscale, BitDepth::Eight, [1, 1], &[0]);
+        let text = PatternMap::from_anisotropy(&grey, &Anisotropy::default(), "a").unwrap_err();
+        assert!(text.to_string().contains("is grey"), "{text}");
+        let of = Anisotropy { strength: f64::NAN, rotation_rad: 0.0 };
+        assert!(PatternMap::from_anisotropy(&grey, &of, "a").is_err());
+    }
+}

@@ -48,8 +48,9 @@ impl Sketch {
         let variance = SOFT * SOFT + texel.angle_spread_rad * texel.angle_spread_rad;
         let seen = SOFT / variance.sqrt() * (-0.5 * off * off / variance).exp();
         // the brightest wavelength of an illuminant has about 0.01 of Y per nm
-        let rgb = to_rgb(spectrum.per_nm(lambda_nm), Colour::Srgb);
-        60.0 * texel.mask * seen * DVec3::from(rgb)
+        let rgb = DVec3::from(to_rgb(spectrum.per_nm(lambda_nm), Colour::Srgb));
+        // a screen shows no pure wavelength: white is added until it can
+        60.0 * texel.mask * seen * (rgb - rgb.min_element().min(0.0))
     }
 }
 

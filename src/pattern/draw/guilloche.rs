@@ -26,6 +26,8 @@ const ROSETTES: [Rosette; 4] = [
 ];
 /// Circles between them.
 const CIRCLES: [f64; 5] = [0.296, 0.503, 0.762, 0.978, 0.991];
+/// Place of the ratios of one family in their ranges; the other has twice that.
+const THIRD: f64 = 1.0 / 3.0;
 /// Half the width of a circle.
 const HALF_CIRCLE: f64 = 0.0035;
 /// Half the width of a curve.
@@ -34,8 +36,8 @@ const HALF_CURVE: f64 = 0.0045;
 const GAP: f64 = 0.0085;
 
 impl Drawing {
-    /// Curves have grooves along themselves, one family with the lowest ratios and the other with the highest; where two cross, they
-    /// take turns on top. Every second cell is a radial grating of a period of its ring.
+    /// Curves have grooves along themselves; where two cross, they take turns on top. Every second cell is a grating with a radial
+    /// direction and the ratios of its ring.
     pub(super) fn guilloche(&self, from: DVec2) -> Option<Groove> {
         let radius = from.length();
         let radial = from.y.atan2(from.x);
@@ -63,13 +65,13 @@ impl Drawing {
             let (on_first, on_second) = (near < HALF_CURVE, far < HALF_CURVE);
             let first_on_top = (first.round() + second.round()).rem_euclid(2.0) < 1.0;
             if on_first && (first_on_top || !on_second) {
-                return Some(self.groove(one, self.period(0.0), 0.0));
+                return Some(self.groove(one, self.period(THIRD), THIRD));
             }
             if on_second {
-                return Some(self.groove(other, self.period(1.0), 1.0));
+                return Some(self.groove(other, self.period(2.0 * THIRD), 2.0 * THIRD));
             }
             let is_filled = (first.floor() + second.floor()).rem_euclid(2.0) < 1.0;
-            let share = (ring as f64 + 0.5) / ROSETTES.len() as f64;
+            let share = (ring + 1) as f64 / (ROSETTES.len() + 1) as f64;
             return (is_filled && near.min(far) > GAP)
                 .then(|| self.groove(radial, self.period(share), share));
         }
