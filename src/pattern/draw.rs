@@ -99,9 +99,9 @@ impl Drawing {
         self.check()?;
         let texel: Box<dyn Fn(DVec2) -> Texel + Sync + '_> = match &self.kind {
             Kind::Circles { rings } => {
-                Box::new(edged(move |at| self.circle(self.from_centre(at), *rings)))
+                Box::new(edged(move |at| self.circle(self.centred(at), *rings)))
             }
-            Kind::Guilloche => Box::new(edged(|at| self.guilloche(self.from_centre(at)))),
+            Kind::Guilloche => Box::new(edged(|at| self.guilloche(self.centred(at)))),
             Kind::Logo { logo, ground } => {
                 let inside = self.plain(self.period_ratio, 1.0);
                 let fit = logo.fit([self.width, self.height]);
@@ -171,7 +171,7 @@ impl Drawing {
     }
 
     /// A place as seen from the centre, y up; 1 is half the shorter side.
-    fn from_centre(&self, at: DVec2) -> DVec2 {
+    fn centred(&self, at: DVec2) -> DVec2 {
         let from = 2.0 * at - self.size();
         DVec2::new(from.x, -from.y) / self.size().min_element()
     }

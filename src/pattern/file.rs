@@ -205,9 +205,7 @@ impl Pixels {
             })?,
             (None, None) => {
                 let cause = format!("does not state {key}");
-                let remedy = format!(
-                    "add a text chunk of that name with two numbers, such as \"0.5 2\", or give the range: without it channels have no scale"
-                );
+                let remedy = "add a text chunk of that name with two numbers, such as \"0.5 2\", or give the range: without it channels have no scale";
                 return Err(Error::new(subject, cause).remedy(remedy));
             }
         };

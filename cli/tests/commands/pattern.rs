@@ -240,7 +240,7 @@ fn a_preview_is_drawn() {
     // right of the middle the first order of 500 nm is seen, above the middle nothing
     let middle = (2 * 16 + 128 + 64, 16 + 32);
     let green = |picture: &image::RgbImage, dx: i32, dy: i32| {
-        let place = (middle.0 as i32 + dx, middle.1 as i32 + dy);
+        let place = (middle.0 + dx, middle.1 + dy);
         picture.get_pixel(place.0 as u32, place.1 as u32).0[1]
     };
     assert!(green(&right, 20, 0) > 150 && green(&right, 0, -20) < 40);
