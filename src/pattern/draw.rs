@@ -297,20 +297,23 @@ fn lerp([low, high]: [f64; 2], share: f64) -> f64 {
     low * (1.0 - share) + high * share
 }
 
-/// Places of a texel, its centre first.
+/// Places of a texel.
 fn places(centre: DVec2) -> impl Iterator<Item = DVec2> {
     let part = |i: usize| (i as f64 + 0.5) / PLACES as f64 - 0.5;
-    let grid = (0..PLACES * PLACES).map(move |i| DVec2::new(part(i % PLACES), part(i / PLACES)));
-    std::iter::once(centre).chain(grid.map(move |step| centre + step))
+    (0..PLACES * PLACES).map(move |i| centre + DVec2::new(part(i % PLACES), part(i / PLACES)))
 }
 
-/// Texels of a kind with edges: the groove nearest to the centre, and the share of places with one.
+/// Texels of a kind with edges: the groove of the centre, or else of any other place, and the share of places with one.
 fn edged(groove: impl Fn(DVec2) -> Option<Groove> + Sync) -> impl Fn(DVec2) -> Texel + Sync {
     move |centre| {
-        let found: Vec<Option<Groove>> = places(centre).map(&groove).collect();
-        let Some(first) = found.iter().flatten().next() else { return NO_FOIL };
-        let share = found[1..].iter().flatten().count() as f64 / (PLACES * PLACES) as f64;
-        Texel { mask: share, ..Texel::from(*first) }
+        let mut found = groove(centre);
+        let mut count = 0;
+        for here in places(centre).filter_map(&groove) {
+            count += 1;
+            found.get_or_insert(here);
+        }
+        let mask = f64::from(count) / (PLACES * PLACES) as f64;
+        found.map_or(NO_FOIL, |groove| Texel { mask, ..Texel::from(groove) })
     }
 }
 
@@ -321,7 +324,7 @@ fn logo_texel(
     inside: Groove,
     ground: Option<Groove>,
 ) -> Texel {
-    let count = places(centre).skip(1).filter(|at| is_inside(*at)).count();
+    let count = places(centre).filter(|at| is_inside(*at)).count();
     let share = count as f64 / (PLACES * PLACES) as f64;
     match ground {
         Some(ground) if share < 0.5 => ground.into(),

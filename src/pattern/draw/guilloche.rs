@@ -54,21 +54,20 @@ impl Drawing {
             // along the circle, and along the radius: the gradient of each family
             let along = per_turn * lobes / radius;
             let outwards = per_turn / (amplitude * (1.0 - s * s).sqrt());
-            let families = [-1.0, 1.0].map(|sign| {
-                let h = per_turn * (lobes * radial + sign * s.acos());
-                let distance = (h - h.round()).abs() / along.hypot(outwards);
-                // acos falls
-                let angle_rad = radial + along.atan2(-sign * outwards);
-                (h, distance, angle_rad)
-            });
-            let [(first, near, one), (second, far, other)] = families;
+            let (around, lag) = (per_turn * lobes * radial, per_turn * s.acos());
+            let [first, second] = [around - lag, around + lag];
+            let away = |h: f64| (h - h.round()).abs() / along.hypot(outwards);
+            let (near, far) = (away(first), away(second));
             let (on_first, on_second) = (near < HALF_CURVE, far < HALF_CURVE);
             let first_on_top = (first.round() + second.round()).rem_euclid(2.0) < 1.0;
+            // where s grows, acos falls
             if on_first && (first_on_top || !on_second) {
-                return Some(self.groove(one, self.period(THIRD), THIRD));
+                let angle_rad = radial + along.atan2(outwards);
+                return Some(self.groove(angle_rad, self.period(THIRD), THIRD));
             }
             if on_second {
-                return Some(self.groove(other, self.period(2.0 * THIRD), 2.0 * THIRD));
+                let angle_rad = radial + along.atan2(-outwards);
+                return Some(self.groove(angle_rad, self.period(2.0 * THIRD), 2.0 * THIRD));
             }
             let is_filled = (first.floor() + second.floor()).rem_euclid(2.0) < 1.0;
             let share = (ring + 1) as f64 / (ROSETTES.len() + 1) as f64;
