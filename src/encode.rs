@@ -60,6 +60,32 @@ pub fn animation(frames: &[Picture], delay_ms: u16) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// A PNG file of numbers that are not colours: four channels of 8 or 16 bits, `[row][column]`, rows from the top, and texts by their keys.
+pub fn png_of_numbers(
+    [width, height]: [u32; 2],
+    samples: &[[u16; 4]],
+    wide: bool,
+    texts: &[(&str, String)],
+) -> Result<Vec<u8>> {
+    let fail = |error: EncodingError| failed("PNG").source(error);
+    let mut bytes = Vec::new();
+    let mut encoder = Encoder::new(&mut bytes, width, height);
+    encoder.set_color(ColorType::Rgba);
+    encoder.set_depth(if wide { BitDepth::Sixteen } else { BitDepth::Eight });
+    for (key, text) in texts {
+        encoder.add_text_chunk((*key).to_owned(), text.clone()).map_err(fail)?;
+    }
+    let mut writer = encoder.write_header().map_err(fail)?;
+    let numbers = samples.iter().flatten();
+    let data: Vec<u8> = match wide {
+        true => numbers.flat_map(|number| number.to_be_bytes()).collect(),
+        false => numbers.map(|number| *number as u8).collect(),
+    };
+    writer.write_image_data(&data).map_err(fail)?;
+    writer.finish().map_err(fail)?;
+    Ok(bytes)
+}
+
 /// A float image.
 pub struct Floats<'a> {
     /// Columns and rows.

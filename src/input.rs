@@ -16,6 +16,7 @@ use crate::error::{Error, Result};
 use crate::hash::{of_value, sha256};
 use crate::light::{LampSearch, Lights, Panorama};
 use crate::optics::{Index, notes, spectrum};
+use crate::pattern::{Anisotropy, GivenRanges, PatternMap, Stencil};
 use crate::plan::{Data, FileSource, Medium, Plan, SurfaceSource, SurfaceSpec};
 use crate::surface::read::{MAX_FILE_BYTES, Reading};
 use crate::surface::{self, Origin, Surface};
@@ -25,6 +26,9 @@ pub const MAX_PLAN_BYTES: u64 = 4 << 20;
 
 /// Maximum size of a panorama, in bytes: more than one of the most rows takes.
 const MAX_PANORAMA_BYTES: u64 = 1 << 30;
+
+/// Maximum size of a picture, in bytes: more than a pattern map of the most texels takes.
+const MAX_PICTURE_BYTES: u64 = 1 << 30;
 
 /// Maximum size of a table of an illuminant or of a medium, in bytes.
 const MAX_DATA_BYTES: u64 = 1 << 20;
@@ -149,6 +153,33 @@ fn read_panorama(path: &Path) -> Result<(Panorama, Vec<String>)> {
             .remedy("check the path; it is relative to this file"),
     })?;
     Panorama::decode(&bytes, &place)
+}
+
+/// Reads a pattern map from a PNG file.
+pub fn read_pattern(path: &Path, given: &GivenRanges) -> Result<PatternMap> {
+    let (bytes, place) = read_picture(path)?;
+    PatternMap::decode(&bytes, given, &place)
+}
+
+/// Reads glTF's texture of anisotropy from a PNG file.
+pub fn read_anisotropy(path: &Path, of: &Anisotropy) -> Result<PatternMap> {
+    let (bytes, place) = read_picture(path)?;
+    PatternMap::from_anisotropy(&bytes, of, &place)
+}
+
+/// Reads a picture that shapes a pattern from a PNG file.
+pub fn read_stencil(path: &Path, invert: bool) -> Result<Stencil> {
+    let (bytes, place) = read_picture(path)?;
+    Stencil::decode(&bytes, invert, &place)
+}
+
+/// The bytes of a picture, and its name for errors.
+fn read_picture(path: &Path) -> Result<(Vec<u8>, String)> {
+    let place = path.display().to_string();
+    let bytes = read_file(path, MAX_PICTURE_BYTES).map_err(|e| {
+        Error::new(&place, "cannot be read").source(e).remedy("name a PNG file that can be read")
+    })?;
+    Ok((bytes, place))
 }
 
 /// What a file of the plan's optics is for.

@@ -91,6 +91,7 @@ pub mod encode;
 pub mod surface;
 pub mod optics;
 pub mod light;
+pub mod pattern;
 pub mod input;
 pub mod field;
 pub mod tables;

@@ -19,6 +19,7 @@ pub mod interrupt;
 pub mod list;
 mod material;
 pub mod memory;
+mod pattern;
 pub mod program;
 pub mod progress;
 pub mod render;
@@ -66,10 +67,12 @@ enum Command {
     Render(render::Args),
     /// Write a panorama by formula, a studio or a sky, to light surfaces and engines with.
     Studio(studio::Args),
+    /// Draw a pattern map for a foil (angle, period, depth and mask per texel) as a PNG file, with a preview.
+    Pattern(pattern::Args),
 }
 
 /// All commands in the order of the help text, with those of the harness and those that only one program has.
-const ORDER: [&str; 18] = [
+const ORDER: [&str; 19] = [
     "generate",
     "list",
     "import",
@@ -80,6 +83,7 @@ const ORDER: [&str; 18] = [
     "eval",
     "render",
     "studio",
+    "pattern",
     "compare",
     "testbench",
     "bench",
@@ -167,6 +171,7 @@ pub fn main(program: &Program) -> ExitCode {
         }
         Command::Render(args) => render::run(&args, &console, drivers),
         Command::Studio(args) => studio::run(&args, &console),
+        Command::Pattern(args) => pattern::run(&args, &console),
     };
     finish(outcome.map(ExitCode::from), &console)
 }

@@ -147,7 +147,12 @@ pub fn subject(name: &str, path: &Path) -> String {
 }
 
 /// Checks that a file of `length` bytes can hold `bytes` of pixels, `compressed` or not.
-fn check_length(subject: &str, length: usize, bytes: u64, compressed: bool) -> Result<()> {
+pub(crate) fn check_length(
+    subject: &str,
+    length: usize,
+    bytes: u64,
+    compressed: bool,
+) -> Result<()> {
     let max_bytes = if compressed { length as u64 * MAX_COMPRESSION } else { length as u64 };
     if bytes <= max_bytes {
         return Ok(());

@@ -92,8 +92,8 @@ fn a_missing_or_old_harness_is_built_after_one_line_that_says_so() {
 #[test]
 fn help_lists_all_commands_in_their_order() {
     let help = text(&Target::new().run(&["--help"]).stdout);
-    let names = "generate list import material inspect validate explain eval render compare testbench bench tune \
-                 scene report serve test help";
+    let names = "generate list import material inspect validate explain eval render studio pattern compare testbench \
+                 bench tune scene report serve test help";
     let places: Vec<Option<usize>> =
         names.split_whitespace().map(|name| help.find(&format!("\n  {name} "))).collect();
     assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{help}");

@@ -13,6 +13,7 @@ mod material;
 mod matter;
 mod memory;
 mod outputs;
+mod pattern;
 mod program;
 mod studio;
 mod surfaces;
