@@ -4,14 +4,15 @@
 //! f64 arithmetic; [`crate::drivers::gpu`] and [`crate::scene::drawing`] draw.
 
 mod camera;
+mod card;
 pub mod drawing;
 pub mod flicker;
 mod gltf;
 pub mod lights;
+pub mod markings;
 mod mesh;
 mod named;
 mod obj;
-pub mod pattern;
 pub mod tone_map;
 pub mod raster;
 mod raw;
@@ -23,6 +24,7 @@ mod tangents;
 mod torus_knot;
 
 pub use camera::Orbit;
+pub use card::card;
 pub use mesh::Mesh;
 pub use read::read;
 pub use snake::{Snake, snake};

@@ -26,6 +26,7 @@ use std::collections::BTreeMap;
 pub use crate::defines::{Constant, Defines, Value};
 use crate::diagnostic::{Diagnostic, Place};
 
+pub use argument::{Argument, hand_on};
 pub(crate) use words::Words;
 
 /// The comment in the first line of every generated text.

@@ -232,7 +232,7 @@ impl<'a> Twin<'a> {
 impl mesh::OrientationMap {
     /// A map with angle 0 everywhere, for meshes where only the vertices have angles.
     pub fn none() -> mesh::OrientationMap {
-        mesh::OrientationMap { width: 1, height: 1, angles: vec![0.0] }
+        mesh::OrientationMap { width: 1, height: 1, angles: vec![0.0], ratios: Vec::new() }
     }
 }
 

@@ -51,7 +51,8 @@ fn the_orientation_field_turns_the_frame_about_the_normal() {
     for (handedness, of_vertex, of_map) in [(1.0, 0.7, 0.0), (-1.0, 0.0, 0.4), (-1.0, -0.9, 2.5)] {
         let at =
             mesh_vert(&params(DMat4::IDENTITY), &vertex(normal, tangent, handedness, of_vertex));
-        let map = OrientationMap { width: 1, height: 1, angles: vec![of_map as f32] };
+        let map =
+            OrientationMap { width: 1, height: 1, angles: vec![of_map as f32], ratios: Vec::new() };
         let turn =
             DMat3::from_axis_angle(normal, handedness * (of_vertex + f64::from(of_map as f32)));
         let [t, b, n] = frame(&at, &map).to_cols_array_2d().map(DVec3::from);
@@ -82,7 +83,7 @@ fn mirrored_meshes_see_mirrored_directions() {
     let (normal, tangent) = slanted();
     let mirror = DVec3::new(-1.0, 1.0, 1.0);
     let direction = DVec3::new(0.3, 0.1, 0.9);
-    let map = OrientationMap { width: 2, height: 1, angles: vec![0.3, 1.1] };
+    let map = OrientationMap { width: 2, height: 1, angles: vec![0.3, 1.1], ratios: Vec::new() };
     let at = mesh_vert(&params(DMat4::IDENTITY), &vertex(normal, tangent, 1.0, 0.6));
     let seen = in_frame(&map, direction, &at);
     let by_model =
@@ -124,14 +125,24 @@ fn what_has_no_frame_sees_nothing() {
 #[test]
 fn map_angles_blend_over_the_turn() {
     let (normal, tangent) = slanted();
-    let map = OrientationMap { width: 2, height: 1, angles: vec![0.1, (TAU - 0.1) as f32] };
+    let map = OrientationMap {
+        width: 2,
+        height: 1,
+        angles: vec![0.1, (TAU - 0.1) as f32],
+        ratios: Vec::new(),
+    };
     let mut middle = vertex(normal, tangent, 1.0, 0.0);
     middle.uv = DVec2::new(0.5, 0.5);
     let at = mesh_vert(&params(DMat4::IDENTITY), &middle);
     assert!(in_frame(&map, tangent, &at).distance(DVec3::X) < 1e-6);
     // the map repeats: three widths on, a quarter in, is its first texel
     middle.uv = DVec2::new(3.25, -2.5);
-    let quarter = OrientationMap { width: 2, height: 1, angles: vec![FRAC_PI_2 as f32, 0.0] };
+    let quarter = OrientationMap {
+        width: 2,
+        height: 1,
+        angles: vec![FRAC_PI_2 as f32, 0.0],
+        ratios: Vec::new(),
+    };
     let at = mesh_vert(&params(DMat4::IDENTITY), &middle);
     assert!(in_frame(&quarter, tangent, &at).distance(-DVec3::Y) < 1e-6);
 }

@@ -11,6 +11,7 @@ mod truth;
 use diffraction_shaders::error::{Error, Result};
 use diffraction_shaders::field::reference::Directions;
 use diffraction_shaders::light::{Filtered, Light};
+use diffraction_shaders::shader::template::{Argument, hand_on};
 use diffraction_shaders::tables::{Table, environment_table};
 use diffraction_shaders::variant::mesh::{MeshParams, OrientationMap};
 use diffraction_shaders::variant::{FUNCTIONS, Form, FunctionKind};
@@ -63,6 +64,13 @@ fn footprint_spread(right: vec2f, down: vec2f, height: f32) -> f32 {
 }
 fn lobe_of(wi: vec3f, wr: vec3f, variance: f32) -> vec3f {
     return vec3f(0.0);
+}
+";
+
+/// What a variant has in its place whose functions have no pattern.
+const NO_PATTERN: &str = "
+fn pattern_ratios(uv: vec2f) -> vec3f {
+    return vec3f(1.0);
 }
 ";
 
@@ -456,7 +464,13 @@ fn text(prepared: &Prepared<'_>, around: Option<&(Table, f64)>, lobes: Lobes) ->
         format!("const MAP_FACTOR: f32 = {:?};\n{AROUND}", *factor as f32)
     });
     let own = module.text().replace("fn environment_radiance(", "fn map_radiance(");
-    Ok(format!("{own}\n{SHADE}{around}{body}{absent}{footprint}"))
+    let shading = format!("{SHADE}{around}{body}{absent}{footprint}");
+    if !prepared.form.has_pattern() {
+        return Ok(format!("{own}\n{shading}{NO_PATTERN}"));
+    }
+    let given: Vec<&str> = known.iter().map(|function| function.name()).collect();
+    let argument = Argument { name: "pattern", of_type: "vec4f" };
+    Ok(format!("{own}\n{}", hand_on(&shading, argument, &given)))
 }
 
 /// The pass that draws the body and what it diffracts.
@@ -505,11 +519,16 @@ fn textures(
 }
 
 fn orientation_texture(map: &OrientationMap) -> Texture<'static> {
-    let texels: Vec<[f32; 2]> = map.angles.iter().map(|angle| [*angle, 0.0]).collect();
+    let ratios = |i| map.ratios.get(i).copied().unwrap_or([1.0; 3]);
+    let texel = |(i, angle): (usize, &f32)| {
+        let [period, depth, share] = ratios(i);
+        [*angle, period, depth, share]
+    };
+    let texels: Vec<[f32; 4]> = map.angles.iter().enumerate().map(texel).collect();
     Texture {
         binding: ORIENTATION_MAP,
         layout: TextureLayout::D2,
-        format: TextureFormat::Rg32Float,
+        format: TextureFormat::Rgba32Float,
         width: map.width as u32,
         height: map.height as u32,
         layers: 1,

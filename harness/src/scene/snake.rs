@@ -6,8 +6,8 @@ use diffraction_shaders::variant::mesh::Vertex;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
+use super::markings::corn_snake;
 use super::mesh::Mesh;
-use super::pattern::corn_snake;
 
 /// The shape of the snake. The pattern measures lengths in girths of the middle of the body.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -79,7 +79,7 @@ pub fn hard_sphere() -> Mesh {
         vertex.orientation_angle = 0.4 * vertex.position.y;
     }
     let angles = (0..16).map(|i| 0.2 * i as f32).collect();
-    mesh.orientation = OrientationMap { width: 4, height: 4, angles };
+    mesh.orientation = OrientationMap { width: 4, height: 4, angles, ratios: Vec::new() };
     let mirror = DMat4::from_scale(DVec3::new(-1.3, 0.8, 1.0));
     mesh.model = DMat4::from_rotation_x(0.3) * mirror;
     mesh.vertices.iter_mut().for_each(|v| v.tangent.w = -1.0);

@@ -8,7 +8,9 @@ use super::Words;
 /// A name that functions read without declaring it, and its type in WGSL.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Argument<'a> {
+    /// The name.
     pub name: &'a str,
+    /// The type.
     pub of_type: &'a str,
 }
 
@@ -23,10 +25,11 @@ struct Function<'a> {
 
 /// The text in which every function that reads the argument, or calls one that has it, has it as its last argument. Functions that
 /// declare the name themselves, such as entry points, are where it comes from. The number of lines stays.
-pub fn hand_on(text: &str, argument: Argument<'_>) -> String {
+/// `given`: functions of another text that have it.
+pub fn hand_on<'a>(text: &'a str, argument: Argument<'_>, given: &[&'a str]) -> String {
     let words = words_of(text);
     let functions = functions_of(text, &words);
-    let having = having(&functions, &words, argument.name);
+    let having = having(&functions, &words, argument.name, given);
     let mut inserted: BTreeMap<usize, String> = BTreeMap::new();
     for (index, (at, word)) in words.iter().enumerate() {
         if !having.contains(word) || !text[at + word.len()..].starts_with('(') {
@@ -84,10 +87,15 @@ fn functions_of<'a>(text: &'a str, words: &[Word<'a>]) -> Vec<Function<'a>> {
 }
 
 /// Names of the functions that have the argument.
-fn having<'a>(functions: &[Function<'a>], words: &[Word<'a>], argument: &str) -> BTreeSet<&'a str> {
+fn having<'a>(
+    functions: &[Function<'a>],
+    words: &[Word<'a>],
+    argument: &str,
+    given: &[&'a str],
+) -> BTreeSet<&'a str> {
     let is_declared =
         |pair: &[Word<'_>]| matches!(pair[0].1, "let" | "var") && pair[1].1 == argument;
-    let mut having = BTreeSet::new();
+    let mut having: BTreeSet<&str> = given.iter().copied().collect();
     loop {
         let before = having.len();
         for function in functions {
@@ -177,12 +185,19 @@ fn entry() -> f32 {
     return sum(1.0, scaled(2.0, pattern), pattern);
 }
 ";
-        assert_eq!(hand_on(text, ARGUMENT), expected);
+        assert_eq!(hand_on(text, ARGUMENT, &[]), expected);
+    }
+
+    #[test]
+    fn functions_of_another_text_have_it_if_given() {
+        let text = "fn sum() -> f32 {\n    let pattern = vec4f(1.0);\n    return scaled(1.0) + other(2.0);\n}\n";
+        let expected = text.replace("scaled(1.0)", "scaled(1.0, pattern)");
+        assert_eq!(hand_on(text, ARGUMENT, &["scaled"]), expected);
     }
 
     #[test]
     fn a_text_that_does_not_read_it_stays() {
         let text = "fn plain(x: f32) -> f32 {\n    return x;\n}\n";
-        assert_eq!(hand_on(text, ARGUMENT), text);
+        assert_eq!(hand_on(text, ARGUMENT, &[]), text);
     }
 }

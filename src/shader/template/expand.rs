@@ -38,7 +38,7 @@ pub fn expand(templates: &Templates, root: &str, defines: &Defines) -> Specialis
         origins.pop();
     }
     for argument in arguments {
-        text = hand_on(&text, argument);
+        text = hand_on(&text, argument, &[]);
     }
     Specialised { text, origins }
 }

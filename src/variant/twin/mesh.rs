@@ -3,7 +3,7 @@
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
 use crate::field::reference::Directions;
-use crate::variant::Arguments;
+use crate::variant::{Arguments, Pattern};
 
 use super::Twin;
 
@@ -57,7 +57,7 @@ pub struct MeshVertex {
     pub uv: DVec2,
 }
 
-/// Angles in radians, `[row][column]`. The map repeats.
+/// Angles in radians, `[row][column]`, and the rest of a pattern. The map repeats.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OrientationMap {
     /// Columns.
@@ -66,6 +66,8 @@ pub struct OrientationMap {
     pub height: usize,
     /// The angles.
     pub angles: Vec<f32>,
+    /// Period and depth relative to those of the surface, and the covered share. Empty where all are 1.
+    pub ratios: Vec<[f32; 3]>,
 }
 
 /// The vertex stage.
@@ -106,8 +108,13 @@ pub fn mesh(
     }
     let [right, down] = [&next[0], &next[1]].map(|next| path(next) - path(at));
     let spread = footprint_spread(right, down, directions.wi.z.min(directions.wr.z));
-    let widened = twin.evaluate(Arguments::Spread { directions, spread });
-    widened.unwrap_or_else(|| twin.tristimulus(directions))
+    // the frame has the angle of the map
+    let [period_ratio, depth_ratio, share] = pattern_ratios(map, at.uv).to_array();
+    let pattern = Pattern { angle_deg: 0.0, period_ratio, depth_ratio };
+    let single = || twin.evaluate_on(&pattern, Arguments::Direction(directions));
+    let widened = twin.evaluate_on(&pattern, Arguments::Spread { directions, spread });
+    let xyz = widened.or_else(single).unwrap_or([f64::NAN; 3]);
+    xyz.map(|c| share * c)
 }
 
 /// Spread of lobes by the footprint of a pixel, from the steps of `(u, v)` to the next pixels, and the lower of the heights of
@@ -155,6 +162,27 @@ fn texel_turn(map: &OrientationMap, texel: DVec2) -> DVec2 {
     let repeated = texel - size * ((texel + 0.5) / size).floor();
     let [x, y] = repeated.clamp(DVec2::ZERO, size - 1.0).to_array();
     DVec2::from_angle(f64::from(map.angles[y as usize * map.width + x as usize]))
+}
+
+/// Period, depth and covered share of the map.
+pub fn pattern_ratios(map: &OrientationMap, uv: DVec2) -> DVec3 {
+    let size = DVec2::new(map.width as f64, map.height as f64);
+    let place = (uv - uv.floor()) * size - 0.5;
+    let corner = place.floor();
+    let share = place - corner;
+    let ratios = |x, y| texel_ratios(map, corner + DVec2::new(x, y));
+    let above = ratios(0.0, 0.0).lerp(ratios(1.0, 0.0), share.x);
+    let below = ratios(0.0, 1.0).lerp(ratios(1.0, 1.0), share.x);
+    above.lerp(below, share.y)
+}
+
+/// Period, depth and covered share of one texel of the map, which repeats.
+fn texel_ratios(map: &OrientationMap, texel: DVec2) -> DVec3 {
+    let size = DVec2::new(map.width as f64, map.height as f64);
+    let repeated = texel - size * ((texel + 0.5) / size).floor();
+    let [x, y] = repeated.clamp(DVec2::ZERO, size - 1.0).to_array();
+    let ratios = map.ratios.get(y as usize * map.width + x as usize);
+    ratios.map_or(DVec3::ONE, |ratios| DVec3::from(ratios.map(f64::from)))
 }
 
 /// Normal in the world, not normalised.

@@ -20,6 +20,8 @@ const EXAMPLE: &str = "Examples:
   cargo xtask scene --plan plans/scene.toml --surface crossed --variant orders --mesh sphere --lights studio.toml --out studio.png
   cargo xtask scene --plan plans/scene.toml --surface crossed --variant orders --mesh sphere --lights studio.toml --truth --size 320x240
   cargo xtask scene --plan plans/scene.toml --surface crossed --variant orders --mesh sphere --lights room.toml --no-diffraction --out room.png
+  cargo xtask pattern --kind flakes --out flakes.png
+  cargo xtask scene --plan plans/scene.toml --surface foil --variant foil --mesh card --pattern-map flakes.png --filter supersample --out card.png
 
 A room.toml with a panorama by formula; file = \"room.exr\" takes one of your own:
   schema = 1
@@ -68,10 +70,14 @@ pub(crate) struct Args {
     /// Name of the variant, as in the plan. Needed only if the plan has several.
     #[arg(long, value_name = "NAME")]
     pub(crate) variant: Option<String>,
-    /// The body: snake, sphere, torus-knot, or a .gltf, .glb or .obj file. Files that it names must lie below its folder. Limits: 512 MiB in
+    /// The body: snake, sphere, torus-knot, card, or a .gltf, .glb or .obj file. Files that it names must lie below its folder. Limits: 512 MiB in
     /// all, 4 Mi vertices, 8 Mi triangles, 65536 nodes.
-    #[arg(long, value_name = "snake|sphere|torus-knot|FILE", default_value = "snake")]
+    #[arg(long, value_name = "snake|sphere|torus-knot|card|FILE", default_value = "snake")]
     pub(crate) mesh: String,
+    /// Pattern map: angle, period, depth and share of the foil of each texel, as `cargo xtask pattern` writes them (docs/patterns.md). Needs a
+    /// variant with pattern = true. Ratios outside the variant's ranges become their nearest ends; a note says how many.
+    #[arg(long, value_name = "FILE.png")]
+    pub(crate) pattern_map: Option<PathBuf>,
     /// Width and height of a picture, in pixels.
     #[arg(long, value_name = "WxH", default_value = "1280x720")]
     pub(crate) size: Size,
@@ -186,6 +192,8 @@ pub(crate) enum Sweep {
     Orientation,
     /// Once around the body, as an animated PNG.
     Turntable,
+    /// The camera swings to both sides of --azimuth by 30°, once forth and back, as an animated PNG: as a card that is tilted by hand.
+    Tilt,
     /// From --zoom away from the body until it is 10 pixels wide, each picture smaller by the same factor, as an animated PNG.
     Recede,
     /// Three frames, the camera a third of a pixel further each time. Prints as JSON, for the filters none and footprint and for a

@@ -11,10 +11,12 @@ use diffraction_cli::files::write_whole;
 use diffraction_cli::{memory, progress};
 use diffraction_shaders::input;
 use diffraction_shaders::light::{Cap, Light, Polygon};
+use diffraction_shaders::pattern::{GivenRanges, Ranges};
 use diffraction_shaders::plan::{Auto, Coherence, CoherenceScaling, Mode, Plan, Variant};
 use diffraction_shaders::runner::Placement;
 use diffraction_shaders::surface;
 use diffraction_shaders::variant::Form;
+use diffraction_shaders::variant::mesh::OrientationMap;
 use glam::DVec3;
 
 use super::args::{Args, Sweep};
@@ -30,7 +32,7 @@ use crate::scene::lights::middle;
 use crate::scene::surroundings::{add_behind, filtered};
 use crate::scene::tone_map::{display, exr, reduced, stacked, strip};
 use crate::scene::{
-    Mesh, Orbit, PRINTED_LIGHTS, PRINTED_ZOOMS, Snake, read, snake, sphere, torus_knot,
+    Mesh, Orbit, PRINTED_LIGHTS, PRINTED_ZOOMS, Snake, card, read, snake, sphere, torus_knot,
 };
 use diffraction_shaders::encode::{Picture, animation};
 
@@ -42,6 +44,8 @@ const BEHIND: u32 = 2;
 const GAP: u32 = 4;
 /// How long a turntable shows each picture.
 const FRAME_MS: u16 = 80;
+/// How far the camera swings, degrees.
+const TILT_DEG: f64 = 30.0;
 /// Tolerances at the 95th percentile of a driver's picture against the scene in f64: of directions, and of colours
 /// (CIEDE2000). A corner that moves by 1/256 pixel turns the directions on scales by 1e-5, which steep lobes show as 0.05.
 const TRUTH: (f64, f64) = (1e-4, 0.15);
@@ -97,9 +101,13 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         "snake" => snake(&Snake::standard()),
         "sphere" => sphere(128),
         "torus-knot" => torus_knot(768, 96),
+        "card" => card(),
         file => read(Path::new(file))?,
     };
     mesh.notes.iter().for_each(|note| console.note(note));
+    if let Some(path) = &args.pattern_map {
+        mesh.orientation = pattern_map(path, &skins, console)?;
+    }
     turn(&mut mesh, args.orientation);
     let mut place = Place { route: Backend::Vulkan.name().to_owned(), ..Place::default() };
     enter(place.clone());
@@ -127,7 +135,7 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let is_exr = out.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
     let bytes = match (&rows[0][..], args.sweep) {
         ([one], _) if is_exr => exr(one.width, one.height, &one.pixels)?,
-        (_, Some(Sweep::Turntable | Sweep::Recede)) => {
+        (_, Some(Sweep::Turntable | Sweep::Recede | Sweep::Tilt)) => {
             animation(&rows.iter().flatten().map(shown).collect::<Vec<Picture>>(), FRAME_MS)?
         }
         _ => {
@@ -142,6 +150,40 @@ pub(super) fn run(args: &Args, console: &Console) -> Result<Outcome> {
         rows.iter().map(Vec::len).sum::<usize>(),
     ));
     Ok(Outcome::Done)
+}
+
+/// A pattern map for a mesh, within the ranges of all skins.
+fn pattern_map(path: &Path, skins: &[Skin], console: &Console) -> Result<OrientationMap> {
+    let mut map = input::read_pattern(path, &GivenRanges::default())?;
+    for Skin { variant, .. } in skins {
+        if !variant.pattern {
+            bail!(
+                "--pattern-map {}: {} has no patterns; use a variant with mode = \"orders\" and pattern = true",
+                path.display(),
+                variant.name
+            );
+        }
+        let ranges =
+            Ranges { period_ratio: variant.period_ratio, depth_ratio: variant.depth_ratio };
+        let clamped = map.clamp(&ranges);
+        if clamped > 0 {
+            console.note(&format!(
+                "{}: {clamped} texels have ratios outside the period_ratio or depth_ratio of {}; the nearest are used",
+                path.display(),
+                variant.name
+            ));
+        }
+    }
+    Ok(OrientationMap {
+        width: map.width(),
+        height: map.height(),
+        angles: map.texels().iter().map(|texel| texel.angle_rad as f32).collect(),
+        ratios: map
+            .texels()
+            .iter()
+            .map(|texel| [texel.period_ratio, texel.depth_ratio, texel.mask].map(|x| x as f32))
+            .collect(),
+    })
 }
 
 /// Draws all pictures of one skin.
@@ -172,6 +214,13 @@ fn sweep(
             .receding(mesh, args.size.0, args.frames)?
             .into_iter()
             .map(|orbit| at(orbit, &lights, 0.0))
+            .collect(),
+        Some(Sweep::Tilt) => (0..args.frames)
+            .map(|frame| {
+                let turn = std::f64::consts::TAU * f64::from(frame) / f64::from(args.frames);
+                let azimuth_deg = orbit.azimuth_deg + TILT_DEG * turn.sin();
+                at(Orbit { azimuth_deg, ..orbit }, &lights, 0.0)
+            })
             .collect(),
         Some(Sweep::Turntable) => (0..args.frames)
             .map(|frame| {

@@ -40,20 +40,23 @@ fn scene_skin(
     @location(2) tangent: vec4f,
     @location(3) uv: vec2f,
 ) -> @location(0) vec4f {
-    let colour = body(place, normal, tangent, uv);
-    return vec4f(held(colour + glints(place, normal, tangent, uv)), 1.0);
+    // the frame has the angle of the map
+    let ratios = pattern_ratios(uv);
+    let pattern = vec4f(1.0, 0.0, ratios.xy);
+    let colour = body(ratios.z, place, normal, tangent, uv);
+    return vec4f(held(colour + ratios.z * glints(place, normal, tangent, uv)), 1.0);
 }
 
-// (1 - w_d) times the lit texture, and w_d times the unlit one.
-fn body(place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
+// (1 - w_d) times the lit texture, and w_d times the unlit one. `covered`: share of the area below the relief.
+fn body(covered: f32, place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
     let texture = textureSample(body_colour, body_sampler, uv).rgb;
-    let lit = diffuse(place, normal, tangent, uv);
+    let lit = diffuse(covered, place, normal, tangent, uv);
     return ((1.0 - shade.blend.x) * lit + shade.blend.x * shade.blend.z) * texture;
 }
 
 // Radiance of a white body: (1 - R) times irradiance over π, summed over the lights. R is the Fresnel reflectance at the half
 // vector between the viewer and the middle of the light; for skies and maps, between the viewer and the normal.
-fn diffuse(place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
+fn diffuse(covered: f32, place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
     let wr = in_frame(mesh_params.eye.xyz - place, normal, tangent, uv);
     if (!(wr.z > 0.0)) {
         return vec3f(0.0);
@@ -61,19 +64,19 @@ fn diffuse(place: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> vec3f {
     var irradiance = vec3f(0.0);
     for (var i = 0; i < i32(shade.counts.x); i++) {
         let wi = in_frame(shade.directions[i].xyz, normal, tangent, uv);
-        irradiance += transmitted(wi, wr) * max(wi.z, 0.0) * shade.powers[i].rgb;
+        irradiance += transmitted(covered, wi, wr) * max(wi.z, 0.0) * shade.powers[i].rgb;
     }
     for (var i = 0; i < i32(shade.counts.y); i++) {
         // a disc across the horizon counts whole or not at all
         let wi = in_frame(shade.discs[i].xyz, normal, tangent, uv);
-        irradiance += transmitted(wi, wr) * max(wi.z, 0.0) * shade.powers[FIRST_DISC + i].rgb;
+        irradiance += transmitted(covered, wi, wr) * max(wi.z, 0.0) * shade.powers[FIRST_DISC + i].rgb;
     }
     for (var i = 0; i < i32(shade.counts.z); i++) {
-        irradiance += polygon_share(i, wr, normal, tangent, uv) * shade.powers[FIRST_POLYGON + i].rgb;
+        irradiance += polygon_share(covered, i, wr, normal, tangent, uv) * shade.powers[FIRST_POLYGON + i].rgb;
     }
     var white = irradiance / 3.1415927;
     if (shade.counts.w > 0.5) {
-        white += transmitted(vec3f(0.0, 0.0, 1.0), wr) * white_under_surroundings(unit(normal, 1e-8));
+        white += transmitted(covered, vec3f(0.0, 0.0, 1.0), wr) * white_under_surroundings(unit(normal, 1e-8));
     }
     return white;
 }
@@ -95,16 +98,16 @@ fn white_line(row: i32, left: i32, share: f32) -> vec3f {
 }
 
 // 1 - R for light from a direction. Below a metal there is no body, and below other matter R is that of normal incidence.
-fn transmitted(wi: vec3f, wr: vec3f) -> f32 {
+fn transmitted(covered: f32, wi: vec3f, wr: vec3f) -> f32 {
     if (BODY_SHARE < 1.0) {
-        return BODY_SHARE;
+        return mix(1.0, BODY_SHARE, covered);
     }
-    return 1.0 - body_reflectance(dot(unit(wi + wr, 1e-8), wr));
+    return 1.0 - covered * body_reflectance(dot(unit(wi + wr, 1e-8), wr));
 }
 
 // 1 - R times the integral of the cosine over the part of a polygon above the horizon: half the sum over its edges (Lambert
 // 1760; Arvo 1995). Where the polygon is cut, the horizon is an edge.
-fn polygon_share(index: i32, wr: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> f32 {
+fn polygon_share(covered: f32, index: i32, wr: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f) -> f32 {
     let count = i32(shade.powers[FIRST_POLYGON + index].w);
     var start = corner(index, count - 1, normal, tangent, uv);
     var middle = vec3f(0.0);
@@ -131,7 +134,7 @@ fn polygon_share(index: i32, wr: vec3f, normal: vec3f, tangent: vec4f, uv: vec2f
     }
     sum += edge_share(sets, rises);
     // a mirrored frame turns the corners round
-    return 0.5 * abs(sum) * transmitted(unit(middle, 1e-8), wr);
+    return 0.5 * abs(sum) * transmitted(covered, unit(middle, 1e-8), wr);
 }
 
 // The angle of an edge times the z of the normal of its plane. Short edges take a series, since the sum over the edges of a small
@@ -269,8 +272,10 @@ fn scene_parts(
     @location(2) tangent: vec4f,
     @location(3) uv: vec2f,
 ) -> Parts {
-    let diffracted = glints(place, normal, tangent, uv);
-    let white = diffuse(place, normal, tangent, uv);
+    let ratios = pattern_ratios(uv);
+    let pattern = vec4f(1.0, 0.0, ratios.xy);
+    let diffracted = ratios.z * glints(place, normal, tangent, uv);
+    let white = diffuse(ratios.z, place, normal, tangent, uv);
     return Parts(vec4f(diffracted, 1.0), vec4f(white, 1.0));
 }
 

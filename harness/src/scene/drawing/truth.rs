@@ -8,9 +8,9 @@ use diffraction_shaders::optics::colour_difference::{ColourDifference, colour_di
 use diffraction_shaders::optics::{Matter, REFERENCE_NM};
 use diffraction_shaders::tables::Table;
 use diffraction_shaders::variant::mesh::{
-    MeshParams, MeshVertex, Vertex, in_frame, mesh as shaded,
+    MeshParams, MeshVertex, OrientationMap, Vertex, in_frame, mesh as shaded, pattern_ratios,
 };
-use diffraction_shaders::variant::{Arguments, Around, Twin};
+use diffraction_shaders::variant::{Arguments, Around, Pattern, Twin};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
@@ -77,7 +77,10 @@ pub fn truth(
         &|twin, pixel| shaded(twin, params, map, &pixel.at, &pixel.next),
         &|twin, pixel| {
             let call = Arguments::Spread { directions: pixel.used, spread: pixel.spread };
-            twin.evaluate(call).unwrap_or_else(|| twin.tristimulus(pixel.used))
+            on_texel(twin, map, &pixel.at, &|twin| {
+                DVec3::from(twin.evaluate(call).unwrap_or_else(|| twin.tristimulus(pixel.used)))
+            })
+            .to_array()
         },
     )
 }
@@ -117,17 +120,22 @@ pub fn truth_under(
         &|pixel| drawn[pixel.index].0,
         &|twin, pixel| {
             let wr = in_frame(turns, eye - pixel.at.place, &pixel.at);
-            lit(twin, frame(&pixel.at), wr).to_array()
+            let colour = |twin: &Twin<'_>| lit(twin, frame(&pixel.at), wr);
+            on_texel(twin, turns, &pixel.at, &colour).to_array()
         },
-        &|twin, pixel| lit(twin, frames[pixel.index], pixel.used.wr).to_array(),
+        &|twin, pixel| {
+            let colour = |twin: &Twin<'_>| lit(twin, frames[pixel.index], pixel.used.wr);
+            on_texel(twin, turns, &pixel.at, &colour).to_array()
+        },
     )?;
     let matter = prepared.form.matter();
     let around = Surroundings::new(lights);
     let white = |pixel: &Pixel| {
         let wr = in_frame(turns, eye - pixel.at.place, &pixel.at);
         let to_frame = frame(&pixel.at);
-        let each = lights.iter().map(|light| reflected(matter, light, to_frame, wr));
-        each.sum::<DVec3>() + reflected_around(matter, around.as_ref(), to_frame, wr)
+        let covered = pattern_ratios(turns, pixel.at.uv).z;
+        let each = lights.iter().map(|light| reflected(matter, covered, light, to_frame, wr));
+        each.sum::<DVec3>() + reflected_around(matter, covered, around.as_ref(), to_frame, wr)
     };
     let whites: Vec<DVec3> = scene.pixels.iter().map(white).collect();
     let most = whites.iter().map(|white| white.max_element()).fold(f64::MIN_POSITIVE, f64::max);
@@ -181,35 +189,50 @@ fn diffracted(twin: &Twin<'_>, scale: f64, light: &Light, to_frame: DMat3, wr: D
 }
 
 /// Radiance of a white body of this matter under a light of the world that is no sky and no map.
-fn reflected(matter: &Matter, light: &Light, to_frame: DMat3, wr: DVec3) -> DVec3 {
+fn reflected(matter: &Matter, covered: f64, light: &Light, to_frame: DMat3, wr: DVec3) -> DVec3 {
     if wr.z <= 0.0 {
         return DVec3::ZERO;
     }
     let normal = to_frame.transpose() * DVec3::Z;
-    let share = transmitted(matter, to_frame * middle(light), wr);
+    let share = transmitted(matter, covered, to_frame * middle(light), wr);
     share / std::f64::consts::PI * irradiance(light, normal)
 }
 
 /// The same under all skies and maps, whose light counts as coming along the normal.
 fn reflected_around(
     matter: &Matter,
+    covered: f64,
     around: Option<&Surroundings>,
     to_frame: DMat3,
     wr: DVec3,
 ) -> DVec3 {
     match around {
         Some(around) if wr.z > 0.0 => {
-            transmitted(matter, DVec3::Z, wr) * around.white(to_frame.transpose() * DVec3::Z)
+            transmitted(matter, covered, DVec3::Z, wr)
+                * around.white(to_frame.transpose() * DVec3::Z)
         }
         _ => DVec3::ZERO,
     }
 }
 
-/// The share of light that reaches the body.
-fn transmitted(matter: &Matter, wi: DVec3, wr: DVec3) -> f64 {
+/// The share of light that reaches the body, of which a part is covered by the relief.
+fn transmitted(matter: &Matter, covered: f64, wi: DVec3, wr: DVec3) -> f64 {
     let half = (wi + wr).normalize_or_zero();
     let reflected = || matter.reflectances(REFERENCE_NM, half.dot(wr))[0];
-    matter.body_share().unwrap_or_else(|| 1.0 - reflected())
+    1.0 - covered * (1.0 - matter.body_share().unwrap_or_else(|| 1.0 - reflected()))
+}
+
+/// The colour of a point by the twin of its texel; what is not covered by the relief adds nothing.
+fn on_texel(
+    twin: &Twin<'_>,
+    map: &OrientationMap,
+    at: &MeshVertex,
+    colour: &dyn Fn(&Twin<'_>) -> DVec3,
+) -> DVec3 {
+    // the frame has the angle of the map
+    let [period_ratio, depth_ratio, covered] = pattern_ratios(map, at.uv).to_array();
+    let form = twin.form.patterned(&Pattern { angle_deg: 0.0, period_ratio, depth_ratio });
+    covered * colour(&Twin { form: &form, ..*twin })
 }
 
 /// A scene as a driver and as the rasteriser see it.
