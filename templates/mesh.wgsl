@@ -127,27 +127,42 @@ fn orientation(uv: vec2f) -> vec2f {
     let corner = floor(place);
     let share = place - corner;
     let right = corner + vec2f(1.0, 0.0);
-    let above = mix(texel_turn(corner, size), texel_turn(right, size), share.x);
     let under = vec2f(0.0, 1.0);
-    let below = mix(texel_turn(corner + under, size), texel_turn(right + under, size), share.x);
-    let turn = mix(above, below, share.y);
+    let first = texel_turn(corner, size);
+    let second = texel_turn(right, size);
+    let third = texel_turn(corner + under, size);
+    let fourth = texel_turn(right + under, size);
+#ifdef PATTERN
+    // gratings that differ by some 8° are parted by an edge: the direction between them is that of neither
+    let mean = 0.25 * (first + second + third + fourth);
+    if (dot(mean, mean) < 0.98) {
+        return texel_turn(floor(place + 0.5), size);
+    }
+#endif
+    let turn = mix(mix(first, second, share.x), mix(third, fourth, share.x), share.y);
     let squared = dot(turn, turn);
     let direction = turn * inverseSqrt(max(squared, 1e-8));
     return select(vec2f(1.0, 0.0), direction, squared > 1e-8);
 }
 
 #ifdef PATTERN
-// Period, depth and covered share of the map, bilinear.
+// Period, depth and covered share of the map, bilinear. Periods and depths of texels that differ by more than 2 % are not mixed.
 fn pattern_ratios(uv: vec2f) -> vec3f {
     let size = vec2f(textureDimensions(orientation_map, 0));
     let place = (uv - floor(uv)) * size - 0.5;
     let corner = floor(place);
     let share = place - corner;
     let right = corner + vec2f(1.0, 0.0);
-    let above = mix(texel_ratios(corner, size), texel_ratios(right, size), share.x);
     let under = vec2f(0.0, 1.0);
-    let below = mix(texel_ratios(corner + under, size), texel_ratios(right + under, size), share.x);
-    return mix(above, below, share.y);
+    let first = texel_ratios(corner, size);
+    let second = texel_ratios(right, size);
+    let third = texel_ratios(corner + under, size);
+    let fourth = texel_ratios(right + under, size);
+    let ratios = mix(mix(first, second, share.x), mix(third, fourth, share.x), share.y);
+    let most = max(max(first.xy, second.xy), max(third.xy, fourth.xy));
+    let least = min(min(first.xy, second.xy), min(third.xy, fourth.xy));
+    let nearest = texel_ratios(floor(place + 0.5), size);
+    return vec3f(select(ratios.xy, nearest.xy, most > 1.02 * least), ratios.z);
 }
 
 // Period, depth and covered share of one texel of the map, which repeats.

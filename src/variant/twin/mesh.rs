@@ -66,7 +66,7 @@ pub struct OrientationMap {
     pub height: usize,
     /// The angles.
     pub angles: Vec<f32>,
-    /// Period and depth relative to those of the surface, and the covered share. Empty where all are 1.
+    /// Period and depth relative to those of the surface, and the covered share. Empty for variants without patterns.
     pub ratios: Vec<[f32; 3]>,
 }
 
@@ -149,9 +149,13 @@ fn orientation(map: &OrientationMap, uv: DVec2) -> DVec2 {
     let corner = place.floor();
     let share = place - corner;
     let turn = |x, y| texel_turn(map, corner + DVec2::new(x, y));
-    let above = turn(0.0, 0.0).lerp(turn(1.0, 0.0), share.x);
-    let below = turn(0.0, 1.0).lerp(turn(1.0, 1.0), share.x);
-    let turn = above.lerp(below, share.y);
+    let [first, second, third, fourth] =
+        [turn(0.0, 0.0), turn(1.0, 0.0), turn(0.0, 1.0), turn(1.0, 1.0)];
+    let mean = 0.25 * (first + second + third + fourth);
+    if !map.ratios.is_empty() && mean.length_squared() < 0.98 {
+        return texel_turn(map, (place + 0.5).floor());
+    }
+    let turn = first.lerp(second, share.x).lerp(third.lerp(fourth, share.x), share.y);
     let squared = turn.length_squared();
     if squared > MIN_SHARE { turn / squared.sqrt() } else { DVec2::X }
 }
@@ -170,10 +174,14 @@ pub fn pattern_ratios(map: &OrientationMap, uv: DVec2) -> DVec3 {
     let place = (uv - uv.floor()) * size - 0.5;
     let corner = place.floor();
     let share = place - corner;
-    let ratios = |x, y| texel_ratios(map, corner + DVec2::new(x, y));
-    let above = ratios(0.0, 0.0).lerp(ratios(1.0, 0.0), share.x);
-    let below = ratios(0.0, 1.0).lerp(ratios(1.0, 1.0), share.x);
-    above.lerp(below, share.y)
+    let at = |x, y| texel_ratios(map, corner + DVec2::new(x, y));
+    let [first, second, third, fourth] = [at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0), at(1.0, 1.0)];
+    let ratios = first.lerp(second, share.x).lerp(third.lerp(fourth, share.x), share.y);
+    let most = first.max(second).max(third.max(fourth));
+    let least = first.min(second).min(third.min(fourth));
+    let nearest = texel_ratios(map, (place + 0.5).floor());
+    let mixed = |i: usize| if most[i] > 1.02 * least[i] { nearest[i] } else { ratios[i] };
+    DVec3::new(mixed(0), mixed(1), ratios.z)
 }
 
 /// Period, depth and covered share of one texel of the map, which repeats.

@@ -350,14 +350,12 @@ float2 orientation(float2 uv_2)
     float2 corner = floor(place_10);
     float2 share = (place_10 - corner);
     float2 right = (corner + float2(1.0, 0.0));
-    const float2 _e17 = texel_turn(corner, size_1);
-    const float2 _e18 = texel_turn(right, size_1);
-    float2 above = lerp(_e17, _e18, share.x);
     float2 under = float2(0.0, 1.0);
-    const float2 _e25 = texel_turn((corner + under), size_1);
-    const float2 _e27 = texel_turn((right + under), size_1);
-    float2 below = lerp(_e25, _e27, share.x);
-    float2 turn = lerp(above, below, share.y);
+    const float2 _e20 = texel_turn(corner, size_1);
+    const float2 _e21 = texel_turn(right, size_1);
+    const float2 _e23 = texel_turn((corner + under), size_1);
+    const float2 _e25 = texel_turn((right + under), size_1);
+    float2 turn = lerp(lerp(_e20, _e21, share.x), lerp(_e23, _e25, share.x), share.y);
     float squared_4 = dot(turn, turn);
     float2 direction_1 = (turn * rsqrt(max(squared_4, 1e-8)));
     return ((squared_4 > 1e-8) ? direction_1 : float2(1.0, 0.0));
@@ -464,20 +462,23 @@ float4 mesh(FragmentInput_mesh fragmentinput_mesh) : SV_Target0
     float4 tangent_1 = fragmentinput_mesh.tangent_4;
     float2 uv_1 = fragmentinput_mesh.uv_5;
     bool local = (bool)0;
+    float3 colour = (float3)0;
 
-    float4 _e7 = mesh_params.light_direction;
-    const float3 _e9 = in_frame(_e7.xyz, normal_1, tangent_1, uv_1);
-    float4 _e12 = mesh_params.eye;
-    const float3 _e15 = in_frame((_e12.xyz - place_2), normal_1, tangent_1, uv_1);
-    if ((_e9.z > 0.0)) {
-        local = (_e15.z > 0.0);
+    float4 _e8 = mesh_params.light_direction;
+    const float3 _e10 = in_frame(_e8.xyz, normal_1, tangent_1, uv_1);
+    float4 _e13 = mesh_params.eye;
+    const float3 _e16 = in_frame((_e13.xyz - place_2), normal_1, tangent_1, uv_1);
+    if ((_e10.z > 0.0)) {
+        local = (_e16.z > 0.0);
     } else {
         local = false;
     }
-    bool _e23 = local;
-    if (!(_e23)) {
+    bool _e24 = local;
+    if (!(_e24)) {
         return float4(0.0, 0.0, 0.0, 1.0);
     }
-    const float3 _e30 = diffraction(_e9, _e15);
-    return float4(_e30, 1.0);
+    const float3 _e31 = diffraction(_e10, _e16);
+    colour = _e31;
+    float3 _e32 = colour;
+    return float4(_e32, 1.0);
 }

@@ -40,6 +40,7 @@ struct MeshVertex {
     metal::float2 uv;
     char _pad5[8];
 };
+constant int ARGUMENT_ROWS = 5;
 constant float BROADEST = 4.0;
 constant int CANDIDATE_COUNT = 190;
 constant float COHERENCE_UM = 107.062;
@@ -492,7 +493,7 @@ metal::float3 edge_normal(
     float side_2,
     metal::float3 centre
 ) {
-    metal::float3 normal_4 = side_2 * metal::cross(start, end);
+    metal::float3 normal_4 = side_2 * metal::cross(start, end - start);
     float squared_6 = metal::dot(normal_4, normal_4);
     if (squared_6 < 0.000000000001) {
         return centre;
@@ -559,13 +560,16 @@ metal::float2 crossings(
     metal::float2 lamp = metal::float2(metal::dot(axis.xy, _e4.xy), metal::dot(axis.xy, across_1));
     float apart = start_2.y - lamp.y;
     float sine_squared = chord_squared * (1.0 - (0.25 * chord_squared));
-    float squared_7 = (sine_squared - (apart * apart)) - ((chord_squared * start_2.y) * lamp.y);
+    float of_cap = (sine_squared - (apart * apart)) - ((chord_squared * start_2.y) * lamp.y);
+    float size_squared = metal::max((lamp.x * lamp.x) + (axis.z * axis.z), 0.000000000001);
+    float size_2 = metal::sqrt(size_squared);
+    float of_edge = (size_2 - start_2.y) * (size_2 + start_2.y);
+    float squared_7 = (chord_squared == 2.0) ? of_edge : of_cap;
     if (squared_7 <= 0.0) {
         return metal::float2(1000000000.0);
     }
     metal::float2 root = metal::sqrt(squared_7) * metal::float2(-1.0, 1.0);
     float middle = (1.0 - (0.5 * chord_squared)) - (start_2.y * lamp.y);
-    float size_squared = metal::max((lamp.x * lamp.x) + (axis.z * axis.z), 0.000000000001);
     metal::float2 places = (metal::float2(lamp.x * middle) + (axis.z * root)) / metal::float2(size_squared);
     metal::float2 heights = metal::float2(axis.z * middle) - (lamp.x * root);
     return metal::select(metal::float2(1000000000.0), (metal::float2(start_2.x) - places) / metal::float2(_e4.z), heights > metal::float2(0.0));
@@ -691,7 +695,7 @@ metal::float3 moments_between(
     float from_um_3,
     float to_um_3,
     metal::float4 powers,
-    metal::float3 colour,
+    metal::float3 colour_1,
     metal::texture2d<float, metal::access::sample> moments
 ) {
     metal::float4 x = {};
@@ -699,10 +703,10 @@ metal::float3 moments_between(
     metal::float4 z = {};
     bool local_4 = {};
     metal::float4x4 _e9 = moments_of(0, from_um_3, to_um_3, moments);
-    x = colour.z * _e9[0];
-    y = colour.z * _e9[1];
-    z = colour.z * _e9[2];
-    metal::float2 more = colour.xy - metal::float2(colour.z);
+    x = colour_1.z * _e9[0];
+    y = colour_1.z * _e9[1];
+    z = colour_1.z * _e9[2];
+    metal::float2 more = colour_1.xy - metal::float2(colour_1.z);
     if (!((more.x != 0.0))) {
         local_4 = more.y != 0.0;
     } else {
@@ -749,7 +753,7 @@ metal::float3 panel_colour(
     metal::float2 frequency_7,
     float from_um_4,
     float to_um_4,
-    metal::float3 colour_1,
+    metal::float3 colour_2,
     metal::float3 wr_10,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> moments
@@ -767,7 +771,7 @@ metal::float3 panel_colour(
     float square_1 = 0.35355338 * (((_e17 - _e19) - _e21) + _e23);
     float cube_1 = 0.5 * ((0.38268343 * (_e17 - _e23)) - (0.9238795 * (_e19 - _e21)));
     metal::float4 powers_1 = metal::float4(mean - square_1, linear_1 - (3.0 * cube_1), 2.0 * square_1, 4.0 * cube_1);
-    metal::float3 _e61 = moments_between(from_um_4, to_um_4, powers_1, colour_1, moments);
+    metal::float3 _e61 = moments_between(from_um_4, to_um_4, powers_1, colour_2, moments);
     return _e61;
 }
 
@@ -775,7 +779,7 @@ metal::float3 order_colour(
     metal::int2 order_4,
     float from_um_5,
     float to_um_5,
-    metal::float3 colour_2,
+    metal::float3 colour_3,
     metal::float3 wr_11,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> moments
@@ -810,7 +814,7 @@ metal::float3 order_colour(
             metal::float3 _e23 = xyz_1;
             float _e24 = start_um;
             float _e25 = end_um;
-            metal::float3 _e26 = panel_colour(order_4, _e12, _e24, _e25, colour_2, wr_11, efficiencies, moments);
+            metal::float3 _e26 = panel_colour(order_4, _e12, _e24, _e25, colour_3, wr_11, efficiencies, moments);
             xyz_1 = _e23 + _e26;
             float _e28 = end_um;
             start_um = _e28;
@@ -823,7 +827,7 @@ metal::float3 order_colour(
 metal::float3 tristimulus_disc_coloured(
     metal::float3 axis_2,
     float radius_1,
-    metal::float3 colour_3,
+    metal::float3 colour_4,
     metal::float3 wr_12,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> moments
@@ -965,7 +969,7 @@ metal::float3 tristimulus_disc_coloured(
             metal::int2 _e130 = order_5;
             float _e131 = from_um_6;
             float _e132 = to_um_6;
-            metal::float3 _e133 = order_colour(_e130, _e131, _e132, colour_3, _e35, efficiencies, moments);
+            metal::float3 _e133 = order_colour(_e130, _e131, _e132, colour_4, _e35, efficiencies, moments);
             xyz_2 = _e129 + _e133;
         }
     }
@@ -991,7 +995,7 @@ metal::float3 tristimulus_rectangle_coloured(
     metal::float3 b,
     metal::float3 c,
     metal::float3 d,
-    metal::float3 colour_4,
+    metal::float3 colour_5,
     metal::float3 wr_14,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> moments
@@ -1176,7 +1180,7 @@ metal::float3 tristimulus_rectangle_coloured(
             metal::int2 _e199 = order_6;
             float _e200 = from_um_7;
             float _e201 = to_um_7;
-            metal::float3 _e202 = order_colour(_e199, _e200, _e201, colour_4, _e40, efficiencies, moments);
+            metal::float3 _e202 = order_colour(_e199, _e200, _e201, colour_5, _e40, efficiencies, moments);
             xyz_3 = _e198 + _e202;
         }
     }
@@ -1207,8 +1211,8 @@ metal::float3 environment_level(
     float rows = static_cast<float>(ENVIRONMENT_ROWS >> static_cast<uint>(metal::max(as_type<int>(as_type<uint>(level) - as_type<uint>(1)), 0)));
     float above = (level > 0) ? ((1536.0 + (2.0 * static_cast<float>(level))) - (2.0 * rows)) : 0.0;
     metal::float2 texel_1 = metal::float2(1.0 + ((2.0 * rows) * place_4.x), (above + 1.0) + (rows * place_4.y));
-    metal::float2 size_2 = metal::float2(1026.0, 1550.0);
-    metal::float4 _e41 = environment.sample(linear_clamp, texel_1 / size_2, metal::level(0.0));
+    metal::float2 size_3 = metal::float2(1026.0, 1550.0);
+    metal::float4 _e41 = environment.sample(linear_clamp, texel_1 / size_3, metal::level(0.0));
     return _e41.xyz;
 }
 
@@ -1459,12 +1463,12 @@ metal::float3 diffraction_disc(
 metal::float3 diffraction_disc_coloured(
     metal::float3 axis_5,
     float radius_4,
-    metal::float3 colour_5,
+    metal::float3 colour_6,
     metal::float3 wr_21,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> moments
 ) {
-    metal::float3 _e4 = tristimulus_disc_coloured(axis_5, radius_4, colour_5, wr_21, efficiencies, moments);
+    metal::float3 _e4 = tristimulus_disc_coloured(axis_5, radius_4, colour_6, wr_21, efficiencies, moments);
     metal::float3 _e5 = to_rgb(_e4);
     return _e5;
 }
@@ -1488,12 +1492,12 @@ metal::float3 diffraction_rectangle_coloured(
     metal::float3 b_3,
     metal::float3 c_3,
     metal::float3 d_3,
-    metal::float3 colour_6,
+    metal::float3 colour_7,
     metal::float3 wr_23,
     metal::texture2d<float, metal::access::sample> efficiencies,
     metal::texture2d<float, metal::access::sample> moments
 ) {
-    metal::float3 _e6 = tristimulus_rectangle_coloured(a_3, b_3, c_3, d_3, colour_6, wr_23, efficiencies, moments);
+    metal::float3 _e6 = tristimulus_rectangle_coloured(a_3, b_3, c_3, d_3, colour_7, wr_23, efficiencies, moments);
     metal::float3 _e7 = to_rgb(_e6);
     return _e7;
 }
@@ -1533,9 +1537,9 @@ metal::float3 probe_colour(
     int row_10,
     metal::texture2d<float, metal::access::sample> directions
 ) {
-    metal::float4 _e9 = directions.read(metal::uint2(metal::int2(column_6, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_10))) + as_type<uint>(2)))), 0);
-    metal::float4 _e17 = directions.read(metal::uint2(metal::int2(column_6, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_10))) + as_type<uint>(3)))), 0);
-    metal::float4 _e25 = directions.read(metal::uint2(metal::int2(column_6, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_10))) + as_type<uint>(4)))), 0);
+    metal::float4 _e9 = directions.read(metal::uint2(metal::int2(column_6, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(ARGUMENT_ROWS) * as_type<uint>(row_10))) + as_type<uint>(2)))), 0);
+    metal::float4 _e17 = directions.read(metal::uint2(metal::int2(column_6, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(ARGUMENT_ROWS) * as_type<uint>(row_10))) + as_type<uint>(3)))), 0);
+    metal::float4 _e25 = directions.read(metal::uint2(metal::int2(column_6, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(ARGUMENT_ROWS) * as_type<uint>(row_10))) + as_type<uint>(4)))), 0);
     return metal::float3(_e9.w, _e17.w, _e25.w);
 }
 
@@ -1590,19 +1594,17 @@ metal::float2 orientation(
     metal::float2 uv_4,
     metal::texture2d<float, metal::access::sample> orientation_map
 ) {
-    metal::float2 size_3 = static_cast<metal::float2>(metal::uint2(orientation_map.get_width(0), orientation_map.get_height(0)));
-    metal::float2 place_10 = ((uv_4 - metal::floor(uv_4)) * size_3) - metal::float2(0.5);
+    metal::float2 size_4 = static_cast<metal::float2>(metal::uint2(orientation_map.get_width(0), orientation_map.get_height(0)));
+    metal::float2 place_10 = ((uv_4 - metal::floor(uv_4)) * size_4) - metal::float2(0.5);
     metal::float2 corner_1 = metal::floor(place_10);
     metal::float2 share_4 = place_10 - corner_1;
     metal::float2 right = corner_1 + metal::float2(1.0, 0.0);
-    metal::float2 _e17 = texel_turn(corner_1, size_3, orientation_map);
-    metal::float2 _e18 = texel_turn(right, size_3, orientation_map);
-    metal::float2 above_1 = metal::mix(_e17, _e18, share_4.x);
     metal::float2 under = metal::float2(0.0, 1.0);
-    metal::float2 _e25 = texel_turn(corner_1 + under, size_3, orientation_map);
-    metal::float2 _e27 = texel_turn(right + under, size_3, orientation_map);
-    metal::float2 below = metal::mix(_e25, _e27, share_4.x);
-    metal::float2 turn = metal::mix(above_1, below, share_4.y);
+    metal::float2 _e20 = texel_turn(corner_1, size_4, orientation_map);
+    metal::float2 _e21 = texel_turn(right, size_4, orientation_map);
+    metal::float2 _e23 = texel_turn(corner_1 + under, size_4, orientation_map);
+    metal::float2 _e25 = texel_turn(right + under, size_4, orientation_map);
+    metal::float2 turn = metal::mix(metal::mix(_e20, _e21, share_4.x), metal::mix(_e23, _e25, share_4.x), share_4.y);
     float squared_10 = metal::dot(turn, turn);
     metal::float2 direction_5 = turn * metal::rsqrt(metal::max(squared_10, 0.00000001));
     return (squared_10 > 0.00000001) ? direction_5 : metal::float2(1.0, 0.0);
@@ -1691,8 +1693,8 @@ fragment probeOutput probe(
     int column_9 = naga_f2i32(_e2.x);
     float _e8 = params.size.y;
     int row_12 = naga_f2i32((_e8 - 1.0) - _e2.y);
-    metal::float4 first_4 = directions.read(metal::uint2(metal::int2(column_9, as_type<int>(as_type<uint>(5) * as_type<uint>(row_12)))), 0);
-    metal::float4 viewer = directions.read(metal::uint2(metal::int2(column_9, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_12))) + as_type<uint>(1)))), 0);
+    metal::float4 first_4 = directions.read(metal::uint2(metal::int2(column_9, as_type<int>(as_type<uint>(ARGUMENT_ROWS) * as_type<uint>(row_12)))), 0);
+    metal::float4 viewer = directions.read(metal::uint2(metal::int2(column_9, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(ARGUMENT_ROWS) * as_type<uint>(row_12))) + as_type<uint>(1)))), 0);
     if (first_4.w == 1.0) {
         metal::float3 _e34 = tristimulus_disc(first_4.xyz, viewer.w, viewer.xyz, efficiencies, moments);
         return probeOutput { metal::float4(_e34, 1.0) };
@@ -1709,11 +1711,11 @@ fragment probeOutput probe(
     }
     bool _e55 = local;
     if (_e55) {
-        metal::float4 _e63 = directions.read(metal::uint2(metal::int2(column_9, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_12))) + as_type<uint>(2)))), 0);
+        metal::float4 _e63 = directions.read(metal::uint2(metal::int2(column_9, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(ARGUMENT_ROWS) * as_type<uint>(row_12))) + as_type<uint>(2)))), 0);
         metal::float3 second_1 = _e63.xyz;
-        metal::float4 _e72 = directions.read(metal::uint2(metal::int2(column_9, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_12))) + as_type<uint>(3)))), 0);
+        metal::float4 _e72 = directions.read(metal::uint2(metal::int2(column_9, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(ARGUMENT_ROWS) * as_type<uint>(row_12))) + as_type<uint>(3)))), 0);
         metal::float3 third_1 = _e72.xyz;
-        metal::float4 _e81 = directions.read(metal::uint2(metal::int2(column_9, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_12))) + as_type<uint>(4)))), 0);
+        metal::float4 _e81 = directions.read(metal::uint2(metal::int2(column_9, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(ARGUMENT_ROWS) * as_type<uint>(row_12))) + as_type<uint>(4)))), 0);
         metal::float3 fourth = _e81.xyz;
         if (first_4.w == 2.0) {
             metal::float3 _e88 = tristimulus_rectangle(first_4.xyz, second_1, third_1, fourth, viewer.xyz, efficiencies, moments);
@@ -1795,19 +1797,22 @@ fragment meshOutput mesh(
     const auto tangent_1 = varyings_4.tangent_1;
     const auto uv_1 = varyings_4.uv_1;
     bool local_1 = {};
-    metal::float4 _e7 = mesh_params.light_direction;
-    metal::float3 _e9 = in_frame(_e7.xyz, normal_1, tangent_1, uv_1, orientation_map);
-    metal::float4 _e12 = mesh_params.eye;
-    metal::float3 _e15 = in_frame(_e12.xyz - place_2, normal_1, tangent_1, uv_1, orientation_map);
-    if (_e9.z > 0.0) {
-        local_1 = _e15.z > 0.0;
+    metal::float3 colour = {};
+    metal::float4 _e8 = mesh_params.light_direction;
+    metal::float3 _e10 = in_frame(_e8.xyz, normal_1, tangent_1, uv_1, orientation_map);
+    metal::float4 _e13 = mesh_params.eye;
+    metal::float3 _e16 = in_frame(_e13.xyz - place_2, normal_1, tangent_1, uv_1, orientation_map);
+    if (_e10.z > 0.0) {
+        local_1 = _e16.z > 0.0;
     } else {
         local_1 = false;
     }
-    bool _e23 = local_1;
-    if (!(_e23)) {
+    bool _e24 = local_1;
+    if (!(_e24)) {
         return meshOutput { metal::float4(0.0, 0.0, 0.0, 1.0) };
     }
-    metal::float3 _e30 = diffraction(_e9, _e15, efficiencies, spectrum);
-    return meshOutput { metal::float4(_e30, 1.0) };
+    metal::float3 _e31 = diffraction(_e10, _e16, efficiencies, spectrum);
+    colour = _e31;
+    metal::float3 _e32 = colour;
+    return meshOutput { metal::float4(_e32, 1.0) };
 }

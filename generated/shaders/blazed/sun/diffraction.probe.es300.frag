@@ -18,6 +18,7 @@ struct Params {
     vec4 light;
     vec4 size;
 };
+const int ARGUMENT_ROWS = 5;
 const float BROADEST = 4.0;
 const int CANDIDATE_COUNT = 190;
 const float COHERENCE_UM = 107.062;
@@ -379,7 +380,7 @@ float disc_chord_squared(float radius) {
 }
 
 vec3 edge_normal(vec3 start, vec3 end, float side_2, vec3 centre) {
-    vec3 normal = (side_2 * cross(start, end));
+    vec3 normal = (side_2 * cross(start, (end - start)));
     float squared_6 = dot(normal, normal);
     if ((squared_6 < 1e-12)) {
         return centre;
@@ -428,13 +429,16 @@ vec2 crossings(vec2 frequency_4, vec3 wr_7, vec3 axis, float chord_squared) {
     vec2 lamp = vec2(dot(axis.xy, _e4.xy), dot(axis.xy, across_1));
     float apart = (start_2.y - lamp.y);
     float sine_squared = (chord_squared * (1.0 - (0.25 * chord_squared)));
-    float squared_7 = ((sine_squared - (apart * apart)) - ((chord_squared * start_2.y) * lamp.y));
+    float of_cap = ((sine_squared - (apart * apart)) - ((chord_squared * start_2.y) * lamp.y));
+    float size_squared = max(((lamp.x * lamp.x) + (axis.z * axis.z)), 1e-12);
+    float size_1 = sqrt(size_squared);
+    float of_edge = ((size_1 - start_2.y) * (size_1 + start_2.y));
+    float squared_7 = ((chord_squared == 2.0) ? of_edge : of_cap);
     if ((squared_7 <= 0.0)) {
         return vec2(1000000000.0);
     }
     vec2 root = (sqrt(squared_7) * vec2(-1.0, 1.0));
     float middle = ((1.0 - (0.5 * chord_squared)) - (start_2.y * lamp.y));
-    float size_squared = max(((lamp.x * lamp.x) + (axis.z * axis.z)), 1e-12);
     vec2 places = ((vec2((lamp.x * middle)) + (axis.z * root)) / vec2(size_squared));
     vec2 heights = (vec2((axis.z * middle)) - (lamp.x * root));
     return mix(vec2(1000000000.0), ((vec2(start_2.x) - places) / vec2(_e4.z)), greaterThan(heights, vec2(0.0)));
@@ -983,8 +987,8 @@ vec3 environment_level(int level, vec2 place_2) {
     float rows = float((ENVIRONMENT_ROWS >> uint(max((level - 1), 0))));
     float above = ((level > 0) ? ((1536.0 + (2.0 * float(level))) - (2.0 * rows)) : 0.0);
     vec2 texel = vec2((1.0 + ((2.0 * rows) * place_2.x)), ((above + 1.0) + (rows * place_2.y)));
-    vec2 size_1 = vec2(1026.0, 1550.0);
-    vec4 _e41 = textureLod(_group_0_binding_7_fs, vec2((texel / size_1)), 0.0);
+    vec2 size_2 = vec2(1026.0, 1550.0);
+    vec4 _e41 = textureLod(_group_0_binding_7_fs, vec2((texel / size_2)), 0.0);
     return _e41.xyz;
 }
 
@@ -1181,9 +1185,9 @@ vec2 pixel_of(vec2 place_3) {
 }
 
 vec3 probe_colour(int column_6, int row_10) {
-    vec4 _e9 = texelFetch(_group_0_binding_3_fs, ivec2(column_6, ((5 * row_10) + 2)), 0);
-    vec4 _e17 = texelFetch(_group_0_binding_3_fs, ivec2(column_6, ((5 * row_10) + 3)), 0);
-    vec4 _e25 = texelFetch(_group_0_binding_3_fs, ivec2(column_6, ((5 * row_10) + 4)), 0);
+    vec4 _e9 = texelFetch(_group_0_binding_3_fs, ivec2(column_6, ((ARGUMENT_ROWS * row_10) + 2)), 0);
+    vec4 _e17 = texelFetch(_group_0_binding_3_fs, ivec2(column_6, ((ARGUMENT_ROWS * row_10) + 3)), 0);
+    vec4 _e25 = texelFetch(_group_0_binding_3_fs, ivec2(column_6, ((ARGUMENT_ROWS * row_10) + 4)), 0);
     return vec3(_e9.w, _e17.w, _e25.w);
 }
 
@@ -1194,8 +1198,8 @@ void main() {
     int column_9 = int(_e2.x);
     float _e8 = _group_0_binding_0_fs.size.y;
     int row_12 = int(((_e8 - 1.0) - _e2.y));
-    vec4 first_4 = texelFetch(_group_0_binding_3_fs, ivec2(column_9, (5 * row_12)), 0);
-    vec4 viewer = texelFetch(_group_0_binding_3_fs, ivec2(column_9, ((5 * row_12) + 1)), 0);
+    vec4 first_4 = texelFetch(_group_0_binding_3_fs, ivec2(column_9, (ARGUMENT_ROWS * row_12)), 0);
+    vec4 viewer = texelFetch(_group_0_binding_3_fs, ivec2(column_9, ((ARGUMENT_ROWS * row_12) + 1)), 0);
     if ((first_4.w == 1.0)) {
         vec3 _e34 = tristimulus_disc(first_4.xyz, viewer.w, viewer.xyz);
         _fs2p_location0 = vec4(_e34, 1.0);
@@ -1214,11 +1218,11 @@ void main() {
     }
     bool _e55 = local;
     if (_e55) {
-        vec4 _e63 = texelFetch(_group_0_binding_3_fs, ivec2(column_9, ((5 * row_12) + 2)), 0);
+        vec4 _e63 = texelFetch(_group_0_binding_3_fs, ivec2(column_9, ((ARGUMENT_ROWS * row_12) + 2)), 0);
         vec3 second_1 = _e63.xyz;
-        vec4 _e72 = texelFetch(_group_0_binding_3_fs, ivec2(column_9, ((5 * row_12) + 3)), 0);
+        vec4 _e72 = texelFetch(_group_0_binding_3_fs, ivec2(column_9, ((ARGUMENT_ROWS * row_12) + 3)), 0);
         vec3 third_1 = _e72.xyz;
-        vec4 _e81 = texelFetch(_group_0_binding_3_fs, ivec2(column_9, ((5 * row_12) + 4)), 0);
+        vec4 _e81 = texelFetch(_group_0_binding_3_fs, ivec2(column_9, ((ARGUMENT_ROWS * row_12) + 4)), 0);
         vec3 fourth = _e81.xyz;
         if ((first_4.w == 2.0)) {
             vec3 _e88 = tristimulus_rectangle(first_4.xyz, second_1, third_1, fourth, viewer.xyz);

@@ -8,6 +8,7 @@
 // below the horizon.
 // Tolerance and expected values: probe.json. Bindings, tables and units: manifest.json.
 
+const ARGUMENT_ROWS: i32 = 5; // rows of the table of arguments for a row of the picture
 const BROADEST: f32 = 4.0; // width of the broadest narrow lobe, in distances between nodes
 const CANDIDATE_COUNT: i32 = 190; // maximum number of bins that are examined
 const COHERENCE_UM: f32 = 107.062; // coherence length of the light, µm
@@ -342,7 +343,8 @@ fn disc_chord_squared(radius: f32) -> f32 {
 
 // Unit vector to the inner side of an edge. For an edge without length, the centre: the hemisphere about it contains all.
 fn edge_normal(start: vec3f, end: vec3f, side: f32, centre: vec3f) -> vec3f {
-    let normal = side * cross(start, end);
+    // of a short edge, the difference has digits that the product of the ends would lose
+    let normal = side * cross(start, end - start);
     let squared = dot(normal, normal);
     if (squared < 1e-12) {
         return centre;
@@ -391,13 +393,17 @@ fn crossings(frequency: vec2f, wr: vec3f, axis: vec3f, chord_squared: f32) -> ve
     // in this form, no small number is a difference of large ones, as it would be with the cosine of a small cap
     let apart = start.y - lamp.y;
     let sine_squared = chord_squared * (1.0 - 0.25 * chord_squared);
-    let squared = sine_squared - apart * apart - chord_squared * start.y * lamp.y;
+    let of_cap = sine_squared - apart * apart - chord_squared * start.y * lamp.y;
+    let size_squared = max(lamp.x * lamp.x + axis.z * axis.z, 1e-12);
+    let size = sqrt(size_squared);
+    // the edge of a polygon along which the order runs
+    let of_edge = (size - start.y) * (size + start.y);
+    let squared = select(of_cap, of_edge, chord_squared == 2.0);
     if (squared <= 0.0) {
         return vec2f(1e9);
     }
     let root = sqrt(squared) * vec2f(-1.0, 1.0);
     let middle = 1.0 - 0.5 * chord_squared - start.y * lamp.y;
-    let size_squared = max(lamp.x * lamp.x + axis.z * axis.z, 1e-12);
     let places = (lamp.x * middle + axis.z * root) / size_squared;
     let heights = axis.z * middle - lamp.x * root;
     return select(vec2f(1e9), (start.x - places) / along.z, heights > vec2f(0.0));
@@ -921,12 +927,12 @@ fn map(@location(0) place: vec2f) -> @location(0) vec4f {
 
 // Tristimulus values for listed directions, to compare a driver's results with probe.json.
 
-// Arguments of a function, in rows 5k to 5k+4 for row k of the picture, counted from the top. w of the first chooses the
+// Arguments of a function, in ARGUMENT_ROWS rows for row k of the picture, counted from the top. w of the first chooses the
 // function. 0: one direction to the light, then to the viewer. 1: a disc: its axis, then to the viewer, with the radius in
 // w. 2: a quadrilateral: a corner, then to the viewer, then the other corners. 3: the surroundings: any vector, then to
 // the viewer. 4 and 5: a disc and a quadrilateral of a colour, which is in w of the last three rows. 8: a path of light from
 // a sky: its constant radiance, the viewer with the deviation of a lobe in w, the lobe's axis, its radiance, three random
-// numbers. 9: as 0, with the spread in w of the viewer. xyz of the others: unit vectors.
+// numbers. 9: as 0, with the spread in w of the viewer. xyz of the others: unit vectors. A pattern is in a sixth row.
 @group(0) @binding(3) var directions: texture_2d<f32>;
 
 // X, Y, Z of a pixel, alpha 1.
@@ -935,8 +941,8 @@ fn probe(@location(0) place: vec2f) -> @location(0) vec4f {
     let pixel = pixel_of(place);
     let column = i32(pixel.x);
     let row = i32(params.size.y - 1.0 - pixel.y);
-    let first = textureLoad(directions, vec2i(column, 5 * row), 0);
-    let viewer = textureLoad(directions, vec2i(column, 5 * row + 1), 0);
+    let first = textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row), 0);
+    let viewer = textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row + 1), 0);
     if (first.w == 1.0) {
         return vec4f(tristimulus_disc(first.xyz, viewer.w, viewer.xyz), 1.0);
     }
@@ -945,9 +951,9 @@ fn probe(@location(0) place: vec2f) -> @location(0) vec4f {
         return vec4f(tristimulus_disc_coloured(first.xyz, viewer.w, colour, viewer.xyz), 1.0);
     }
     if (first.w == 2.0 || first.w == 5.0) {
-        let second = textureLoad(directions, vec2i(column, 5 * row + 2), 0).xyz;
-        let third = textureLoad(directions, vec2i(column, 5 * row + 3), 0).xyz;
-        let fourth = textureLoad(directions, vec2i(column, 5 * row + 4), 0).xyz;
+        let second = textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row + 2), 0).xyz;
+        let third = textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row + 3), 0).xyz;
+        let fourth = textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row + 4), 0).xyz;
         if (first.w == 2.0) {
             return vec4f(tristimulus_rectangle(first.xyz, second, third, fourth, viewer.xyz), 1.0);
         }
@@ -964,9 +970,9 @@ fn probe(@location(0) place: vec2f) -> @location(0) vec4f {
 // Colour of the lamp of a call.
 fn probe_colour(column: i32, row: i32) -> vec3f {
     return vec3f(
-        textureLoad(directions, vec2i(column, 5 * row + 2), 0).w,
-        textureLoad(directions, vec2i(column, 5 * row + 3), 0).w,
-        textureLoad(directions, vec2i(column, 5 * row + 4), 0).w,
+        textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row + 2), 0).w,
+        textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row + 3), 0).w,
+        textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row + 4), 0).w,
     );
 }
 
@@ -1035,7 +1041,8 @@ fn mesh(
     if (!(wi.z > 0.0 && wr.z > 0.0)) {
         return vec4f(0.0, 0.0, 0.0, 1.0);
     }
-    return vec4f(diffraction(wi, wr), 1.0);
+    var colour = diffraction(wi, wr);
+    return vec4f(colour, 1.0);
 }
 
 // Direction in the world as a unit vector in the frame of a fragment. Zero if there is no frame.
@@ -1061,10 +1068,12 @@ fn orientation(uv: vec2f) -> vec2f {
     let corner = floor(place);
     let share = place - corner;
     let right = corner + vec2f(1.0, 0.0);
-    let above = mix(texel_turn(corner, size), texel_turn(right, size), share.x);
     let under = vec2f(0.0, 1.0);
-    let below = mix(texel_turn(corner + under, size), texel_turn(right + under, size), share.x);
-    let turn = mix(above, below, share.y);
+    let first = texel_turn(corner, size);
+    let second = texel_turn(right, size);
+    let third = texel_turn(corner + under, size);
+    let fourth = texel_turn(right + under, size);
+    let turn = mix(mix(first, second, share.x), mix(third, fourth, share.x), share.y);
     let squared = dot(turn, turn);
     let direction = turn * inverseSqrt(max(squared, 1e-8));
     return select(vec2f(1.0, 0.0), direction, squared > 1e-8);

@@ -18,6 +18,7 @@ struct FullScreen {
     vec4 position;
     vec2 place;
 };
+const int ARGUMENT_ROWS = 5;
 const float BEND = 1.35;
 const float COLOUR_UNIT = 3.0517578e-5;
 const int COLUMN_COUNT = 568;

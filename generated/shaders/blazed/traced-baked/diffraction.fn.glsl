@@ -10,6 +10,7 @@
 // Tolerance and expected values: probe.json. Bindings, tables and units: manifest.json.
 // This text has no further comments. The same shader with all comments is diffraction.wgsl of the target wgsl.
 
+const int ARGUMENT_ROWS = 5;
 const float BEND = 1.35;
 const float COLOUR_UNIT = 3.0517578e-5;
 const int COLUMN_COUNT = 568;

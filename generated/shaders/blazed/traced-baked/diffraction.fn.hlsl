@@ -10,6 +10,7 @@
 // Tolerance and expected values: probe.json. Bindings, tables and units: manifest.json.
 // This text has no further comments. The same shader with all comments is diffraction.wgsl of the target wgsl.
 
+static const int ARGUMENT_ROWS = int(5);
 static const float BEND = 1.35;
 static const float COLOUR_UNIT = 3.0517578e-5;
 static const int COLUMN_COUNT = int(568);

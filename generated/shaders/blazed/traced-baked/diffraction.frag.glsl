@@ -15,6 +15,7 @@ struct Params {
     vec4 light;
     vec4 size;
 };
+const int ARGUMENT_ROWS = 5;
 const float BEND = 1.35;
 const float COLOUR_UNIT = 3.0517578e-5;
 const int COLUMN_COUNT = 568;

@@ -36,6 +36,7 @@ struct MeshVertex {
     float2 uv : LOC3;
 };
 
+static const int ARGUMENT_ROWS = int(5);
 static const float BEND = 1.35;
 static const float COLOUR_UNIT = 3.0517578e-5;
 static const int COLUMN_COUNT = int(568);
@@ -419,14 +420,12 @@ float2 orientation(float2 uv_4)
     float2 corner = floor(place_13);
     float2 share = (place_13 - corner);
     float2 right = (corner + float2(1.0, 0.0));
-    const float2 _e17 = texel_turn(corner, size_2);
-    const float2 _e18 = texel_turn(right, size_2);
-    float2 above_1 = lerp(_e17, _e18, share.x);
     float2 under = float2(0.0, 1.0);
-    const float2 _e25 = texel_turn((corner + under), size_2);
-    const float2 _e27 = texel_turn((right + under), size_2);
-    float2 below_1 = lerp(_e25, _e27, share.x);
-    float2 turn_1 = lerp(above_1, below_1, share.y);
+    const float2 _e20 = texel_turn(corner, size_2);
+    const float2 _e21 = texel_turn(right, size_2);
+    const float2 _e23 = texel_turn((corner + under), size_2);
+    const float2 _e25 = texel_turn((right + under), size_2);
+    float2 turn_1 = lerp(lerp(_e20, _e21, share.x), lerp(_e23, _e25, share.x), share.y);
     float squared_6 = dot(turn_1, turn_1);
     float2 direction_1 = (turn_1 * rsqrt(max(squared_6, 1e-8)));
     return ((squared_6 > 1e-8) ? direction_1 : float2(1.0, 0.0));
@@ -483,14 +482,14 @@ float4 probe(FragmentInput_probe fragmentinput_probe) : SV_Target0
     int column = naga_f2i32(_e1.x);
     float _e7 = params.size.y;
     int row_1 = naga_f2i32(((_e7 - 1.0) - _e1.y));
-    float4 first_1 = directions.Load(int3(int2(column, asint(asuint(int(5)) * asuint(row_1))), int(0)));
-    float4 viewer = directions.Load(int3(int2(column, asint(asuint(asint(asuint(int(5)) * asuint(row_1))) + asuint(int(1)))), int(0)));
+    float4 first_1 = directions.Load(int3(int2(column, asint(asuint(ARGUMENT_ROWS) * asuint(row_1))), int(0)));
+    float4 viewer = directions.Load(int3(int2(column, asint(asuint(asint(asuint(ARGUMENT_ROWS) * asuint(row_1))) + asuint(int(1)))), int(0)));
     if ((first_1.w == 8.0)) {
-        float4 _e37 = directions.Load(int3(int2(column, asint(asuint(asint(asuint(int(5)) * asuint(row_1))) + asuint(int(2)))), int(0)));
+        float4 _e37 = directions.Load(int3(int2(column, asint(asuint(asint(asuint(ARGUMENT_ROWS) * asuint(row_1))) + asuint(int(2)))), int(0)));
         float3 axis_2 = _e37.xyz;
-        float4 _e46 = directions.Load(int3(int2(column, asint(asuint(asint(asuint(int(5)) * asuint(row_1))) + asuint(int(3)))), int(0)));
+        float4 _e46 = directions.Load(int3(int2(column, asint(asuint(asint(asuint(ARGUMENT_ROWS) * asuint(row_1))) + asuint(int(3)))), int(0)));
         float3 radiance = _e46.xyz;
-        float4 _e55 = directions.Load(int3(int2(column, asint(asuint(asint(asuint(int(5)) * asuint(row_1))) + asuint(int(4)))), int(0)));
+        float4 _e55 = directions.Load(int3(int2(column, asint(asuint(asint(asuint(ARGUMENT_ROWS) * asuint(row_1))) + asuint(int(4)))), int(0)));
         float3 random_1 = _e55.xyz;
         const float4 _e58 = diffraction_path(viewer.xyz, random_1);
         float away = (0.5 * dot((_e58.xyz - axis_2), (_e58.xyz - axis_2)));
@@ -541,20 +540,23 @@ float4 mesh(FragmentInput_mesh fragmentinput_mesh) : SV_Target0
     float4 tangent_1 = fragmentinput_mesh.tangent_4;
     float2 uv_1 = fragmentinput_mesh.uv_7;
     bool local = (bool)0;
+    float3 colour = (float3)0;
 
-    float4 _e7 = mesh_params.light_direction;
-    const float3 _e9 = in_frame(_e7.xyz, normal_1, tangent_1, uv_1);
-    float4 _e12 = mesh_params.eye;
-    const float3 _e15 = in_frame((_e12.xyz - place_2), normal_1, tangent_1, uv_1);
-    if ((_e9.z > 0.0)) {
-        local = (_e15.z > 0.0);
+    float4 _e8 = mesh_params.light_direction;
+    const float3 _e10 = in_frame(_e8.xyz, normal_1, tangent_1, uv_1);
+    float4 _e13 = mesh_params.eye;
+    const float3 _e16 = in_frame((_e13.xyz - place_2), normal_1, tangent_1, uv_1);
+    if ((_e10.z > 0.0)) {
+        local = (_e16.z > 0.0);
     } else {
         local = false;
     }
-    bool _e23 = local;
-    if (!(_e23)) {
+    bool _e24 = local;
+    if (!(_e24)) {
         return float4(0.0, 0.0, 0.0, 1.0);
     }
-    const float3 _e30 = diffraction(_e9, _e15);
-    return float4(_e30, 1.0);
+    const float3 _e31 = diffraction(_e10, _e16);
+    colour = _e31;
+    float3 _e32 = colour;
+    return float4(_e32, 1.0);
 }

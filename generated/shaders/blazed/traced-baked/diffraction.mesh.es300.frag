@@ -21,6 +21,7 @@ struct MeshParams {
     vec4 light_direction;
     vec4 eye;
 };
+const int ARGUMENT_ROWS = 5;
 const float BEND = 1.35;
 const float COLOUR_UNIT = 3.0517578e-5;
 const int COLUMN_COUNT = 568;
@@ -177,14 +178,12 @@ vec2 orientation(vec2 uv_2) {
     vec2 corner = floor(place_3);
     vec2 share = (place_3 - corner);
     vec2 right = (corner + vec2(1.0, 0.0));
-    vec2 _e17 = texel_turn(corner, size_2);
-    vec2 _e18 = texel_turn(right, size_2);
-    vec2 above = mix(_e17, _e18, share.x);
     vec2 under = vec2(0.0, 1.0);
-    vec2 _e25 = texel_turn((corner + under), size_2);
-    vec2 _e27 = texel_turn((right + under), size_2);
-    vec2 below_1 = mix(_e25, _e27, share.x);
-    vec2 turn = mix(above, below_1, share.y);
+    vec2 _e20 = texel_turn(corner, size_2);
+    vec2 _e21 = texel_turn(right, size_2);
+    vec2 _e23 = texel_turn((corner + under), size_2);
+    vec2 _e25 = texel_turn((right + under), size_2);
+    vec2 turn = mix(mix(_e20, _e21, share.x), mix(_e23, _e25, share.x), share.y);
     float squared_5 = dot(turn, turn);
     vec2 direction_1 = (turn * inversesqrt(max(squared_5, 1e-8)));
     return ((squared_5 > 1e-8) ? direction_1 : vec2(1.0, 0.0));
@@ -211,21 +210,24 @@ void main() {
     vec4 tangent = _vs2fs_location2;
     vec2 uv = _vs2fs_location3;
     bool local = false;
-    vec4 _e7 = _group_0_binding_8_fs.light_direction;
-    vec3 _e9 = in_frame(_e7.xyz, normal, tangent, uv);
-    vec4 _e12 = _group_0_binding_8_fs.eye;
-    vec3 _e15 = in_frame((_e12.xyz - place), normal, tangent, uv);
-    if ((_e9.z > 0.0)) {
-        local = (_e15.z > 0.0);
+    vec3 colour = vec3(0.0);
+    vec4 _e8 = _group_0_binding_8_fs.light_direction;
+    vec3 _e10 = in_frame(_e8.xyz, normal, tangent, uv);
+    vec4 _e13 = _group_0_binding_8_fs.eye;
+    vec3 _e16 = in_frame((_e13.xyz - place), normal, tangent, uv);
+    if ((_e10.z > 0.0)) {
+        local = (_e16.z > 0.0);
     } else {
         local = false;
     }
-    bool _e23 = local;
-    if (!(_e23)) {
+    bool _e24 = local;
+    if (!(_e24)) {
         _fs2p_location0 = vec4(0.0, 0.0, 0.0, 1.0);
         return;
     }
-    vec3 _e30 = diffraction(_e9, _e15);
-    _fs2p_location0 = vec4(_e30, 1.0);
+    vec3 _e31 = diffraction(_e10, _e16);
+    colour = _e31;
+    vec3 _e32 = colour;
+    _fs2p_location0 = vec4(_e32, 1.0);
     return;
 }

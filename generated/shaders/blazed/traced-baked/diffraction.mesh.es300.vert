@@ -28,6 +28,7 @@ struct MeshVertex {
     vec4 tangent;
     vec2 uv;
 };
+const int ARGUMENT_ROWS = 5;
 const float BEND = 1.35;
 const float COLOUR_UNIT = 3.0517578e-5;
 const int COLUMN_COUNT = 568;

@@ -40,6 +40,7 @@ struct MeshVertex {
     metal::float2 uv;
     char _pad5[8];
 };
+constant int ARGUMENT_ROWS = 5;
 constant float BEND = 1.35;
 constant float COLOUR_UNIT = 0.000030517578;
 constant int COLUMN_COUNT = 568;
@@ -429,14 +430,12 @@ metal::float2 orientation(
     metal::float2 corner = metal::floor(place_8);
     metal::float2 share = place_8 - corner;
     metal::float2 right = corner + metal::float2(1.0, 0.0);
-    metal::float2 _e17 = texel_turn(corner, size_2, orientation_map);
-    metal::float2 _e18 = texel_turn(right, size_2, orientation_map);
-    metal::float2 above_1 = metal::mix(_e17, _e18, share.x);
     metal::float2 under = metal::float2(0.0, 1.0);
-    metal::float2 _e25 = texel_turn(corner + under, size_2, orientation_map);
-    metal::float2 _e27 = texel_turn(right + under, size_2, orientation_map);
-    metal::float2 below_1 = metal::mix(_e25, _e27, share.x);
-    metal::float2 turn_1 = metal::mix(above_1, below_1, share.y);
+    metal::float2 _e20 = texel_turn(corner, size_2, orientation_map);
+    metal::float2 _e21 = texel_turn(right, size_2, orientation_map);
+    metal::float2 _e23 = texel_turn(corner + under, size_2, orientation_map);
+    metal::float2 _e25 = texel_turn(right + under, size_2, orientation_map);
+    metal::float2 turn_1 = metal::mix(metal::mix(_e20, _e21, share.x), metal::mix(_e23, _e25, share.x), share.y);
     float squared_6 = metal::dot(turn_1, turn_1);
     metal::float2 direction_1 = turn_1 * metal::rsqrt(metal::max(squared_6, 0.00000001));
     return (squared_6 > 0.00000001) ? direction_1 : metal::float2(1.0, 0.0);
@@ -519,14 +518,14 @@ fragment probeOutput probe(
     int column = naga_f2i32(_e1.x);
     float _e7 = params.size.y;
     int row_1 = naga_f2i32((_e7 - 1.0) - _e1.y);
-    metal::float4 first_1 = directions.read(metal::uint2(metal::int2(column, as_type<int>(as_type<uint>(5) * as_type<uint>(row_1)))), 0);
-    metal::float4 viewer = directions.read(metal::uint2(metal::int2(column, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_1))) + as_type<uint>(1)))), 0);
+    metal::float4 first_1 = directions.read(metal::uint2(metal::int2(column, as_type<int>(as_type<uint>(ARGUMENT_ROWS) * as_type<uint>(row_1)))), 0);
+    metal::float4 viewer = directions.read(metal::uint2(metal::int2(column, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(ARGUMENT_ROWS) * as_type<uint>(row_1))) + as_type<uint>(1)))), 0);
     if (first_1.w == 8.0) {
-        metal::float4 _e37 = directions.read(metal::uint2(metal::int2(column, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_1))) + as_type<uint>(2)))), 0);
+        metal::float4 _e37 = directions.read(metal::uint2(metal::int2(column, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(ARGUMENT_ROWS) * as_type<uint>(row_1))) + as_type<uint>(2)))), 0);
         metal::float3 axis_2 = _e37.xyz;
-        metal::float4 _e46 = directions.read(metal::uint2(metal::int2(column, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_1))) + as_type<uint>(3)))), 0);
+        metal::float4 _e46 = directions.read(metal::uint2(metal::int2(column, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(ARGUMENT_ROWS) * as_type<uint>(row_1))) + as_type<uint>(3)))), 0);
         metal::float3 radiance = _e46.xyz;
-        metal::float4 _e55 = directions.read(metal::uint2(metal::int2(column, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_1))) + as_type<uint>(4)))), 0);
+        metal::float4 _e55 = directions.read(metal::uint2(metal::int2(column, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(ARGUMENT_ROWS) * as_type<uint>(row_1))) + as_type<uint>(4)))), 0);
         metal::float3 random_1 = _e55.xyz;
         metal::float4 _e58 = diffraction_path(viewer.xyz, random_1, paths);
         float away = 0.5 * metal::dot(_e58.xyz - axis_2, _e58.xyz - axis_2);
@@ -602,19 +601,22 @@ fragment meshOutput mesh(
     const auto tangent_1 = varyings_4.tangent_1;
     const auto uv_1 = varyings_4.uv_1;
     bool local = {};
-    metal::float4 _e7 = mesh_params.light_direction;
-    metal::float3 _e9 = in_frame(_e7.xyz, normal_1, tangent_1, uv_1, orientation_map);
-    metal::float4 _e12 = mesh_params.eye;
-    metal::float3 _e15 = in_frame(_e12.xyz - place_2, normal_1, tangent_1, uv_1, orientation_map);
-    if (_e9.z > 0.0) {
-        local = _e15.z > 0.0;
+    metal::float3 colour = {};
+    metal::float4 _e8 = mesh_params.light_direction;
+    metal::float3 _e10 = in_frame(_e8.xyz, normal_1, tangent_1, uv_1, orientation_map);
+    metal::float4 _e13 = mesh_params.eye;
+    metal::float3 _e16 = in_frame(_e13.xyz - place_2, normal_1, tangent_1, uv_1, orientation_map);
+    if (_e10.z > 0.0) {
+        local = _e16.z > 0.0;
     } else {
         local = false;
     }
-    bool _e23 = local;
-    if (!(_e23)) {
+    bool _e24 = local;
+    if (!(_e24)) {
         return meshOutput { metal::float4(0.0, 0.0, 0.0, 1.0) };
     }
-    metal::float3 _e30 = diffraction(_e9, _e15, colours);
-    return meshOutput { metal::float4(_e30, 1.0) };
+    metal::float3 _e31 = diffraction(_e10, _e16, colours);
+    colour = _e31;
+    metal::float3 _e32 = colour;
+    return meshOutput { metal::float4(_e32, 1.0) };
 }

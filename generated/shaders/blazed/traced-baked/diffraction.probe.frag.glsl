@@ -15,6 +15,7 @@ struct Params {
     vec4 light;
     vec4 size;
 };
+const int ARGUMENT_ROWS = 5;
 const float BEND = 1.35;
 const float COLOUR_UNIT = 3.0517578e-5;
 const int COLUMN_COUNT = 568;
@@ -269,14 +270,14 @@ void main() {
     int column = int(_e1.x);
     float _e7 = _group_0_binding_0_fs.size.y;
     int row_1 = int(((_e7 - 1.0) - _e1.y));
-    vec4 first_1 = texelFetch(_group_0_binding_3_fs, ivec2(column, (5 * row_1)), 0);
-    vec4 viewer = texelFetch(_group_0_binding_3_fs, ivec2(column, ((5 * row_1) + 1)), 0);
+    vec4 first_1 = texelFetch(_group_0_binding_3_fs, ivec2(column, (ARGUMENT_ROWS * row_1)), 0);
+    vec4 viewer = texelFetch(_group_0_binding_3_fs, ivec2(column, ((ARGUMENT_ROWS * row_1) + 1)), 0);
     if ((first_1.w == 8.0)) {
-        vec4 _e37 = texelFetch(_group_0_binding_3_fs, ivec2(column, ((5 * row_1) + 2)), 0);
+        vec4 _e37 = texelFetch(_group_0_binding_3_fs, ivec2(column, ((ARGUMENT_ROWS * row_1) + 2)), 0);
         vec3 axis_2 = _e37.xyz;
-        vec4 _e46 = texelFetch(_group_0_binding_3_fs, ivec2(column, ((5 * row_1) + 3)), 0);
+        vec4 _e46 = texelFetch(_group_0_binding_3_fs, ivec2(column, ((ARGUMENT_ROWS * row_1) + 3)), 0);
         vec3 radiance = _e46.xyz;
-        vec4 _e55 = texelFetch(_group_0_binding_3_fs, ivec2(column, ((5 * row_1) + 4)), 0);
+        vec4 _e55 = texelFetch(_group_0_binding_3_fs, ivec2(column, ((ARGUMENT_ROWS * row_1) + 4)), 0);
         vec3 random_1 = _e55.xyz;
         vec4 _e58 = diffraction_path(viewer.xyz, random_1);
         float away = (0.5 * dot((_e58.xyz - axis_2), (_e58.xyz - axis_2)));

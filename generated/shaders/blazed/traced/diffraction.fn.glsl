@@ -10,6 +10,7 @@
 // Tolerance and expected values: probe.json. Bindings, tables and units: manifest.json.
 // This text has no further comments. The same shader with all comments is diffraction.wgsl of the target wgsl.
 
+const int ARGUMENT_ROWS = 5;
 const float BROADEST = 4.0;
 const int CANDIDATE_COUNT = 190;
 const float COHERENCE_UM = 107.062;
@@ -419,7 +420,8 @@ vec3 tristimulus_weight(vec3 wr_7, vec4 path_1) {
     vec3 _e20 = in_surface(wr_7);
     vec3 _e22 = in_surface(path_1.xyz);
     vec2 shift_1 = (-(_e22.xy) - _e20.xy);
-    ivec2 order_3 = ivec2(floor((((shift_1 / vec2(path_1.w)) * vec2(2.5, 0.1)) + vec2(0.5))));
+    vec2 patch_um_1 = vec2(2.5, 0.1);
+    ivec2 order_3 = ivec2(floor((((shift_1 / vec2(path_1.w)) * patch_um_1) + vec2(0.5))));
     ivec2 reach_2 = ivec2(13, 1);
     if (any(greaterThan(abs(order_3), reach_2))) {
         return vec3(0.0);

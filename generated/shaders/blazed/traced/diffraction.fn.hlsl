@@ -10,6 +10,7 @@
 // Tolerance and expected values: probe.json. Bindings, tables and units: manifest.json.
 // This text has no further comments. The same shader with all comments is diffraction.wgsl of the target wgsl.
 
+static const int ARGUMENT_ROWS = int(5);
 static const float BROADEST = 4.0;
 static const int CANDIDATE_COUNT = int(190);
 static const float COHERENCE_UM = 107.062;
@@ -469,7 +470,8 @@ float3 tristimulus_weight(float3 wr_7, float4 path_1)
     const float3 _e20 = in_surface(wr_7);
     const float3 _e22 = in_surface(path_1.xyz);
     float2 shift_1 = (-(_e22.xy) - _e20.xy);
-    int2 order_3 = naga_f2i32(floor((((shift_1 / (path_1.w).xx) * float2(2.5, 0.1)) + (0.5).xx)));
+    float2 patch_um_1 = float2(2.5, 0.1);
+    int2 order_3 = naga_f2i32(floor((((shift_1 / (path_1.w).xx) * patch_um_1) + (0.5).xx)));
     int2 reach_2 = int2(int(13), int(1));
     if (any((naga_abs(order_3) > reach_2))) {
         return (0.0).xxx;

@@ -306,7 +306,8 @@ fn tristimulus_weight(wr: vec3f, path: vec4f, efficiencies: texture_2d<f32>, pat
     }
     let viewer = in_surface(wr);
     let shift = -in_surface(path.xyz).xy - viewer.xy;
-    let order = vec2i(floor(shift / path.w * vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM) + 0.5));
+    let patch_um = vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM);
+    let order = vec2i(floor(shift / path.w * patch_um + 0.5));
     let reach = vec2i(ORDER_REACH_X, ORDER_REACH_Y);
     if (any(abs(order) > reach)) {
         return vec3f(0.0);

@@ -40,6 +40,7 @@ struct MeshVertex {
     metal::float2 uv;
     char _pad5[8];
 };
+constant int ARGUMENT_ROWS = 5;
 constant float BROADEST = 4.0;
 constant int CANDIDATE_COUNT = 190;
 constant float COHERENCE_UM = 107.062;
@@ -562,7 +563,8 @@ metal::float3 tristimulus_weight(
     metal::float3 _e20 = in_surface(wr_7);
     metal::float3 _e22 = in_surface(path_1.xyz);
     metal::float2 shift_1 = -(_e22.xy) - _e20.xy;
-    metal::int2 order_3 = naga_f2i32(metal::floor(((shift_1 / metal::float2(path_1.w)) * metal::float2(2.5, 0.1)) + metal::float2(0.5)));
+    metal::float2 patch_um_1 = metal::float2(2.5, 0.1);
+    metal::int2 order_3 = naga_f2i32(metal::floor(((shift_1 / metal::float2(path_1.w)) * patch_um_1) + metal::float2(0.5)));
     metal::int2 reach_2 = metal::int2(13, 1);
     if (metal::any(naga_abs(order_3) > reach_2)) {
         return metal::float3(0.0);
@@ -686,14 +688,12 @@ metal::float2 orientation(
     metal::float2 corner_1 = metal::floor(place_8);
     metal::float2 share_1 = place_8 - corner_1;
     metal::float2 right = corner_1 + metal::float2(1.0, 0.0);
-    metal::float2 _e17 = texel_turn(corner_1, size_1, orientation_map);
-    metal::float2 _e18 = texel_turn(right, size_1, orientation_map);
-    metal::float2 above = metal::mix(_e17, _e18, share_1.x);
     metal::float2 under = metal::float2(0.0, 1.0);
-    metal::float2 _e25 = texel_turn(corner_1 + under, size_1, orientation_map);
-    metal::float2 _e27 = texel_turn(right + under, size_1, orientation_map);
-    metal::float2 below_1 = metal::mix(_e25, _e27, share_1.x);
-    metal::float2 turn = metal::mix(above, below_1, share_1.y);
+    metal::float2 _e20 = texel_turn(corner_1, size_1, orientation_map);
+    metal::float2 _e21 = texel_turn(right, size_1, orientation_map);
+    metal::float2 _e23 = texel_turn(corner_1 + under, size_1, orientation_map);
+    metal::float2 _e25 = texel_turn(right + under, size_1, orientation_map);
+    metal::float2 turn = metal::mix(metal::mix(_e20, _e21, share_1.x), metal::mix(_e23, _e25, share_1.x), share_1.y);
     float squared_7 = metal::dot(turn, turn);
     metal::float2 direction_3 = turn * metal::rsqrt(metal::max(squared_7, 0.00000001));
     return (squared_7 > 0.00000001) ? direction_3 : metal::float2(1.0, 0.0);
@@ -778,14 +778,14 @@ fragment probeOutput probe(
     int column_4 = naga_f2i32(_e1.x);
     float _e7 = params.size.y;
     int row_4 = naga_f2i32((_e7 - 1.0) - _e1.y);
-    metal::float4 first_1 = directions.read(metal::uint2(metal::int2(column_4, as_type<int>(as_type<uint>(5) * as_type<uint>(row_4)))), 0);
-    metal::float4 viewer = directions.read(metal::uint2(metal::int2(column_4, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_4))) + as_type<uint>(1)))), 0);
+    metal::float4 first_1 = directions.read(metal::uint2(metal::int2(column_4, as_type<int>(as_type<uint>(ARGUMENT_ROWS) * as_type<uint>(row_4)))), 0);
+    metal::float4 viewer = directions.read(metal::uint2(metal::int2(column_4, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(ARGUMENT_ROWS) * as_type<uint>(row_4))) + as_type<uint>(1)))), 0);
     if (first_1.w == 8.0) {
-        metal::float4 _e37 = directions.read(metal::uint2(metal::int2(column_4, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_4))) + as_type<uint>(2)))), 0);
+        metal::float4 _e37 = directions.read(metal::uint2(metal::int2(column_4, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(ARGUMENT_ROWS) * as_type<uint>(row_4))) + as_type<uint>(2)))), 0);
         metal::float3 axis = _e37.xyz;
-        metal::float4 _e46 = directions.read(metal::uint2(metal::int2(column_4, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_4))) + as_type<uint>(3)))), 0);
+        metal::float4 _e46 = directions.read(metal::uint2(metal::int2(column_4, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(ARGUMENT_ROWS) * as_type<uint>(row_4))) + as_type<uint>(3)))), 0);
         metal::float3 radiance = _e46.xyz;
-        metal::float4 _e55 = directions.read(metal::uint2(metal::int2(column_4, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(5) * as_type<uint>(row_4))) + as_type<uint>(4)))), 0);
+        metal::float4 _e55 = directions.read(metal::uint2(metal::int2(column_4, as_type<int>(as_type<uint>(as_type<int>(as_type<uint>(ARGUMENT_ROWS) * as_type<uint>(row_4))) + as_type<uint>(4)))), 0);
         metal::float3 random_3 = _e55.xyz;
         metal::float4 _e58 = diffraction_path(viewer.xyz, random_3, paths);
         float away = 0.5 * metal::dot(_e58.xyz - axis, _e58.xyz - axis);
@@ -862,19 +862,22 @@ fragment meshOutput mesh(
     const auto tangent_1 = varyings_4.tangent_1;
     const auto uv_1 = varyings_4.uv_1;
     bool local = {};
-    metal::float4 _e7 = mesh_params.light_direction;
-    metal::float3 _e9 = in_frame(_e7.xyz, normal_1, tangent_1, uv_1, orientation_map);
-    metal::float4 _e12 = mesh_params.eye;
-    metal::float3 _e15 = in_frame(_e12.xyz - place_2, normal_1, tangent_1, uv_1, orientation_map);
-    if (_e9.z > 0.0) {
-        local = _e15.z > 0.0;
+    metal::float3 colour = {};
+    metal::float4 _e8 = mesh_params.light_direction;
+    metal::float3 _e10 = in_frame(_e8.xyz, normal_1, tangent_1, uv_1, orientation_map);
+    metal::float4 _e13 = mesh_params.eye;
+    metal::float3 _e16 = in_frame(_e13.xyz - place_2, normal_1, tangent_1, uv_1, orientation_map);
+    if (_e10.z > 0.0) {
+        local = _e16.z > 0.0;
     } else {
         local = false;
     }
-    bool _e23 = local;
-    if (!(_e23)) {
+    bool _e24 = local;
+    if (!(_e24)) {
         return meshOutput { metal::float4(0.0, 0.0, 0.0, 1.0) };
     }
-    metal::float3 _e30 = diffraction(_e9, _e15, efficiencies, spectrum);
-    return meshOutput { metal::float4(_e30, 1.0) };
+    metal::float3 _e31 = diffraction(_e10, _e16, efficiencies, spectrum);
+    colour = _e31;
+    metal::float3 _e32 = colour;
+    return meshOutput { metal::float4(_e32, 1.0) };
 }

@@ -18,6 +18,7 @@ struct Params {
     vec4 light;
     vec4 size;
 };
+const int ARGUMENT_ROWS = 5;
 const float BROADEST = 4.0;
 const int CANDIDATE_COUNT = 190;
 const float COHERENCE_UM = 107.062;
@@ -434,7 +435,8 @@ vec3 tristimulus_weight(vec3 wr_7, vec4 path_1) {
     vec3 _e20 = in_surface(wr_7);
     vec3 _e22 = in_surface(path_1.xyz);
     vec2 shift_1 = (-(_e22.xy) - _e20.xy);
-    ivec2 order_3 = ivec2(floor((((shift_1 / vec2(path_1.w)) * vec2(2.5, 0.1)) + vec2(0.5))));
+    vec2 patch_um_1 = vec2(2.5, 0.1);
+    ivec2 order_3 = ivec2(floor((((shift_1 / vec2(path_1.w)) * patch_um_1) + vec2(0.5))));
     ivec2 reach_2 = ivec2(13, 1);
     if (any(greaterThan(abs(order_3), reach_2))) {
         return vec3(0.0);
@@ -467,14 +469,14 @@ void main() {
     int column_4 = int(_e1.x);
     float _e7 = _group_0_binding_0_fs.size.y;
     int row_4 = int(((_e7 - 1.0) - _e1.y));
-    vec4 first_1 = texelFetch(_group_0_binding_3_fs, ivec2(column_4, (5 * row_4)), 0);
-    vec4 viewer = texelFetch(_group_0_binding_3_fs, ivec2(column_4, ((5 * row_4) + 1)), 0);
+    vec4 first_1 = texelFetch(_group_0_binding_3_fs, ivec2(column_4, (ARGUMENT_ROWS * row_4)), 0);
+    vec4 viewer = texelFetch(_group_0_binding_3_fs, ivec2(column_4, ((ARGUMENT_ROWS * row_4) + 1)), 0);
     if ((first_1.w == 8.0)) {
-        vec4 _e37 = texelFetch(_group_0_binding_3_fs, ivec2(column_4, ((5 * row_4) + 2)), 0);
+        vec4 _e37 = texelFetch(_group_0_binding_3_fs, ivec2(column_4, ((ARGUMENT_ROWS * row_4) + 2)), 0);
         vec3 axis = _e37.xyz;
-        vec4 _e46 = texelFetch(_group_0_binding_3_fs, ivec2(column_4, ((5 * row_4) + 3)), 0);
+        vec4 _e46 = texelFetch(_group_0_binding_3_fs, ivec2(column_4, ((ARGUMENT_ROWS * row_4) + 3)), 0);
         vec3 radiance = _e46.xyz;
-        vec4 _e55 = texelFetch(_group_0_binding_3_fs, ivec2(column_4, ((5 * row_4) + 4)), 0);
+        vec4 _e55 = texelFetch(_group_0_binding_3_fs, ivec2(column_4, ((ARGUMENT_ROWS * row_4) + 4)), 0);
         vec3 random_3 = _e55.xyz;
         vec4 _e58 = diffraction_path(viewer.xyz, random_3);
         float away = (0.5 * dot((_e58.xyz - axis), (_e58.xyz - axis)));

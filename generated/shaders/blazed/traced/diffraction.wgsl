@@ -8,6 +8,7 @@
 // below the horizon.
 // Tolerance and expected values: probe.json. Bindings, tables and units: manifest.json.
 
+const ARGUMENT_ROWS: i32 = 5; // rows of the table of arguments for a row of the picture
 const BROADEST: f32 = 4.0; // width of the broadest narrow lobe, in distances between nodes
 const CANDIDATE_COUNT: i32 = 190; // maximum number of bins that are examined
 const COHERENCE_UM: f32 = 107.062; // coherence length of the light, µm
@@ -345,7 +346,8 @@ fn tristimulus_weight(wr: vec3f, path: vec4f) -> vec3f {
     }
     let viewer = in_surface(wr);
     let shift = -in_surface(path.xyz).xy - viewer.xy;
-    let order = vec2i(floor(shift / path.w * vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM) + 0.5));
+    let patch_um = vec2f(PATCH_WIDTH_UM, PATCH_HEIGHT_UM);
+    let order = vec2i(floor(shift / path.w * patch_um + 0.5));
     let reach = vec2i(ORDER_REACH_X, ORDER_REACH_Y);
     if (any(abs(order) > reach)) {
         return vec3f(0.0);
@@ -468,12 +470,12 @@ fn map(@location(0) place: vec2f) -> @location(0) vec4f {
 
 // Tristimulus values for listed directions, to compare a driver's results with probe.json.
 
-// Arguments of a function, in rows 5k to 5k+4 for row k of the picture, counted from the top. w of the first chooses the
+// Arguments of a function, in ARGUMENT_ROWS rows for row k of the picture, counted from the top. w of the first chooses the
 // function. 0: one direction to the light, then to the viewer. 1: a disc: its axis, then to the viewer, with the radius in
 // w. 2: a quadrilateral: a corner, then to the viewer, then the other corners. 3: the surroundings: any vector, then to
 // the viewer. 4 and 5: a disc and a quadrilateral of a colour, which is in w of the last three rows. 8: a path of light from
 // a sky: its constant radiance, the viewer with the deviation of a lobe in w, the lobe's axis, its radiance, three random
-// numbers. 9: as 0, with the spread in w of the viewer. xyz of the others: unit vectors.
+// numbers. 9: as 0, with the spread in w of the viewer. xyz of the others: unit vectors. A pattern is in a sixth row.
 @group(0) @binding(3) var directions: texture_2d<f32>;
 
 // X, Y, Z of a pixel, alpha 1.
@@ -482,12 +484,12 @@ fn probe(@location(0) place: vec2f) -> @location(0) vec4f {
     let pixel = pixel_of(place);
     let column = i32(pixel.x);
     let row = i32(params.size.y - 1.0 - pixel.y);
-    let first = textureLoad(directions, vec2i(column, 5 * row), 0);
-    let viewer = textureLoad(directions, vec2i(column, 5 * row + 1), 0);
+    let first = textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row), 0);
+    let viewer = textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row + 1), 0);
     if (first.w == 8.0) {
-        let axis = textureLoad(directions, vec2i(column, 5 * row + 2), 0).xyz;
-        let radiance = textureLoad(directions, vec2i(column, 5 * row + 3), 0).xyz;
-        let random = textureLoad(directions, vec2i(column, 5 * row + 4), 0).xyz;
+        let axis = textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row + 2), 0).xyz;
+        let radiance = textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row + 3), 0).xyz;
+        let random = textureLoad(directions, vec2i(column, ARGUMENT_ROWS * row + 4), 0).xyz;
         let path = diffraction_path(viewer.xyz, random);
         let away = 0.5 * dot(path.xyz - axis, path.xyz - axis);
         let light = first.xyz + exp(-away / (viewer.w * viewer.w)) * radiance;
@@ -562,7 +564,8 @@ fn mesh(
     if (!(wi.z > 0.0 && wr.z > 0.0)) {
         return vec4f(0.0, 0.0, 0.0, 1.0);
     }
-    return vec4f(diffraction(wi, wr), 1.0);
+    var colour = diffraction(wi, wr);
+    return vec4f(colour, 1.0);
 }
 
 // Direction in the world as a unit vector in the frame of a fragment. Zero if there is no frame.
@@ -588,10 +591,12 @@ fn orientation(uv: vec2f) -> vec2f {
     let corner = floor(place);
     let share = place - corner;
     let right = corner + vec2f(1.0, 0.0);
-    let above = mix(texel_turn(corner, size), texel_turn(right, size), share.x);
     let under = vec2f(0.0, 1.0);
-    let below = mix(texel_turn(corner + under, size), texel_turn(right + under, size), share.x);
-    let turn = mix(above, below, share.y);
+    let first = texel_turn(corner, size);
+    let second = texel_turn(right, size);
+    let third = texel_turn(corner + under, size);
+    let fourth = texel_turn(right + under, size);
+    let turn = mix(mix(first, second, share.x), mix(third, fourth, share.x), share.y);
     let squared = dot(turn, turn);
     let direction = turn * inverseSqrt(max(squared, 1e-8));
     return select(vec2f(1.0, 0.0), direction, squared > 1e-8);

@@ -10,6 +10,7 @@
 // Tolerance and expected values: probe.json. Bindings, tables and units: manifest.json.
 // This text has no further comments. The same shader with all comments is diffraction.wgsl of the target wgsl.
 
+static const int ARGUMENT_ROWS = int(5);
 static const float BROADEST = 4.0;
 static const int CANDIDATE_COUNT = int(190);
 static const float COHERENCE_UM = 107.062;
@@ -486,7 +487,7 @@ float disc_chord_squared(float radius)
 
 float3 edge_normal(float3 start, float3 end, float side_2, float3 centre)
 {
-    float3 normal = (side_2 * cross(start, end));
+    float3 normal = (side_2 * cross(start, (end - start)));
     float squared_5 = dot(normal, normal);
     if ((squared_5 < 1e-12)) {
         return centre;
@@ -540,13 +541,16 @@ float2 crossings(float2 frequency_4, float3 wr_9, float3 axis, float chord_squar
     float2 lamp = float2(dot(axis.xy, _e4.xy), dot(axis.xy, across_1));
     float apart = (start_2.y - lamp.y);
     float sine_squared = (chord_squared * (1.0 - (0.25 * chord_squared)));
-    float squared_6 = ((sine_squared - (apart * apart)) - ((chord_squared * start_2.y) * lamp.y));
+    float of_cap = ((sine_squared - (apart * apart)) - ((chord_squared * start_2.y) * lamp.y));
+    float size_squared = max(((lamp.x * lamp.x) + (axis.z * axis.z)), 1e-12);
+    float size_1 = sqrt(size_squared);
+    float of_edge = ((size_1 - start_2.y) * (size_1 + start_2.y));
+    float squared_6 = ((chord_squared == 2.0) ? of_edge : of_cap);
     if ((squared_6 <= 0.0)) {
         return (1000000000.0).xx;
     }
     float2 root = (sqrt(squared_6) * float2(-1.0, 1.0));
     float middle = ((1.0 - (0.5 * chord_squared)) - (start_2.y * lamp.y));
-    float size_squared = max(((lamp.x * lamp.x) + (axis.z * axis.z)), 1e-12);
     float2 places = ((((lamp.x * middle)).xx + (axis.z * root)) / (size_squared).xx);
     float2 heights = (((axis.z * middle)).xx - (lamp.x * root));
     return ((heights > (0.0).xx) ? (((start_2.x).xx - places) / (_e4.z).xx) : (1000000000.0).xx);

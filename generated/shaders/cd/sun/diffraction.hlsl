@@ -36,6 +36,7 @@ struct MeshVertex {
     float2 uv : LOC3;
 };
 
+static const int ARGUMENT_ROWS = int(5);
 static const float BROADEST = 4.0;
 static const int CANDIDATE_COUNT = int(190);
 static const float COHERENCE_UM = 107.062;
@@ -546,7 +547,7 @@ float disc_chord_squared(float radius)
 
 float3 edge_normal(float3 start, float3 end, float side_2, float3 centre)
 {
-    float3 normal_6 = (side_2 * cross(start, end));
+    float3 normal_6 = (side_2 * cross(start, (end - start)));
     float squared_5 = dot(normal_6, normal_6);
     if ((squared_5 < 1e-12)) {
         return centre;
@@ -600,13 +601,16 @@ float2 crossings(float2 frequency_4, float3 wr_9, float3 axis, float chord_squar
     float2 lamp = float2(dot(axis.xy, _e4.xy), dot(axis.xy, across_1));
     float apart = (start_2.y - lamp.y);
     float sine_squared = (chord_squared * (1.0 - (0.25 * chord_squared)));
-    float squared_6 = ((sine_squared - (apart * apart)) - ((chord_squared * start_2.y) * lamp.y));
+    float of_cap = ((sine_squared - (apart * apart)) - ((chord_squared * start_2.y) * lamp.y));
+    float size_squared = max(((lamp.x * lamp.x) + (axis.z * axis.z)), 1e-12);
+    float size_2 = sqrt(size_squared);
+    float of_edge = ((size_2 - start_2.y) * (size_2 + start_2.y));
+    float squared_6 = ((chord_squared == 2.0) ? of_edge : of_cap);
     if ((squared_6 <= 0.0)) {
         return (1000000000.0).xx;
     }
     float2 root = (sqrt(squared_6) * float2(-1.0, 1.0));
     float middle = ((1.0 - (0.5 * chord_squared)) - (start_2.y * lamp.y));
-    float size_squared = max(((lamp.x * lamp.x) + (axis.z * axis.z)), 1e-12);
     float2 places = ((((lamp.x * middle)).xx + (axis.z * root)) / (size_squared).xx);
     float2 heights = (((axis.z * middle)).xx - (lamp.x * root));
     return ((heights > (0.0).xx) ? (((start_2.x).xx - places) / (_e4.z).xx) : (1000000000.0).xx);
@@ -707,7 +711,7 @@ float4x4 moments_of(int row_6, float from_um_2, float to_um_2)
     return float4x4((((_e13 + (_e10.x * _e12)) - _e14) - (_e7.x * _e11)), (((_e17 + (_e10.y * _e12)) - _e20) - (_e7.y * _e11)), (((_e23 + (_e10.z * _e12)) - _e26) - (_e7.z * _e11)), (0.0).xxxx);
 }
 
-float3 moments_between(float from_um_3, float to_um_3, float4 powers, float3 colour)
+float3 moments_between(float from_um_3, float to_um_3, float4 powers, float3 colour_1)
 {
     float4 x = (float4)0;
     float4 y = (float4)0;
@@ -715,10 +719,10 @@ float3 moments_between(float from_um_3, float to_um_3, float4 powers, float3 col
     bool local_4 = (bool)0;
 
     const float4x4 _e9 = moments_of(int(0), from_um_3, to_um_3);
-    x = (colour.z * _e9[0]);
-    y = (colour.z * _e9[1]);
-    z = (colour.z * _e9[2]);
-    float2 more = (colour.xy - (colour.z).xx);
+    x = (colour_1.z * _e9[0]);
+    y = (colour_1.z * _e9[1]);
+    z = (colour_1.z * _e9[2]);
+    float2 more = (colour_1.xy - (colour_1.z).xx);
     if (!((more.x != 0.0))) {
         local_4 = (more.y != 0.0);
     } else {
@@ -760,7 +764,7 @@ float3 moments_between(float from_um_3, float to_um_3, float4 powers, float3 col
     return ((((powers.x * light_1) + (powers.y * clamp(linear_, -(light_1), light_1))) + (powers.z * clamp(square, -(light_1), light_1))) + (powers.w * clamp(cube, -(light_1), light_1)));
 }
 
-float3 panel_colour(int2 order_3, float2 frequency_7, float from_um_4, float to_um_4, float3 colour_1, float3 wr_12)
+float3 panel_colour(int2 order_3, float2 frequency_7, float from_um_4, float to_um_4, float3 colour_2, float3 wr_12)
 {
     float middle_1 = (0.5 * (from_um_4 + to_um_4));
     float half_3 = (0.5 * (to_um_4 - from_um_4));
@@ -775,11 +779,11 @@ float3 panel_colour(int2 order_3, float2 frequency_7, float from_um_4, float to_
     float square_1 = (0.35355338 * (((_e17 - _e19) - _e21) + _e23));
     float cube_1 = (0.5 * ((0.38268343 * (_e17 - _e23)) - (0.9238795 * (_e19 - _e21))));
     float4 powers_1 = float4((mean - square_1), (linear_1 - (3.0 * cube_1)), (2.0 * square_1), (4.0 * cube_1));
-    const float3 _e61 = moments_between(from_um_4, to_um_4, powers_1, colour_1);
+    const float3 _e61 = moments_between(from_um_4, to_um_4, powers_1, colour_2);
     return _e61;
 }
 
-float3 order_colour(int2 order_4, float from_um_5, float to_um_5, float3 colour_2, float3 wr_13)
+float3 order_colour(int2 order_4, float from_um_5, float to_um_5, float3 colour_3, float3 wr_13)
 {
     float3 xyz_1 = (0.0).xxx;
     float start_um = (float)0;
@@ -812,7 +816,7 @@ float3 order_colour(int2 order_4, float from_um_5, float to_um_5, float3 colour_
             float3 _e23 = xyz_1;
             float _e24 = start_um;
             float _e25 = end_um;
-            const float3 _e26 = panel_colour(order_4, _e12, _e24, _e25, colour_2, wr_13);
+            const float3 _e26 = panel_colour(order_4, _e12, _e24, _e25, colour_3, wr_13);
             xyz_1 = (_e23 + _e26);
             float _e28 = end_um;
             start_um = _e28;
@@ -822,7 +826,7 @@ float3 order_colour(int2 order_4, float from_um_5, float to_um_5, float3 colour_
     return _e32;
 }
 
-float3 tristimulus_disc_coloured(float3 axis_2, float radius_1, float3 colour_3, float3 wr_14)
+float3 tristimulus_disc_coloured(float3 axis_2, float radius_1, float3 colour_4, float3 wr_14)
 {
     int row_7 = (int)0;
     int2 columns = (int2)0;
@@ -962,7 +966,7 @@ float3 tristimulus_disc_coloured(float3 axis_2, float radius_1, float3 colour_3,
             int2 _e130 = order_5;
             float _e131 = from_um_6;
             float _e132 = to_um_6;
-            const float3 _e133 = order_colour(_e130, _e131, _e132, colour_3, _e35);
+            const float3 _e133 = order_colour(_e130, _e131, _e132, colour_4, _e35);
             xyz_2 = (_e129 + _e133);
         }
     }
@@ -978,7 +982,7 @@ float3 tristimulus_disc(float3 axis_3, float radius_2, float3 wr_15)
     return _e5;
 }
 
-float3 tristimulus_rectangle_coloured(float3 a, float3 b, float3 c, float3 d, float3 colour_4, float3 wr_16)
+float3 tristimulus_rectangle_coloured(float3 a, float3 b, float3 c, float3 d, float3 colour_5, float3 wr_16)
 {
     int row_8 = (int)0;
     int2 columns_1 = (int2)0;
@@ -1161,7 +1165,7 @@ float3 tristimulus_rectangle_coloured(float3 a, float3 b, float3 c, float3 d, fl
             int2 _e199 = order_6;
             float _e200 = from_um_7;
             float _e201 = to_um_7;
-            const float3 _e202 = order_colour(_e199, _e200, _e201, colour_4, _e40);
+            const float3 _e202 = order_colour(_e199, _e200, _e201, colour_5, _e40);
             xyz_3 = (_e198 + _e202);
         }
     }
@@ -1181,8 +1185,8 @@ float3 environment_level(int level, float2 place_4)
     float rows = float((ENVIRONMENT_ROWS >> uint(max(asint(asuint(level) - asuint(int(1))), int(0)))));
     float above_1 = ((level > int(0)) ? ((1536.0 + (2.0 * float(level))) - (2.0 * rows)) : 0.0);
     float2 texel_1 = float2((1.0 + ((2.0 * rows) * place_4.x)), ((above_1 + 1.0) + (rows * place_4.y)));
-    float2 size_2 = float2(1026.0, 1550.0);
-    float4 _e41 = environment.SampleLevel(linear_clamp, (texel_1 / size_2), 0.0);
+    float2 size_3 = float2(1026.0, 1550.0);
+    float4 _e41 = environment.SampleLevel(linear_clamp, (texel_1 / size_3), 0.0);
     return _e41.xyz;
 }
 
@@ -1400,9 +1404,9 @@ float3 diffraction_disc(float3 axis_4, float radius_3, float3 wr_22)
     return _e4;
 }
 
-float3 diffraction_disc_coloured(float3 axis_5, float radius_4, float3 colour_5, float3 wr_23)
+float3 diffraction_disc_coloured(float3 axis_5, float radius_4, float3 colour_6, float3 wr_23)
 {
-    const float3 _e4 = tristimulus_disc_coloured(axis_5, radius_4, colour_5, wr_23);
+    const float3 _e4 = tristimulus_disc_coloured(axis_5, radius_4, colour_6, wr_23);
     const float3 _e5 = to_rgb(_e4);
     return _e5;
 }
@@ -1414,9 +1418,9 @@ float3 diffraction_rectangle(float3 a_2, float3 b_2, float3 c_2, float3 d_2, flo
     return _e6;
 }
 
-float3 diffraction_rectangle_coloured(float3 a_3, float3 b_3, float3 c_3, float3 d_3, float3 colour_6, float3 wr_25)
+float3 diffraction_rectangle_coloured(float3 a_3, float3 b_3, float3 c_3, float3 d_3, float3 colour_7, float3 wr_25)
 {
-    const float3 _e6 = tristimulus_rectangle_coloured(a_3, b_3, c_3, d_3, colour_6, wr_25);
+    const float3 _e6 = tristimulus_rectangle_coloured(a_3, b_3, c_3, d_3, colour_7, wr_25);
     const float3 _e7 = to_rgb(_e6);
     return _e7;
 }
@@ -1444,9 +1448,9 @@ float3 view_direction(float2 pixel)
 
 float3 probe_colour(int column_6, int row_11)
 {
-    float4 _e9 = directions.Load(int3(int2(column_6, asint(asuint(asint(asuint(int(5)) * asuint(row_11))) + asuint(int(2)))), int(0)));
-    float4 _e17 = directions.Load(int3(int2(column_6, asint(asuint(asint(asuint(int(5)) * asuint(row_11))) + asuint(int(3)))), int(0)));
-    float4 _e25 = directions.Load(int3(int2(column_6, asint(asuint(asint(asuint(int(5)) * asuint(row_11))) + asuint(int(4)))), int(0)));
+    float4 _e9 = directions.Load(int3(int2(column_6, asint(asuint(asint(asuint(ARGUMENT_ROWS) * asuint(row_11))) + asuint(int(2)))), int(0)));
+    float4 _e17 = directions.Load(int3(int2(column_6, asint(asuint(asint(asuint(ARGUMENT_ROWS) * asuint(row_11))) + asuint(int(3)))), int(0)));
+    float4 _e25 = directions.Load(int3(int2(column_6, asint(asuint(asint(asuint(ARGUMENT_ROWS) * asuint(row_11))) + asuint(int(4)))), int(0)));
     return float3(_e9.w, _e17.w, _e25.w);
 }
 
@@ -1498,19 +1502,17 @@ uint2 NagaMipDimensions2D(Texture2D<float4> tex, uint mip_level)
 
 float2 orientation(float2 uv_4)
 {
-    float2 size_3 = float2(NagaMipDimensions2D(orientation_map, int(0)));
-    float2 place_16 = (((uv_4 - floor(uv_4)) * size_3) - (0.5).xx);
+    float2 size_4 = float2(NagaMipDimensions2D(orientation_map, int(0)));
+    float2 place_16 = (((uv_4 - floor(uv_4)) * size_4) - (0.5).xx);
     float2 corner_1 = floor(place_16);
     float2 share_7 = (place_16 - corner_1);
     float2 right = (corner_1 + float2(1.0, 0.0));
-    const float2 _e17 = texel_turn(corner_1, size_3);
-    const float2 _e18 = texel_turn(right, size_3);
-    float2 above_2 = lerp(_e17, _e18, share_7.x);
     float2 under = float2(0.0, 1.0);
-    const float2 _e25 = texel_turn((corner_1 + under), size_3);
-    const float2 _e27 = texel_turn((right + under), size_3);
-    float2 below_1 = lerp(_e25, _e27, share_7.x);
-    float2 turn = lerp(above_2, below_1, share_7.y);
+    const float2 _e20 = texel_turn(corner_1, size_4);
+    const float2 _e21 = texel_turn(right, size_4);
+    const float2 _e23 = texel_turn((corner_1 + under), size_4);
+    const float2 _e25 = texel_turn((right + under), size_4);
+    float2 turn = lerp(lerp(_e20, _e21, share_7.x), lerp(_e23, _e25, share_7.x), share_7.y);
     float squared_9 = dot(turn, turn);
     float2 direction_6 = (turn * rsqrt(max(squared_9, 1e-8)));
     return ((squared_9 > 1e-8) ? direction_6 : float2(1.0, 0.0));
@@ -1569,8 +1571,8 @@ float4 probe(FragmentInput_probe fragmentinput_probe) : SV_Target0
     int column_9 = naga_f2i32(_e2.x);
     float _e8 = params.size.y;
     int row_13 = naga_f2i32(((_e8 - 1.0) - _e2.y));
-    float4 first_5 = directions.Load(int3(int2(column_9, asint(asuint(int(5)) * asuint(row_13))), int(0)));
-    float4 viewer_1 = directions.Load(int3(int2(column_9, asint(asuint(asint(asuint(int(5)) * asuint(row_13))) + asuint(int(1)))), int(0)));
+    float4 first_5 = directions.Load(int3(int2(column_9, asint(asuint(ARGUMENT_ROWS) * asuint(row_13))), int(0)));
+    float4 viewer_1 = directions.Load(int3(int2(column_9, asint(asuint(asint(asuint(ARGUMENT_ROWS) * asuint(row_13))) + asuint(int(1)))), int(0)));
     if ((first_5.w == 1.0)) {
         const float3 _e34 = tristimulus_disc(first_5.xyz, viewer_1.w, viewer_1.xyz);
         return float4(_e34, 1.0);
@@ -1587,11 +1589,11 @@ float4 probe(FragmentInput_probe fragmentinput_probe) : SV_Target0
     }
     bool _e55 = local;
     if (_e55) {
-        float4 _e63 = directions.Load(int3(int2(column_9, asint(asuint(asint(asuint(int(5)) * asuint(row_13))) + asuint(int(2)))), int(0)));
+        float4 _e63 = directions.Load(int3(int2(column_9, asint(asuint(asint(asuint(ARGUMENT_ROWS) * asuint(row_13))) + asuint(int(2)))), int(0)));
         float3 second_1 = _e63.xyz;
-        float4 _e72 = directions.Load(int3(int2(column_9, asint(asuint(asint(asuint(int(5)) * asuint(row_13))) + asuint(int(3)))), int(0)));
+        float4 _e72 = directions.Load(int3(int2(column_9, asint(asuint(asint(asuint(ARGUMENT_ROWS) * asuint(row_13))) + asuint(int(3)))), int(0)));
         float3 third_1 = _e72.xyz;
-        float4 _e81 = directions.Load(int3(int2(column_9, asint(asuint(asint(asuint(int(5)) * asuint(row_13))) + asuint(int(4)))), int(0)));
+        float4 _e81 = directions.Load(int3(int2(column_9, asint(asuint(asint(asuint(ARGUMENT_ROWS) * asuint(row_13))) + asuint(int(4)))), int(0)));
         float3 fourth = _e81.xyz;
         if ((first_5.w == 2.0)) {
             const float3 _e88 = tristimulus_rectangle(first_5.xyz, second_1, third_1, fourth, viewer_1.xyz);
@@ -1647,20 +1649,23 @@ float4 mesh(FragmentInput_mesh fragmentinput_mesh) : SV_Target0
     float4 tangent_1 = fragmentinput_mesh.tangent_4;
     float2 uv_1 = fragmentinput_mesh.uv_7;
     bool local_1 = (bool)0;
+    float3 colour = (float3)0;
 
-    float4 _e7 = mesh_params.light_direction;
-    const float3 _e9 = in_frame(_e7.xyz, normal_1, tangent_1, uv_1);
-    float4 _e12 = mesh_params.eye;
-    const float3 _e15 = in_frame((_e12.xyz - place_2), normal_1, tangent_1, uv_1);
-    if ((_e9.z > 0.0)) {
-        local_1 = (_e15.z > 0.0);
+    float4 _e8 = mesh_params.light_direction;
+    const float3 _e10 = in_frame(_e8.xyz, normal_1, tangent_1, uv_1);
+    float4 _e13 = mesh_params.eye;
+    const float3 _e16 = in_frame((_e13.xyz - place_2), normal_1, tangent_1, uv_1);
+    if ((_e10.z > 0.0)) {
+        local_1 = (_e16.z > 0.0);
     } else {
         local_1 = false;
     }
-    bool _e23 = local_1;
-    if (!(_e23)) {
+    bool _e24 = local_1;
+    if (!(_e24)) {
         return float4(0.0, 0.0, 0.0, 1.0);
     }
-    const float3 _e30 = diffraction(_e9, _e15);
-    return float4(_e30, 1.0);
+    const float3 _e31 = diffraction(_e10, _e16);
+    colour = _e31;
+    float3 _e32 = colour;
+    return float4(_e32, 1.0);
 }

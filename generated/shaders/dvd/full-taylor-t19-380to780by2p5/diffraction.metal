@@ -445,14 +445,12 @@ metal::float2 orientation(
     metal::float2 corner = metal::floor(place_6);
     metal::float2 share_1 = place_6 - corner;
     metal::float2 right = corner + metal::float2(1.0, 0.0);
-    metal::float2 _e17 = texel_turn(corner, size_1, orientation_map);
-    metal::float2 _e18 = texel_turn(right, size_1, orientation_map);
-    metal::float2 above_1 = metal::mix(_e17, _e18, share_1.x);
     metal::float2 under = metal::float2(0.0, 1.0);
-    metal::float2 _e25 = texel_turn(corner + under, size_1, orientation_map);
-    metal::float2 _e27 = texel_turn(right + under, size_1, orientation_map);
-    metal::float2 below_1 = metal::mix(_e25, _e27, share_1.x);
-    metal::float2 turn = metal::mix(above_1, below_1, share_1.y);
+    metal::float2 _e20 = texel_turn(corner, size_1, orientation_map);
+    metal::float2 _e21 = texel_turn(right, size_1, orientation_map);
+    metal::float2 _e23 = texel_turn(corner + under, size_1, orientation_map);
+    metal::float2 _e25 = texel_turn(right + under, size_1, orientation_map);
+    metal::float2 turn = metal::mix(metal::mix(_e20, _e21, share_1.x), metal::mix(_e23, _e25, share_1.x), share_1.y);
     float squared_3 = metal::dot(turn, turn);
     metal::float2 direction_2 = turn * metal::rsqrt(metal::max(squared_3, 0.00000001));
     return (squared_3 > 0.00000001) ? direction_2 : metal::float2(1.0, 0.0);
@@ -608,19 +606,22 @@ fragment meshOutput mesh(
     const auto tangent_1 = varyings_4.tangent_1;
     const auto uv_1 = varyings_4.uv_1;
     bool local = {};
-    metal::float4 _e7 = mesh_params.light_direction;
-    metal::float3 _e9 = in_frame(_e7.xyz, normal_1, tangent_1, uv_1, orientation_map);
-    metal::float4 _e12 = mesh_params.eye;
-    metal::float3 _e15 = in_frame(_e12.xyz - place_2, normal_1, tangent_1, uv_1, orientation_map);
-    if (_e9.z > 0.0) {
-        local = _e15.z > 0.0;
+    metal::float3 colour = {};
+    metal::float4 _e8 = mesh_params.light_direction;
+    metal::float3 _e10 = in_frame(_e8.xyz, normal_1, tangent_1, uv_1, orientation_map);
+    metal::float4 _e13 = mesh_params.eye;
+    metal::float3 _e16 = in_frame(_e13.xyz - place_2, normal_1, tangent_1, uv_1, orientation_map);
+    if (_e10.z > 0.0) {
+        local = _e16.z > 0.0;
     } else {
         local = false;
     }
-    bool _e23 = local;
-    if (!(_e23)) {
+    bool _e24 = local;
+    if (!(_e24)) {
         return meshOutput { metal::float4(0.0, 0.0, 0.0, 1.0) };
     }
-    metal::float3 _e30 = diffraction(_e9, _e15, spectrum, terms);
-    return meshOutput { metal::float4(_e30, 1.0) };
+    metal::float3 _e31 = diffraction(_e10, _e16, spectrum, terms);
+    colour = _e31;
+    metal::float3 _e32 = colour;
+    return meshOutput { metal::float4(_e32, 1.0) };
 }

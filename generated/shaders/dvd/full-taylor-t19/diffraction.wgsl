@@ -350,7 +350,8 @@ fn mesh(
     if (!(wi.z > 0.0 && wr.z > 0.0)) {
         return vec4f(0.0, 0.0, 0.0, 1.0);
     }
-    return vec4f(diffraction(wi, wr), 1.0);
+    var colour = diffraction(wi, wr);
+    return vec4f(colour, 1.0);
 }
 
 // Direction in the world as a unit vector in the frame of a fragment. Zero if there is no frame.
@@ -376,10 +377,12 @@ fn orientation(uv: vec2f) -> vec2f {
     let corner = floor(place);
     let share = place - corner;
     let right = corner + vec2f(1.0, 0.0);
-    let above = mix(texel_turn(corner, size), texel_turn(right, size), share.x);
     let under = vec2f(0.0, 1.0);
-    let below = mix(texel_turn(corner + under, size), texel_turn(right + under, size), share.x);
-    let turn = mix(above, below, share.y);
+    let first = texel_turn(corner, size);
+    let second = texel_turn(right, size);
+    let third = texel_turn(corner + under, size);
+    let fourth = texel_turn(right + under, size);
+    let turn = mix(mix(first, second, share.x), mix(third, fourth, share.x), share.y);
     let squared = dot(turn, turn);
     let direction = turn * inverseSqrt(max(squared, 1e-8));
     return select(vec2f(1.0, 0.0), direction, squared > 1e-8);

@@ -10,6 +10,7 @@
 // Tolerance and expected values: probe.json. Bindings, tables and units: manifest.json.
 // This text has no further comments. The same shader with all comments is diffraction.wgsl of the target wgsl.
 
+const int ARGUMENT_ROWS = 5;
 const float BROADEST = 4.0;
 const int CANDIDATE_COUNT = 190;
 const float COHERENCE_UM = 107.062;
@@ -434,7 +435,7 @@ float disc_chord_squared(float radius) {
 }
 
 vec3 edge_normal(vec3 start, vec3 end, float side_2, vec3 centre) {
-    vec3 normal = (side_2 * cross(start, end));
+    vec3 normal = (side_2 * cross(start, (end - start)));
     float squared_5 = dot(normal, normal);
     if ((squared_5 < 1e-12)) {
         return centre;
@@ -483,13 +484,16 @@ vec2 crossings(vec2 frequency_4, vec3 wr_9, vec3 axis, float chord_squared) {
     vec2 lamp = vec2(dot(axis.xy, _e4.xy), dot(axis.xy, across_1));
     float apart = (start_2.y - lamp.y);
     float sine_squared = (chord_squared * (1.0 - (0.25 * chord_squared)));
-    float squared_6 = ((sine_squared - (apart * apart)) - ((chord_squared * start_2.y) * lamp.y));
+    float of_cap = ((sine_squared - (apart * apart)) - ((chord_squared * start_2.y) * lamp.y));
+    float size_squared = max(((lamp.x * lamp.x) + (axis.z * axis.z)), 1e-12);
+    float size_1 = sqrt(size_squared);
+    float of_edge = ((size_1 - start_2.y) * (size_1 + start_2.y));
+    float squared_6 = ((chord_squared == 2.0) ? of_edge : of_cap);
     if ((squared_6 <= 0.0)) {
         return vec2(1000000000.0);
     }
     vec2 root = (sqrt(squared_6) * vec2(-1.0, 1.0));
     float middle = ((1.0 - (0.5 * chord_squared)) - (start_2.y * lamp.y));
-    float size_squared = max(((lamp.x * lamp.x) + (axis.z * axis.z)), 1e-12);
     vec2 places = ((vec2((lamp.x * middle)) + (axis.z * root)) / vec2(size_squared));
     vec2 heights = (vec2((axis.z * middle)) - (lamp.x * root));
     return mix(vec2(1000000000.0), ((vec2(start_2.x) - places) / vec2(_e4.z)), greaterThan(heights, vec2(0.0)));

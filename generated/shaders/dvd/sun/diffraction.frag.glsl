@@ -15,6 +15,7 @@ struct Params {
     vec4 light;
     vec4 size;
 };
+const int ARGUMENT_ROWS = 5;
 const float BROADEST = 4.0;
 const int CANDIDATE_COUNT = 190;
 const float COHERENCE_UM = 107.062;

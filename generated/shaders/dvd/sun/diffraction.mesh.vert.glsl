@@ -25,6 +25,7 @@ struct MeshVertex {
     vec4 tangent;
     vec2 uv;
 };
+const int ARGUMENT_ROWS = 5;
 const float BROADEST = 4.0;
 const int CANDIDATE_COUNT = 190;
 const float COHERENCE_UM = 107.062;

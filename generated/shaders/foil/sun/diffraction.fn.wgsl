@@ -381,7 +381,8 @@ fn disc_chord_squared(radius: f32) -> f32 {
 
 // Unit vector to the inner side of an edge. For an edge without length, the centre: the hemisphere about it contains all.
 fn edge_normal(start: vec3f, end: vec3f, side: f32, centre: vec3f) -> vec3f {
-    let normal = side * cross(start, end);
+    // of a short edge, the difference has digits that the product of the ends would lose
+    let normal = side * cross(start, end - start);
     let squared = dot(normal, normal);
     if (squared < 1e-12) {
         return centre;
@@ -430,13 +431,17 @@ fn crossings(frequency: vec2f, wr: vec3f, axis: vec3f, chord_squared: f32) -> ve
     // in this form, no small number is a difference of large ones, as it would be with the cosine of a small cap
     let apart = start.y - lamp.y;
     let sine_squared = chord_squared * (1.0 - 0.25 * chord_squared);
-    let squared = sine_squared - apart * apart - chord_squared * start.y * lamp.y;
+    let of_cap = sine_squared - apart * apart - chord_squared * start.y * lamp.y;
+    let size_squared = max(lamp.x * lamp.x + axis.z * axis.z, 1e-12);
+    let size = sqrt(size_squared);
+    // the edge of a polygon along which the order runs
+    let of_edge = (size - start.y) * (size + start.y);
+    let squared = select(of_cap, of_edge, chord_squared == 2.0);
     if (squared <= 0.0) {
         return vec2f(1e9);
     }
     let root = sqrt(squared) * vec2f(-1.0, 1.0);
     let middle = 1.0 - 0.5 * chord_squared - start.y * lamp.y;
-    let size_squared = max(lamp.x * lamp.x + axis.z * axis.z, 1e-12);
     let places = (lamp.x * middle + axis.z * root) / size_squared;
     let heights = axis.z * middle - lamp.x * root;
     return select(vec2f(1e9), (start.x - places) / along.z, heights > vec2f(0.0));
