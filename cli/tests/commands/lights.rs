@@ -22,6 +22,14 @@ mode = "adaptive"
 terms = 19
 coherence_um = 65
 coherence_scaling = "fixed"
+[[preset]]
+name = "foil"
+surfaces = ["cd"]
+mode = "orders"
+coherence = "ensemble"
+pattern = true
+period_ratio = [0.6, 1.6]
+depth_ratio = [0.5, 1.5]
 "#;
 
 const SUN: &str = r#"schema = 1
@@ -188,4 +196,40 @@ fn a_map_under_lights_is_drawn() {
     let picture = image::open(place.0.path().join("a.png")).unwrap().to_rgb8();
     let lit = picture.pixels().filter(|p| p.0.iter().any(|c| *c > 40)).count();
     assert!((5..400).contains(&lit), "{lit}");
+}
+
+/// A texel of a pattern is the surface turned and scaled: `exact` of the texel is `exact` of a surface that is made so, and the variant's
+/// twin is near it. Patterns that a variant does not have are refused.
+#[test]
+fn a_texel_of_a_pattern_is_a_surface_of_its_own() {
+    let place = Place::new();
+    let own = "[[surface]]\nname = \"own\"\ngrating = { kind = \"lamellar\", period_um = 2.0, height_um = 0.15, duty = 0.5, pixels = 64 }\nrotate_deg = -30\n[optics]";
+    place.put("own.toml", &PLAN.replace("[optics]", own));
+    place.put("bulb.toml", &SUN.replace("0.53", "20"));
+    place.put("views.csv", "theta_r,phi_r\n0,0\n20,180\n35,150\n50,180\n");
+    let rest = "--lights bulb.toml --views views.csv";
+    let wanted = place.rows(&format!("eval --plan own.toml --surface own {rest}"));
+    for runner in ["exact", "twin --variant foil"] {
+        let line = format!("eval --surface cd --runner {runner} --pattern -30,1.25,1.25 {rest}");
+        let found = place.rows(&line);
+        let plain = place.rows(&line.replace("--pattern -30,1.25,1.25 ", ""));
+        let apart = |a: &[Vec<f64>], b: &[Vec<f64>]| {
+            let all = a.iter().flatten().zip(b.iter().flatten());
+            all.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        };
+        let largest = wanted.iter().flat_map(|row| &row[2..]).fold(0.0, |max: f64, c| max.max(*c));
+        assert!(apart(&found, &wanted) < 0.01 * largest, "{runner}: {found:?} {wanted:?}");
+        assert!(apart(&plain, &wanted) > 0.1 * largest, "{runner}: {plain:?}");
+    }
+    for (line, wanted) in [
+        ("--runner twin --variant lobes --pattern 0,1,1", "pattern = true"),
+        ("--runner twin --variant foil --pattern 0,1.7,1", "period_ratio is 1.7"),
+        ("--runner twin --variant foil --pattern 0,1,0.4", "depth_ratio is 0.4"),
+        ("--pattern 0,1", "an angle in degrees and two ratios"),
+        ("--pattern 0,nan,1", "an angle in degrees and two ratios"),
+        ("--pattern 0,0,1", "an angle in degrees and two ratios"),
+        ("--pattern inf,1,1", "an angle in degrees and two ratios"),
+    ] {
+        place.refused(&format!("eval --surface cd {line} {rest}"), wanted);
+    }
 }

@@ -10,5 +10,6 @@ mod checked;
 mod egl;
 mod passthrough;
 mod shader_against_twin;
+mod pattern;
 mod spread;
 mod engine_forms;

@@ -14,6 +14,7 @@ use diffraction_shaders::plan::{
 use diffraction_shaders::runner::Placement;
 use diffraction_shaders::surface::HeightField;
 use diffraction_shaders::surface::synthetic::synthesise;
+use diffraction_shaders::variant::mesh::OrientationMap;
 use glam::DVec3;
 
 use crate::scene::{gpu, hard_sphere};
@@ -193,5 +194,49 @@ fn what_a_picture_cannot_show_is_refused() {
         (refused(&few, vec![window(DVec3::Z, 0.1, 3)]), "of kind \"polygon\""),
     ] {
         assert!(found.contains(expected), "{found}");
+    }
+}
+
+/// A map with an angle, a period, a depth and a mask of its own in each quarter: what the driver draws is the scene in f64. A map that is
+/// not read, or whose periods are forgotten, is caught.
+#[test]
+fn patterns_of_a_map_are_drawn_where_they_are() {
+    let Some(gpu) = gpu() else { return };
+    let height = crossed();
+    let variant =
+        Variant { pattern: true, period_ratio: [0.7, 1.4], depth_ratio: [0.5, 1.5], ..orders() };
+    let mut prepared =
+        Prepared::new(Placement { height: &height, rotate_deg: 20.0, variant: &variant }).unwrap();
+    let map = OrientationMap {
+        width: 2,
+        height: 2,
+        angles: vec![0.3, 1.5, -0.8, 2.9],
+        ratios: vec![[0.7, 1.5, 1.0], [1.4, 0.5, 0.6], [1.0, 1.0, 1.0], [1.2, 1.2, 0.3]],
+    };
+    let mesh = Mesh { orientation: map, ..hard_sphere() };
+    let orbit = Orbit { azimuth_deg: 20.0, elevation_deg: 15.0, ..Orbit::around(&mesh, 4.0 / 3.0) };
+    let front = DVec3::new(-0.4, 0.3, 0.85);
+    let params = orbit.params(&mesh, SIZE, front).unwrap();
+    let lights = [disc(front, 8.0), window(front, 0.3, 4)];
+    let judge = |prepared: &Prepared<'_>| {
+        truth_under(&gpu, prepared, &mesh, &params, [&lights, &lights], SIZE).unwrap()
+    };
+    let found = judge(&prepared);
+    println!("{found:?}");
+    assert!(agrees(&found), "{found:?}");
+    let right = prepared.sources.clone();
+    for (name, from, to) in [
+        ("mesh", "0).yzw", "0).zyw"),
+        ("mesh", "most > 1.02 * least", "most > 9.0 * least"),
+        ("arrivals", "(pattern.z * vec2f", "(1.0 * vec2f"),
+        ("efficiencies", "PHASE_MIN_UM * pattern.w", "PHASE_MIN_UM * 1.0"),
+    ] {
+        let template = prepared.sources.0.get_mut(name).unwrap();
+        assert!(template.contains(from), "{from}");
+        *template = template.replace(from, to);
+        let found = judge(&prepared);
+        println!("{to}: {:?}", found.scene.de2000);
+        assert!(!agrees(&found), "{to}: {found:?}");
+        prepared.sources = right.clone();
     }
 }
