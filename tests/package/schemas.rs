@@ -127,6 +127,14 @@ lights = ["direction", "disc", "polygon", "environment", "path"]
 nodes = "auto"
 source_diameter_deg = 0.53
 [[preset]]
+name = "foil"
+mode = "orders"
+lights = ["direction", "disc", "polygon", "environment", "path"]
+source_diameter_deg = 0.53
+pattern = true
+period_ratio = [0.6, 1.6]
+depth_ratio = [0.5, 1.5]
+[[preset]]
 name = "metal"
 mode = "orders"
 source_diameter_deg = 0.53
