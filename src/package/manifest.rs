@@ -401,7 +401,7 @@ fn core(function: &dyn Function, variant: &Variant, form: &Form) -> Core {
             function.tristimulus_name(),
             function.tristimulus_signature(),
         ),
-        pattern: variant.pattern.then(|| PatternEntry {
+        pattern: variant.pattern.then_some(PatternEntry {
             argument: "cosine and sine of the angle by which the relief is turned, from the tangent towards the bitangent; its period and its depth relative to those of the surface",
             period_ratio: variant.period_ratio,
             depth_ratio: variant.depth_ratio,
