@@ -424,7 +424,7 @@ pub struct ColourPathsSpec {
     pub colours: ColoursSpec,
 }
 
-/// See [`cells_table`].
+/// The directions in which a compiled cubature asks for the surroundings, and the weights of their light.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CellsSpec {
     /// A table of colours with lobes that are wide enough for its sizes.

@@ -54,7 +54,7 @@ impl Orbit {
         Orbit { distance, ..Orbit::around(mesh, shape) }
     }
 
-    /// The same camera `count` times, from here away until the mesh is [`FAR_PIXELS`] wide or high, whichever is more. Distances
+    /// The same camera `count` times, from here away until the mesh is 10 pixels wide or high, whichever is more. Distances
     /// grow by equal factors. It is an error if the mesh is smaller from the beginning.
     pub fn receding(&self, mesh: &Mesh, [_, height]: [u32; 2], count: u32) -> Result<Vec<Orbit>> {
         let (_, half) = mesh.bounds();
