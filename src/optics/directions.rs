@@ -1,6 +1,6 @@
 //! Directions, and the path difference of a pair of them on a surface.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// Unit vector of the polar angles `theta_deg` (from the normal) and `phi_deg` (from `+x` towards `+y`).
 pub fn direction(theta_deg: f64, phi_deg: f64) -> DVec3 {
@@ -15,8 +15,13 @@ pub fn path_difference(wi: DVec3, wr: DVec3, rotate_deg: f64) -> DVec3 {
     if rotate_deg == 0.0 {
         return uvw;
     }
-    let (sin, cos) = rotate_deg.to_radians().sin_cos();
+    let DVec2 { x: cos, y: sin } = turn_of_surface(rotate_deg);
     DVec3::new(cos * uvw.x + sin * uvw.y, cos * uvw.y - sin * uvw.x, uvw.z)
+}
+
+/// Cosine and sine of the angle of the relief.
+fn turn_of_surface(rotate_deg: f64) -> DVec2 {
+    DVec2::from_angle(rotate_deg.to_radians())
 }
 
 #[cfg(test)]

@@ -65,9 +65,9 @@ pub fn defines(variant: &Variant, form: &Form, rotate_deg: f64, wavelengths: usi
     form.matter().define(&mut defines);
     defines.flag("LONG_LOOPS", texels_per_step(form) > 1);
     form.define(wavelengths, &mut defines);
-    defines.flag("TURNED", rotate_deg != 0.0 || variant.pattern);
+    defines.flag("TURNED", rotate_deg != 0.0 || form.has_pattern());
     let rows = "rows of the table of arguments for a row of the picture";
-    defines.count("ARGUMENT_ROWS", if variant.pattern { 6 } else { 5 }, rows);
+    defines.count("ARGUMENT_ROWS", if form.has_pattern() { 6 } else { 5 }, rows);
     defines
 }
 

@@ -61,11 +61,12 @@ impl Orders {
     pub(in crate::variant) fn new(variant: &Variant, height: &HeightField) -> Result<Orders> {
         Light::new(variant)?;
         let coat = Coat::new(variant)?;
-        let [most_period, most_depth] = match variant.pattern {
-            true => [variant.period_ratio[1], variant.depth_ratio[1]],
+        // the surface as it is can always be evaluated
+        let most = match variant.pattern {
+            true => [variant.period_ratio, variant.depth_ratio].map(|ratio| ratio[1].max(1.0)),
             false => [1.0; 2],
         };
-        let most = [most_period, most_depth];
+        let [most_period, _] = most;
         let axes = EfficiencyAxes::new(height, lay::range_nm(variant), &coat.matter, most);
         let fail = |cause: String| Err(Error::new(&variant.name, cause));
         let (orders, columns) = (axes.bins.len(), axes.columns);
