@@ -8,7 +8,7 @@
 //! points up, towards row 0. Angles count from the tangent towards the bitangent, so counter-clockwise as one sees the picture.
 //!
 //! **Mips.** Far away a pixel sees many texels. Their radiances add up, not their parameters: the mean of 1° and 359° is not 180°.
-//! [`Moments`] are sums that may be filtered linearly. They give a mean direction, how far directions spread about it, and the same of the period.
+//! [`Moments`] are sums that may be filtered linearly. From them follow the mean direction and its spread, and the mean period and its spread.
 
 mod anisotropy;
 mod draw;

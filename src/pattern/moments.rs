@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::{PatternMap, Texel, turn};
 
-/// Standard deviation of angles that are evenly distributed over the turn, π/√3: the widest that is told apart.
+/// Standard deviation of angles that are spread evenly over a whole turn: π/√3. No spread is wider.
 pub const MAX_ANGLE_SPREAD_RAD: f64 = PI / 1.732_050_807_568_877_2;
 
 /// What a texture holds at a texel. All entries are multiplied by the mask, so that a filter weighs foil alone.
